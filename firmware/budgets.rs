@@ -1,32 +1,33 @@
 //! Limits for the number of instructions or cycles of each part of a control period on the microcontroller, a Cortex-M4F at 170
 //! MHz. `cargo xtask thumb` and `cargo xtask cycles` read this file and fail where a program exceeds a limit.
 
-/// Most instructions of one tick of the enhanced law alone, for any input.
+/// Largest allowed number of instructions of one run of the enhanced control law alone, for any input.
 ///
 /// The goal is 600, that is 3.5 us at an instruction per cycle. Measured worst case: 712, because the law counts the energy of a
 /// virtual mass that it leaves behind, and bounds its offset by the force limit.
 pub const ENHANCED: u64 = 720;
 
-/// Most instructions of one tick on three axes: surface point, shell (force vector from the laws), friction and energy guard.
+/// Largest allowed number of instructions of one control period on three axes. The parts are: surface point, force vector from one
+/// control law per axis, friction, energy guard.
 ///
-/// The worst combination is one law per axis: 2,557 instructions with the damper of the enhanced law. The limit leaves room for
-/// other compilers.
+/// Measured worst case: 2,557, with the damper of the enhanced law. The limit leaves room for other compilers.
 pub const SPACE: u64 = 2_620;
 
-/// Most instructions of the control law with its estimator and the energy guard in one control tick: 5 us at an instruction per
-/// cycle.
+/// Largest allowed number of instructions of the control law with its estimator and the energy guard in one control period: 5 us at
+/// an instruction per cycle.
 pub const LAW: u64 = 850;
 
-/// Most instructions of the control interrupt, in any state and with any fault: 20.6 us at an instruction per cycle.
+/// Largest allowed number of instructions of the control interrupt, in any state and with any fault: 20.6 us at an instruction per
+/// cycle.
 ///
 /// Together with two runs of the current loop this is 32 us of the 100 us of a control period at the fastest rate, 10 kHz. While
-/// the encoder's frames are on the bus, the interrupt stores and sends the last tick's record. Measured worst case: 3,484; the
+/// the encoder's frames are on the bus, the interrupt stores and sends the last period's record. Measured worst case: 3,484; the
 /// limit leaves room for other compilers.
 pub const CONTROL: u64 = 3_500;
 
-/// Largest part of the processor's time, in %, that control interrupt and current loop may take at 10 kHz if every run is the
-/// worst. The cycles include wait states for code in flash, on chips whose interrupts run from memory without wait states.
+/// Largest part of the processor's time, in %, that control interrupt and current loop may take at 10 kHz if every run takes its
+/// longest time. The cycles include wait states for code in flash, on chips whose interrupts run from memory without wait states.
 pub const PROCESSOR_PERCENT: u64 = 80;
 
-/// Most instructions of the current loop: 5.3 us of each PWM period of 50 us.
+/// Largest allowed number of instructions of one run of the current loop: 5.3 us of each PWM period of 50 us.
 pub const CURRENT: u64 = 900;

@@ -1,5 +1,5 @@
-//! Build script. Gives the linker the memory map of the board, which lies at the repository's top level, and the linker scripts
-//! that use it. Gives the program a hash of its sources.
+//! Build script. Gives the linker the board's memory map, a file at the repository's top level, and the linker scripts that use
+//! that map. Gives the program a hash of its sources.
 
 use std::path::{Path, PathBuf};
 
@@ -19,12 +19,12 @@ fn main() {
     }
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-search={folder}");
-    // The first script that names a piece of code decides where it goes.
+    // The first linker script that names a section decides where it is placed.
     let first = is_large.then_some("fast.x");
     for script in first.into_iter().chain(["link.x", "defmt.x"]) {
         println!("cargo::rustc-link-arg-bins=-T{script}");
     }
-    // Sections need not begin at a page of a file system, because the image is for a flash memory.
+    // Sections need not be aligned to pages, because no operating system loads this image.
     println!("cargo::rustc-link-arg-bins=--nmagic");
     // A symbol that takes no flash. `touchstone flash` reads from it for which board a program is.
     for board in BOARDS {

@@ -14,7 +14,7 @@ use touchstone_control::{
     Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
 };
 
-/// Validates settings and computes a law's coefficients.
+/// Validates settings and computes the coefficients of the control law that they choose.
 ///
 /// # Errors
 /// Same as [`Controller::new`].
@@ -32,7 +32,7 @@ pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsErr
     Controller::new(settings)
 }
 
-/// Returns how many passivity bounds the settings violate.
+/// Returns how many passivity bounds the settings violate (limits within which a wall gives no energy to a hand).
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()
@@ -56,7 +56,7 @@ pub fn tick_16(wall: &mut Controller<Fixed16>, e: Position<Fixed16>) -> Force<Fi
     wall.tick(e)
 }
 
-/// Returns the law's internal values that telemetry reports.
+/// Returns the control law's internal values (energy, offset, phase of the contact) for telemetry.
 #[inline(never)]
 pub fn view(wall: &Controller<Fixed32>) -> View<Fixed32> {
     wall.view()
@@ -85,7 +85,8 @@ pub fn surrounded_tick(
     environment.tick(at, since_change)
 }
 
-/// Runs the exact and the thesis' energy observer for one control period, without a control law.
+/// Runs two energy observers for one control period, without a control law: the exact one and that of the thesis. Each sums the
+/// energy that a force takes from the hand.
 #[inline(never)]
 pub fn observe(
     exact: &mut ExactObserver<Fixed32>,

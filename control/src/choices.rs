@@ -1,12 +1,13 @@
-//! The settings that are one of a few words, such as the kind of control law. On the wire a word is its place in the list, so new
-//! words go to the end.
+//! Settings whose value is one word of a fixed list, such as the name of a control law. On the wire a word is sent as its index in
+//! the list, so new words are added at the end.
 
 pub use crate::observer::ObserverForm;
 
 crate::choice! {
-    /// The control law in use. Numbers in brackets are equations and sections of the thesis on which this crate builds.
+    /// The control law in use. Numbers in brackets are equations and sections of the thesis that `CITATION.cff` names, whose
+    /// control laws this crate implements.
     LawKind {
-        /// Virtual spring, equation (1.6) of the thesis.
+        /// Virtual spring: force in proportion to the penetration, equation (1.6) of the thesis.
         Spring = "spring",
         /// Virtual spring with virtual damping, §1.2.6 of the thesis.
         SpringDamper = "spring-damper",
@@ -19,69 +20,76 @@ crate::choice! {
         Sfa = "sfa",
         /// Successive force augmentation whose offset changes at every tick (control period) of inward motion.
         SfaContinuous = "sfa-continuous",
-        /// Enhanced successive force augmentation: SFA behind a virtual mass, with an exact energy sum.
+        /// Enhanced successive force augmentation (SFA): the augmentation acts on a virtual mass, whose energy is summed exactly.
         #[default]
         EnhancedSfa = "enhanced-sfa",
     }
 }
 
 crate::choice! {
-    /// What happens to the force when the first contact ends, that is when the motion reverses for the first time.
+    /// For the laws of successive force augmentation: what happens to the force when the first contact ends, that is when the
+    /// motion reverses for the first time.
     FirstContact {
-        /// The offset of the soft spring is set so that the force continues without a jump, equation (2.17) of the thesis.
+        /// The offset (extra deformation) of the soft spring is set so that the force continues without a jump, equation (2.17) of
+        /// the thesis.
         KeepForce = "keep-force",
-        /// The offset stays zero, so the force drops to that of the soft spring `k_v` (§3.2 of the thesis). This choice is the
-        /// stable one.
+        /// The offset stays zero, so the force drops from that of the desired stiffness `k_de` to that of the soft spring `k_v`
+        /// (§3.2 of the thesis). This choice is the stable one.
         #[default]
         ZeroOffset = "zero-offset",
     }
 }
 
 crate::choice! {
-    /// The stiffness that the law regulates by changing the offset of the soft spring.
+    /// The stiffness that the enhanced law keeps near the desired stiffness `k_de`, by changing the offset of its soft spring.
     Regulate {
-        /// Force over position of the virtual mass, regulated towards `k_de`. The hand's point (HIP) feels less than `k_de`, by
-        /// equation (3.4) of the thesis.
+        /// The stiffness at the virtual mass, its force over its penetration. The hand's point (HIP) hangs on that mass by a
+        /// spring, so the hand feels less than `k_de`, by equation (3.4) of the thesis.
         Mass = "mass",
-        /// As `mass`, but regulated to the stiffness of equation (3.5) of the thesis, so that the hand's point (HIP) feels `k_de`.
-        /// Needs `k_de < k_f`.
+        /// As `mass`, but with the higher target stiffness of equation (3.5) of the thesis, so that the hand's point (HIP) feels
+        /// `k_de`. Needs `k_de` below the stiffness `k_f` of the spring between HIP and mass.
         MassCompensated = "mass-compensated",
-        /// Force over position of the hand's point (HIP), regulated towards `k_de`, equation (3.6) of the thesis.
+        /// The stiffness at the hand's point (HIP), its force over its penetration, equation (3.6) of the thesis.
         #[default]
         Hip = "hip",
     }
 }
 
 crate::choice! {
-    /// The ticks (control periods) in which the law changes the offset of its soft spring.
+    /// The ticks (control periods) in which a law of force augmentation changes the offset of its soft spring.
     OffsetUpdate {
         /// The offset changes when the motion turns from outward to inward, equation (2.14) of the thesis.
         TurnInward = "turn-inward",
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
-        /// The offset changes at every tick of contact, in the direction of the stiffness error. With the inward-only choices the
-        /// offset can only grow: it advances only while the position jitters, and an overshoot stays.
+        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
+        /// can only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays
+        /// so.
         #[default]
         EveryTick = "every-tick",
     }
 }
 
 crate::choice! {
-    /// The assumption about the hand from which the law calculates the offset's ideal step.
+    /// The assumption about the hand from which the enhanced law calculates the ideal step of the offset (the step that would make
+    /// the stiffness right at once).
     IdealStep {
-        /// The hand's position stays constant: the step is `|k_de e - |f||/k_v`, equation (3.7) of the thesis. A soft hand gives
-        /// way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`, and the fraction `c` must be
-        /// chosen anew for every `k_de`.
+        /// The hand's position stays constant. With desired stiffness `k_de`, penetration `e`, force `f` and soft stiffness `k_v`,
+        /// the step is `|k_de e - |f||/k_v`, equation (3.7) of the thesis.
+        ///
+        /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`, and the
+        /// fraction `c` of it that the law goes per tick must be chosen anew for every `k_de`.
         Position = "position",
-        /// The hand's force stays constant and the position follows the offset: the step is `|e - |f|/k_de|`, the distance that the
-        /// HIP still has to go. One fraction `c` of the step then serves all stiffnesses.
+        /// The hand's force `f` stays constant and the penetration `e` follows the offset. With a desired stiffness `k_de` the
+        /// step is `|e - |f|/k_de|`, the distance that the hand still has to go. The same fraction `c` of this step per tick then
+        /// suits all stiffnesses.
         #[default]
         Force = "force",
     }
 }
 
 crate::choice! {
-    /// The source of the position and velocity that the control law uses.
+    /// Where the position and velocity that the control law uses come from.
     StatesKind {
         /// The position and velocity come from the measured penetration and its change since the last tick.
         #[default]
@@ -92,31 +100,32 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// The velocity that the law spring-damper uses.
+    /// How the law spring-damper gets the velocity that its damper uses.
     VelocityKind {
-        /// The plain displacement per tick that every law gets: the difference of two measured positions, or the state estimator's.
+        /// No filter: the displacement per tick that every law gets, either the difference of two measured positions or the state
+        /// estimator's.
         #[default]
         Told = "told",
         /// The difference of two positions through a first-order low-pass filter.
         Filtered = "filtered",
         /// First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000).
         Foaw = "foaw",
-        /// A Kalman filter in its steady state that assumes a constant velocity.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant velocity.
         Kalman = "kalman",
-        /// A Kalman filter in its steady state that assumes a constant acceleration.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant acceleration.
         KalmanAcceleration = "kalman-acceleration",
     }
 }
 
 crate::choice! {
-    /// How the energy guard knows the position at the instant at which a new force replaces the old one.
+    /// How the energy guard learns the position at the instant, between two ticks, at which a new force replaces the old one.
     ChangeOfForce {
-        /// The position is measured once a tick only. For each change of force the guard charges the most energy that a hand can
-        /// have got out of it.
+        /// The position is measured only once a tick. So the guard takes from its energy account, at each change of force, the most
+        /// energy that a hand can have got out of the change.
         #[default]
         Estimated = "estimated",
-        /// The position is measured a second time, `delay` after the tick, when the force changes. So the guard charges nothing for
-        /// the delay.
+        /// The position is measured a second time in the tick, when the force changes (`delay` after the first measurement). So the
+        /// guard takes nothing from its energy account for the delay.
         Measured = "measured",
     }
 }

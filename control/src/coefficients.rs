@@ -1,6 +1,6 @@
 //! Calculates the coefficients of each control law from the settings.
 //!
-//! The code builds one law at a time and avoids returning the enum of all laws: that enum is large, and each return path would copy
+//! A function here builds one law. None returns the enum of all laws, because that enum is large and each return path would copy
 //! it.
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate};
@@ -12,10 +12,10 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// The coefficients that all laws share.
+/// The coefficients that all control laws share: desired stiffness and force limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
-    /// Desired stiffness: `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     desired: Stiffness<N>,
     limit: Force<N>,
     energy_cap: Energy<N>,
@@ -42,7 +42,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// The spring law with this damping, given per tick in N·m/rad.
+    /// A spring of the desired stiffness with this damper. The damping is given per tick (damping over control period), in N·m/rad.
     pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
         Spring {
             desired: self.desired,
@@ -51,7 +51,8 @@ impl<N: Number> Common<N> {
         }
     }
 
-    /// A spring with virtual damping. It has a velocity filter of its own unless the settings choose plain differences.
+    /// A spring with virtual damping. Its velocity comes from a filter, unless the settings choose the plain difference of
+    /// positions.
     pub fn damped(
         &self,
         settings: &Settings,
@@ -83,7 +84,8 @@ impl<N: Number> Common<N> {
         Ok(Fba {
             desired: self.desired,
             device_damping: damping,
-            // Of the damping as stored, not as set: the bound must not count on what the observer does not count.
+            // The bound follows from the damping as it is stored, not as it is set: the law's energy sum counts only the stored
+            // damping.
             bound: Stiffness(N::root_of_four(damping.0)),
             limit: self.limit,
             energy_cap: self.energy_cap,
@@ -92,7 +94,8 @@ impl<N: Number> Common<N> {
 
     pub fn sfa(&self, settings: &Settings, update: OffsetUpdate) -> Result<Sfa<N>, SettingsError> {
         let derived = settings.derived();
-        // (2.14a) with k_c below k_v would pull the offset the wrong way: such a device needs no augmentation.
+        // Gain of equation (2.14a) of the thesis. A critical stiffness k_c below the soft stiffness k_v would move the offset the
+        // wrong way: such a device needs no augmentation, so the gain is 0.
         let step = over(derived.k_critical, settings.k_soft)
             .saturating_sub(Si::ONE)
             .max(Si::ZERO);
@@ -111,7 +114,8 @@ impl<N: Number> Common<N> {
         let filter = &settings.filter;
         let mass = virtual_mass(settings)?;
         let augmentation = augmentation(settings)?;
-        // (3.5): 1/(1/k_de - 1/k_f) = k_de k_f/(k_f - k_de); validate has seen to k_de < k_f.
+        // Equation (3.5) of the thesis: 1/(1/k_de - 1/k_f) = k_de k_f/(k_f - k_de), with k_de below k_f, which validation has
+        // checked.
         let target = match settings.regulate {
             Regulate::MassCompensated => over(
                 settings.k_desired.saturating_mul(filter.stiffness),
@@ -140,14 +144,14 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// Energy in joules that the enhanced law lends at each contact, so that the wall may give more than it took.
+    /// Energy in joules that the enhanced law lends to each contact: the wall may give the hand this much more than it took.
     fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
-        // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
+        // The thesis' observer counts the energy leak of sampling as a gain, and so lends by itself what a contact needs.
         let lent = match settings.observer {
             ObserverForm::Exact => settings.energy_credit,
             ObserverForm::Thesis => Si::ZERO,
         };
-        // A loan above the cap would break the energy sums of the narrow formats (for example 0.5 of 8 J).
+        // Lent energy above the cap would break the energy sums of the 16-bit and 8-bit formats (for example 0.5 of 8 J).
         N::energy(lent)
             .map(Energy)
             .filter(|credit| *credit <= self.energy_cap)
@@ -159,21 +163,21 @@ impl<N: Number> Common<N> {
     }
 }
 
-/// Virtual damping per tick, `B/T`, in N·m/rad.
+/// Virtual damping per tick in N·m/rad: the damping `B` over the control period `T`.
 fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let per_tick = settings.derived().virtual_damping_per_tick;
     stiffness(Field::VirtualDamping, per_tick)
 }
 
-/// Damping per tick of the enhanced law's spring, for stiffnesses `k_de` up to `k_v`. It is in proportion to `k_de`: with a
-/// constant damper a wall of half the stiffness would take twice as long to settle.
+/// Damping per tick, N·m/rad, of the damped spring that the enhanced law is for desired stiffnesses `k_de` up to the soft stiffness
+/// `k_v`. It is in proportion to `k_de`: with a constant damper a wall of half the stiffness would take twice as long to settle.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
     stiffness(Field::VirtualDamping, whole.saturating_mul(share))
 }
 
-/// A fraction divided by the soft stiffness `k_v`, as a compliance.
+/// A fraction divided by the soft stiffness `k_v`, as a compliance in rad/(N·m).
 fn compliance<N: Number>(
     settings: &Settings,
     field: Field,
@@ -182,7 +186,8 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
-/// Converts a fraction per millisecond to a fraction per tick, at most 1, so that the offset is as fast at every control rate.
+/// Converts a fraction per millisecond to a fraction per tick (control period), at most 1. So the offset of the soft spring moves
+/// equally fast at every control rate.
 #[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });
@@ -206,7 +211,8 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
         .saturating_add(filter.stiffness)
         .saturating_add(derived.filter_damping_per_tick)
         .saturating_add(derived.ground_damping_per_tick);
-    // Twice the sum must fit, or the sum of products in the drive could saturate; its largest part is what to mend.
+    // Twice the sum must fit, or the sum of products that drives the mass could saturate. An error names the largest part of the
+    // sum.
     let (blamed, _) = [
         (Field::FilterStiffness, filter.stiffness),
         (Field::FilterDamping, derived.filter_damping_per_tick),
@@ -219,7 +225,7 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
     );
     stiffness::<N>(blamed, total.saturating_mul(Si::const_from_int(2)))?;
     let total = stiffness(blamed, total)?;
-    // In a narrow format a soft coupling can round to nothing, and the mass would have nothing that moves it.
+    // In a 16-bit or 8-bit format a soft coupling can round to 0, and nothing would move the mass.
     let coupling = stiffness(Field::FilterStiffness, filter.stiffness)?;
     if coupling == Stiffness::zero() {
         return Err(SettingsError::OutOfFormat {
@@ -237,20 +243,21 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
     })
 }
 
-/// The gain of the offset's ideal step: `c/k_v`, equation (3.7) of the thesis, or `c/k_de`, by [`crate::IdealStep`].
+/// Gain of the offset's ideal step, `c/k_v` (equation (3.7) of the thesis) or `c/k_de`, chosen by [`crate::IdealStep`]. `c` is the
+/// fraction of the step per tick, `k_v` the soft and `k_de` the desired stiffness.
 fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
     let stiffness = match settings.ideal_step {
         IdealStep::Position => settings.k_soft,
-        // Above k_soft here: below it the law is a plain spring.
+        // The desired stiffness is above the soft one here: otherwise the law is a plain spring.
         IdealStep::Force => settings.k_desired,
     };
     let share = share_of_tick(settings, settings.step_of_ideal);
     ratio::<N>(Field::StepOfIdeal, over(share, stiffness)).map(Compliance)
 }
 
-/// Largest energy that a law stores: a quarter of the format's range, so that adding one tick's work can never saturate.
+/// Largest energy that a law stores: a quarter of the number format's range, so that adding the work of one tick never saturates.
 fn energy_cap<N: Number>() -> Energy<N> {
-    // 2^62 of 2^63 in the 32-bit format: 16384 J. Formats that cannot say so (16 bits: ±8 J) get a quarter of theirs.
+    // In the 32-bit format 2^62 of 2^63: 16384 J. A narrower format (16 bits: ±8 J) gets a quarter of its own range.
     [16384, 4, 1]
         .into_iter()
         .find_map(|joules| N::energy(Si::const_from_int(joules)).map(Energy))
@@ -270,12 +277,12 @@ mod tests {
             };
             share_of_tick(&settings, per_ms)
         };
-        // A millisecond is one tick, eight, or half of one.
+        // At 1, 8 and 0.5 kHz a tick is 1, 1/8 and 2 ms long.
         let odd = Si::lit("0.123456789");
         assert_eq!(share(1000, odd), odd, "to the bit");
         assert_eq!(share(8000, Si::lit("0.5")), Si::lit("0.0625"));
         assert_eq!(share(500, Si::lit("0.25")), Si::lit("0.5"));
-        // Never more than all of it.
+        // The fraction per tick is never more than 1.
         assert_eq!(share(500, Si::lit("0.75")), Si::ONE);
         assert_eq!(share(1, Si::ONE), Si::ONE);
     }

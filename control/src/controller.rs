@@ -1,5 +1,5 @@
-//! Makes a running control law of settings: coefficients are computed once, the law's memory is kept beside them, and `tick` runs
-//! one control period.
+//! Makes a running control law from settings. The coefficients are computed once, the law's memory is kept beside them, and `tick`
+//! runs one control period.
 
 use crate::choices::{LawKind, OffsetUpdate, StatesKind};
 use crate::coefficients::{Common, soft_damper};
@@ -15,18 +15,19 @@ use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
 /// A law chosen at run time, with its memory. Each variant holds the immutable coefficients and the state that ticks change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyLaw<N: Number> {
-    /// Virtual spring, with or without damping. The enhanced law for stiffnesses below `k_v` is this variant too (§3.1 of the
-    /// thesis).
+    /// Virtual spring, with or without damping. The enhanced law also becomes this variant if the desired stiffness is at most the
+    /// soft stiffness `k_v` (§3.1 of the thesis).
     Spring(Spring<N>, SpringState),
     /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
-    /// Time-domain passivity approach.
+    /// Time-domain passivity approach: reduces the force where the wall would give more energy than it took.
     Tdpa(Tdpa<N>, TdpaState<N>),
-    /// Force bounding approach.
+    /// Force bounding approach: limits the force to what the device's damping can absorb.
     Fba(Fba<N>, FbaState<N>),
-    /// Successive force augmentation, original or continuous.
+    /// Successive force augmentation, original or continuous: a soft spring whose offset grows until the force is that of a stiff
+    /// wall.
     Sfa(Sfa<N>, SfaState<N>),
-    /// Enhanced successive force augmentation.
+    /// Enhanced successive force augmentation, with a virtual mass.
     Enhanced(EnhancedSfa<N>, EnhancedState<N>),
 }
 
@@ -65,7 +66,7 @@ impl<N: Number> AnyLaw<N> {
 
     /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
     /// out.
-    // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
+    // Inlined: the law is called from two places (alone and in an environment), and a call takes fifteen instructions and more.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
@@ -103,10 +104,11 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A control law with the stage that gives it position and velocity (states), and the energy guard that limits its force.
+/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its
+/// force.
 ///
 /// ```text
-/// e -> states -> law -> guard -> force
+/// penetration e -> states -> law -> guard -> force
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<N: Number> {
@@ -116,7 +118,7 @@ pub struct Controller<N: Number> {
     pub states: States<N>,
     /// The energy guard after the law; `None` if the settings switch it off.
     pub guard: Option<Guarded<N>>,
-    /// The force commanded at the last tick, after every later stage that may change it.
+    /// The force commanded at the last tick, as changed by later stages such as a current limit.
     commanded: Force<N>,
 }
 
@@ -139,7 +141,7 @@ impl<N: Number> Controller<N> {
         Ok(Self::of_parts(law, states, guard))
     }
 
-    /// Makes a controller of a law, its source of states and its guard, each already made of settings.
+    /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {
@@ -163,10 +165,10 @@ impl<N: Number> Controller<N> {
         })
     }
 
-    /// Replaces this controller's memory with that of a new controller, for the next arming. Only the energy in the guard's account
-    /// is kept.
+    /// Clears the memory at arming (when the motor's force is switched on), by copying that of a new controller. Only the energy in
+    /// the guard's account is kept.
     ///
-    /// The replacement is in place: a law has some hundred bytes, and a control interrupt has no time to copy them more often.
+    /// The copy is in place: a law has some hundred bytes, and a control interrupt has no time to copy them more often.
     pub fn resume(&mut self, fresh: &Self) {
         let before = self.guard.as_ref().map(Guarded::account);
         *self = *fresh;
@@ -175,16 +177,16 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// Runs one control period: takes the sampled penetration `e = x - x_s` (positive inside), returns the force
-    /// pushing out.
+    /// Runs one control period: takes the measured penetration `e` into the wall (positive inside), returns the force that pushes
+    /// out.
     ///
-    /// If a later stage changes that force, [`Controller::commanded`] must follow.
+    /// If a later stage changes that force, the caller must report the new force with [`Controller::commanded`].
     #[inline]
     pub fn tick(&mut self, e: Position<N>) -> Force<N> {
         self.tick_with_change(e, None)
     }
 
-    /// Same as [`Controller::tick`], with a second penetration that was measured at the last change of force.
+    /// Same as [`Controller::tick`], with a second measured penetration: that at the instant when the last force began to act.
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
@@ -217,7 +219,7 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// The force commanded at the last tick, after every later stage that changed it.
+    /// The force commanded at the last tick, as changed by later stages such as a current limit.
     #[must_use]
     pub const fn last_commanded(&self) -> Force<N> {
         self.commanded

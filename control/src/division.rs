@@ -1,8 +1,8 @@
-//! Division of a double word (64 bits) by a word (32 bits), on a machine that divides words only.
+//! Divides a double word (64 bits) by a word (32 bits) on a machine that can divide words only.
 //!
 //! A Cortex-M4 divides 32 bits by 32 bits. The routine that a compiler inserts for 64 bits takes some 300 instructions at worst.
-//! But the laws always divide *by* a word. Long division then needs three divisions of the machine, and two where the quotient is a
-//! word too. A machine that divides 64 bits uses its own division; the quotients are the same.
+//! The divisors of control laws are always words. So long division needs only three machine divisions, or two where the quotient is
+//! a word too. A machine that can divide 64 bits uses its own instruction, with the same quotients.
 
 /// `floor(dividend / divisor)`; `None` for a divisor of zero.
 #[inline]
@@ -14,8 +14,8 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
-/// `floor(dividend / divisor)` for a quotient of one word, that is for `dividend < divisor · 2^32`. The second value is the
-/// quotient times the divisor. For any other dividend the result has no meaning.
+/// `floor(dividend / divisor)` where it fits a word, that is for `dividend < divisor · 2^32`, and as second value the quotient
+/// times the divisor. For a larger dividend the result has no meaning.
 #[inline(always)]
 pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
     if cfg!(target_pointer_width = "32") {
@@ -25,7 +25,8 @@ pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
             u64::from(quotient).wrapping_mul(u64::from(divisor)),
         )
     } else {
-        // The product is of the quotient as it is, and the limit never binds: shapes that a solver follows.
+        // The product is calculated from the unlimited quotient, and the limit never binds: in this form a solver can follow the
+        // function.
         let quotient = dividend.checked_div(u64::from(divisor)).unwrap_or(0);
         (
             quotient.min(u64::from(u32::MAX)) as u32,
@@ -47,7 +48,7 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// Division of a double word by a word, for a quotient of one word.
+        /// Divides a double word by a word where the quotient fits a word; for a larger dividend the result has no meaning.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;
@@ -58,12 +59,12 @@ macro_rules! long_division {
             /// divisor` and a divisor whose highest bit is set.
             #[inline(always)]
             fn digit(rest: $word, next: $word, divisor: $word) -> ($word, $word) {
-                // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
+                // The divisor's highest bit is set. Setting it again lets the compiler leave out the check for a division by 0.
                 let (upper, lower) = (divisor >> HALF | 1 << (HALF - 1), divisor & LOW);
-                // The divisor's upper half alone never gives too little, and at most two too much (Knuth 4.3.1, B).
+                // A quotient by the divisor's upper half alone is never too small, and at most 2 too large (Knuth 4.3.1, B).
                 let mut digit = rest.checked_div(upper).unwrap_or(0);
                 let left = rest.wrapping_sub(digit.wrapping_mul(upper));
-                // What is left for the divisor's lower half, and what that takes: both fit a word.
+                // Compares what is left for the divisor's lower half with what the lower half takes: both fit a word.
                 let mut have = left << HALF | next;
                 let mut need = digit.wrapping_mul(lower);
                 if need > have {
@@ -80,15 +81,15 @@ macro_rules! long_division {
                 (digit, have.wrapping_sub(need))
             }
 
-            // Both are shifted up until the divisor's highest bit is set. To multiply by a power of two is to shift, in fewer
-            // instructions.
+            // Dividend and divisor are shifted up until the divisor's highest bit is set. A multiplication by a power of two shifts
+            // in fewer instructions.
             let scale = (1 as $word).wrapping_shl(divisor.leading_zeros());
             let divisor = divisor.wrapping_mul(scale);
             let dividend = dividend.wrapping_mul(<$wide>::from(scale));
             let (rest, low) = ((dividend >> WORD) as $word, dividend as $word);
             let (second, rest) = digit(rest, low >> HALF, divisor);
             let (third, _) = digit(rest, low & LOW, divisor);
-            // Digits do not overlap.
+            // The two digits have no bits in common, so OR combines them.
             second << HALF | third
         }
     };
@@ -117,7 +118,7 @@ mod tests {
                     dividend.checked_div(divisor.into()),
                     "{dividend}/{divisor}"
                 );
-                // Without one that fits a word, it need only be total.
+                // If the quotient does not fit a word, the function only has to return without a panic.
                 let short = short_8(dividend, divisor);
                 let expected = dividend.checked_div(divisor.into()).map(u8::try_from);
                 if let Some(Ok(expected)) = expected {
@@ -165,12 +166,12 @@ mod tests {
             random ^ random >> 29
         };
         for _ in 0..2_000_000 {
-            // Of all lengths.
+            // Random dividends and divisors of all lengths in bits.
             let lengths = next() >> 40;
             let dividend = next() >> (lengths & 63);
             let divisor = (next() >> 32) as u32 >> (lengths >> 6 & 31);
             check(dividend, divisor);
-            // Just below and at a multiple of the divisor.
+            // Checks a multiple of the divisor, and the number just below it.
             let multiple = u64::from(divisor).wrapping_mul(dividend & 0xffff_ffff);
             check(multiple, divisor);
             check(multiple.wrapping_sub(1), divisor);

@@ -1,11 +1,12 @@
-//! Converts the encoder count to the penetration into a wall: the first step of each tick, in integers on every machine.
+//! Converts the encoder count to the penetration into a wall: the first step of each tick (control period). Every machine
+//! calculates it in integers.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
-/// Fractional bits that the angle of one count has beyond those of [`Si`].
+/// How many fractional bits more the angle of one count has than [`Si`].
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
 /// A turn in rad with 48 fractional bits: `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
@@ -21,15 +22,15 @@ pub struct CountScale {
     surface: Si,
     /// Encoder counts per turn.
     counts: i64,
-    /// One count as a fraction of a turn, in units of 2^-64, rounded to the nearest.
+    /// Fraction of a turn that one count is, in units of 2^-64, rounded to the nearest.
     share: u64,
     /// Angle of half a turn in rad. If a count lies at half a turn, this is that count's angle, so that both directions of rotation
     /// give the same value.
     half_turn: Si,
 }
 
-/// A count split into the nearest number of whole turns and the remaining counts. For a negative count the parts are those of its
-/// modulus.
+/// A count split into the nearest whole number of turns and the counts beyond them. A negative count is split by its absolute
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Turned {
     turns: i64,
@@ -39,8 +40,8 @@ struct Turned {
 }
 
 impl CountScale {
-    /// The scale of an encoder with this number of counts per turn (after quadrature decoding) and a wall's surface at an angle in
-    /// rad. `None` for 0 counts.
+    /// Makes the scale of an encoder from its counts per turn (after quadrature decoding) and the angle of a wall's surface in rad.
+    /// `None` for 0 counts.
     #[must_use]
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
@@ -56,7 +57,7 @@ impl CountScale {
             share: u64::try_from(share).unwrap_or(u64::MAX),
             half_turn: Si::ZERO,
         };
-        // Of an odd number no count is half a turn away: to the nearest.
+        // With an odd number of counts per turn no count lies at half a turn: half a turn is rounded to the nearest.
         let half_turn = if counts % 2 == 0 {
             scale.within_turn(counts / 2)
         } else {
@@ -65,7 +66,7 @@ impl CountScale {
         Some(Self { half_turn, ..scale })
     }
 
-    // In one place of a program: it is long, and the tick of an environment asks twice.
+    // Not inlined: the function is long, and the tick of an environment calls it twice.
     #[inline(never)]
     fn turned(&self, count: i64) -> Turned {
         let size = count.unsigned_abs();
@@ -107,35 +108,35 @@ impl CountScale {
     #[inline]
     #[must_use]
     pub fn moved<N: Number>(&self, counts: i64) -> Position<N> {
-        // 32 turns, which no position reaches.
+        // 32 turns, more than the number format of positions holds.
         let most = self.counts.wrapping_mul(32);
         let way = counts
             .min(most)
             .max(most.wrapping_neg())
             .wrapping_mul(self.step);
-        // Towards zero: a shift floors, and a negative way is first raised by what it may lose.
+        // Rounds towards zero: a shift rounds down, so a negative number is first raised by the digits that the shift removes.
         let lost = way >> (i64::BITS - 1) & ((1 << LOST) - 1);
         let way = Si::from_bits(way.wrapping_add(lost) >> LOST);
         Position(N::saturating_signal(way))
     }
 
-    /// The scale of the same encoder with another surface.
+    /// The scale of the same encoder for a wall whose surface is at another angle, rad.
     #[inline(always)]
     #[must_use]
     pub fn before(self, surface: Si) -> Self {
         Self { surface, ..self }
     }
 
-    /// Angle of a count in rad from count 0, whatever the surface. `-count` gives the exact negative, and a turn more in counts
-    /// exactly one turn more in angle.
+    /// Angle of a count in rad from count 0; the surface of the wall does not matter. `-count` gives the exact negative, and one
+    /// turn more in counts gives exactly one turn more in angle.
     #[inline(never)]
     #[must_use]
     pub fn angle(&self, count: i64) -> Si {
         self.on_steps(count, Si::DELTA)
     }
 
-    /// The angle of a count as a multiple of `step`, which is a power of two. Within a turn it is rounded to the nearest step; a
-    /// whole turn is a whole number of steps.
+    /// The angle of a count in rad, as a multiple of `step`, which is a power of two. Within a turn the angle is rounded to the
+    /// nearest multiple; a whole turn counts as a whole number of steps.
     #[inline]
     #[must_use]
     pub fn on_steps(&self, count: i64, step: Si) -> Si {
@@ -146,7 +147,7 @@ impl CountScale {
         if below { size.saturating_neg() } else { size }
     }
 
-    /// Same as [`CountScale::penetration`] for another surface, with counts whose origin lies `turns` whole turns further on.
+    /// Same as [`CountScale::penetration`] for a surface at another angle, where count 0 lies `turns` whole turns further on.
     #[inline(always)]
     #[must_use]
     pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {
@@ -154,7 +155,8 @@ impl CountScale {
         self.behind(surface, count.saturating_sub(from))
     }
 
-    /// Penetration of a count, rounded down to a step of the number format: `e = 2π count / counts_per_rev - x_s`. It saturates.
+    /// Penetration of an encoder count into the wall, `2π count / counts_per_rev - surface` in rad. It is rounded down to a step of
+    /// the number format and saturates.
     ///
     /// Angles reach ±32,767 rad before the calculation itself saturates.
     #[inline]
@@ -230,7 +232,7 @@ mod tests {
             let scale = CountScale::new(counts, Si::ZERO).unwrap();
             let counts = i64::from(counts);
             let near = (-counts / 2)..=(counts / 2);
-            // All that is half a turn away and next to it, and some between.
+            // All counts that are half a turn away or next to it, and some in between.
             let some = near.step_by((counts as usize / 97).max(1));
             for rest in some.chain([counts / 2, -(counts / 2), counts / 2 - 1, 1 - counts / 2]) {
                 let exact = core::f64::consts::TAU * rest as f64 / counts as f64;

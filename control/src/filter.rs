@@ -1,7 +1,9 @@
 //! The virtual mass of the enhanced law as a filter (thesis §3.5), discretised by backward Euler.
 //!
-//! A virtual mass hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. With
-//! `d = T v_f`, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one tick is
+//! A virtual mass `m` hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. `x`
+//! and `x_f` are the positions of HIP and mass, `T` is the control period, `f_p` the wall's force on the mass. With `d = T v_f`,
+//! the mass' displacement per tick, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one
+//! tick is
 //!
 //! ```text
 //! N0 = M d + k_f (x - x_f) + C Δx        drives the mass, without the wall's force f_p
@@ -12,31 +14,33 @@
 //! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical
 //! port if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder
 //! of that rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy. `f_p`
-//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
+//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env` is at least `T/2` times the wall's
+//! soft stiffness `k_v`.
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 
 /// Coefficients of the virtual mass, damping and inertia per tick, all in N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
-    /// Inertia of the mass per tick squared: `m/T²`.
+    /// Inertia of the mass over the control period squared: `m/T²`.
     pub inertia: Stiffness<N>,
-    /// Stiffness `k_f` of the spring between HIP and mass.
+    /// Stiffness `k_f` of the spring between hand's point (HIP) and mass.
     pub stiffness: Stiffness<N>,
-    /// Damping per tick between HIP and mass: `c_f/T`.
+    /// Damping between hand's point (HIP) and mass, over the control period: `c_f/T`.
     pub damping: Stiffness<N>,
-    /// Sum `D` of the coefficients: `m/T² + k_f + c_f/T + c_env/T`, never zero.
+    /// Divisor of the update, the sum of inertia, coupling stiffness, coupling damping and ground damping per tick: `m/T² + k_f +
+    /// c_f/T + c_env/T`. Never zero.
     pub total: Stiffness<N>,
-    /// The sum `total`, prepared as a divisor.
+    /// The sum `total` prepared as a divisor, for fast division.
     pub by_total: Divisor<N>,
 }
 
 /// State of the virtual mass, measured from the wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassState<N: Number> {
-    /// Penetration of the mass into the wall, `x_f - x_s`.
+    /// Penetration of the mass into the wall (its position less the surface's).
     pub position: Position<N>,
-    /// Displacement of the mass in the last tick, `T v_f`.
+    /// Displacement of the mass in the last tick (its velocity times the control period).
     pub moved: Position<N>,
 }
 
@@ -53,7 +57,8 @@ impl<N: Number> MassState<N> {
 }
 
 impl<N: Number> VirtualMass<N> {
-    /// The sum that drives the mass, without the wall's force: `M d + k_f (e - e_f) + C Δe`.
+    /// The force that drives the mass, without the wall's force: the sum of inertia, coupling spring and coupling damper. `e` is
+    /// the penetration of the hand's point, `moved` its displacement in this tick.
     ///
     /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`, and `validate` keeps `total` to at most a quarter of the word.
     #[inline(always)]
@@ -63,14 +68,14 @@ impl<N: Number> VirtualMass<N> {
             .plus_fitting(self.damping * moved)
     }
 
-    /// The sum that drives the mass while it is not coupled to the HIP: the inertia term of its own motion alone.
+    /// The driving force while the mass is not coupled to the hand's point (HIP): only the inertia term of the mass' own motion.
     #[inline(always)]
     pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
         self.inertia * mass.moved
     }
 
-    /// Displacement of the mass under the driving sum and the wall's force. It is rounded towards zero and kept within the range of
-    /// positions, because the energy observer must count exactly the displacement that the mass makes.
+    /// Displacement of the mass in this tick, under the driving force and the wall's force. It is rounded towards zero and kept
+    /// within the range of positions, because the energy observer must count exactly the displacement that the mass makes.
     #[inline(always)]
     pub fn displacement(
         &self,
@@ -78,19 +83,19 @@ impl<N: Number> VirtualMass<N> {
         drive: Tension<N>,
         force: Force<N>,
     ) -> Position<N> {
-        // An eighth of the double word at most, and a word shifted up by less than half of its bits.
+        // The sum is at most an eighth of the double word; the force is a word that is shifted up by less than half of its bits.
         let step = drive.minus_fitting(force.lift()).per(&self.by_total);
         from + step - from
     }
 
     /// The wall's force under which the mass moves outward by exactly `out`. It is rounded up, so that the mass never moves further
-    /// than its forces say, and is 0 where the wall would have to pull.
+    /// than that, and is 0 where the wall would have to pull.
     #[inline(always)]
     pub fn force_for_retreat(&self, drive: Tension<N>, out: Position<N>) -> Force<N> {
         drive.plus_fitting(self.total * out).outward_up()
     }
 
-    /// Force of spring and damper on the HIP after the mass has moved.
+    /// Force on the hand's point (HIP) by the spring and damper between it and the mass, after the mass has moved.
     #[inline(always)]
     pub fn coupling(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Force<N> {
         (self.stiffness * (e - mass.position))
@@ -98,14 +103,15 @@ impl<N: Number> VirtualMass<N> {
             .towards_zero()
     }
 
-    /// Position at which the mass rests with the HIP at `e`, if the wall is a spring `k` without offset: `e k_f / (k_f + k)`.
+    /// Position at which the mass rests while the hand's point (HIP) is held at `e` and the wall is a spring `k` without offset: `e
+    /// k_f / (k_f + k)`, where `k_f` is the coupling stiffness and `stiffness_sum` is `k_f + k`.
     #[inline(always)]
     pub fn rest(&self, e: Position<N>, stiffness_sum: &Divisor<N>) -> Position<N> {
         (self.stiffness * e).per(stiffness_sum)
     }
 
-    /// Energy in the coupling spring at this stretch, rounded up. `None` if the spring's force is beyond the format: a saturated
-    /// force would give too small an energy.
+    /// Energy in the coupling spring at this stretch, rounded up. `None` if the spring's force is outside the number format: a
+    /// saturated force would give too small an energy.
     #[inline(always)]
     pub fn stored(&self, stretch: Position<N>) -> Option<Energy<N>> {
         let tension = self.stiffness * stretch.modulus();

@@ -15,7 +15,7 @@
 //! | HIP | haptic interaction point, the position `x` the user moves | rad / m |
 //! | surface | `x_s`, the undeformed wall | rad / m |
 //! | penetration | `e = x - x_s`, positive inside | rad / m |
-//! | force | `f`, positive = pushes the HIP out; the device is commanded `-f` along `+x` | N·m / N |
+//! | force | `f`, positive = pushes the hand's point (HIP) out; the device is commanded `-f` along `+x` | N·m / N |
 //! | offset | `O`, the artificial extra deformation of SFA | rad / m |
 //! | `k_de`, `k_di` | desired and displayed stiffness, `k_di = f/e` | N·m/rad / N/m |
 //! | `k_v` | the soft, inherently stable spring of SFA | N·m/rad / N/m |

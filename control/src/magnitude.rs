@@ -1,8 +1,9 @@
-//! The nonlinear arithmetic steps on **unsigned magnitudes**. The machine-checked proofs are about these functions.
+//! The multiplications, divisions and roots of the control laws, on **unsigned words** (absolute values). The machine-checked
+//! proofs are about these functions.
 //!
-//! Solvers cannot finish the signed products and quotients at full width; the same facts about magnitudes take seconds. So the
-//! nonlinear steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add
-//! signs to them. A test checks the same source at 8 bits for every input.
+//! Solvers cannot finish the signed products and quotients at full width; the same facts about absolute values take seconds. So
+//! these steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add signs
+//! to them. A test checks the same source at 8 bits for every input.
 //!
 //! [`Number`]: crate::Number
 
@@ -10,21 +11,21 @@ use crate::division;
 use core::fmt::Debug;
 use core::hint::cold_path;
 
-/// An unsigned integer and the integer of twice its width, which holds products without loss.
+/// An unsigned integer (word) of 8, 16 or 32 bits, and the integer of twice the width, which holds products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
     /// An integer of twice the width.
     type Wide: Copy + Debug + Ord + 'static;
     /// Number of bits of the word.
     const BITS: u32;
-    /// Zero as a word.
+    /// The number zero.
     const ZERO: Self;
-    /// The largest magnitude of the signed word of this width: `2^(BITS-1) - 1`.
+    /// The largest absolute value of a signed word of this width: `2^(BITS-1) - 1`.
     const MAX_SIGNED: Self;
     /// Zero in the double width.
     const WIDE_ZERO: Self::Wide;
     /// The integer 1 in the double width.
     const WIDE_ONE: Self::Wide;
-    /// The largest magnitude of the signed double-width word.
+    /// The largest absolute value of a signed word of twice the width.
     const WIDE_MAX_SIGNED: Self::Wide;
 
     /// The exact product of two words.
@@ -33,7 +34,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn divides(self, wide: Self::Wide) -> (Self::Wide, Self::Wide);
     /// [`Word::divides`] for a quotient of at most `MAX_SIGNED`: `None` where the quotient is larger.
     fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
-    /// `wide` as a word, limited to `MAX_SIGNED`.
+    /// `wide` as a word of single width, limited to `MAX_SIGNED`.
     fn narrow(wide: Self::Wide) -> Self;
     /// The word, limited to `MAX_SIGNED`.
     fn at_most_signed(self) -> Self;
@@ -86,7 +87,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides_within(self, wide: $wide) -> Option<(Self, $wide)> {
-                // Known before the division: whether the quotient reaches 2^(BITS-1).
+                // Known before the division, by comparing: whether the quotient reaches 2^(BITS-1).
                 if wide >= <$wide>::from(self) << (Self::BITS - 1) {
                     return if self == 0 { Some((0, 0)) } else { None };
                 }
@@ -164,7 +165,7 @@ word!(
         )
     }
 );
-// Two or three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
+// A machine that has no 64-bit division makes two or three of 32 bits; other machines use their own.
 word!(
     u32,
     u64,
@@ -173,19 +174,21 @@ word!(
     division::short_quotient
 );
 
-/// Result of a passivity step: the stored energy that is left, and the largest force allowed.
+/// Result of a passivity step, which bounds a force by stored energy: the energy left, and the largest force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step<W: Word> {
     /// Stored energy after the step.
     pub energy: W::Wide,
-    /// Magnitude of the allowed force.
+    /// Absolute value of the allowed force.
     pub force: W,
 }
 
-/// One passivity step for a displacement that is already known (equations 2.1–2.4 of the thesis, in magnitudes).
+/// Bounds a force so that its work over a known displacement never exceeds the stored energy (equations 2.1–2.4 of the thesis, on
+/// absolute values).
 ///
-/// `inward`: the displacement is against the force, so the wall absorbs energy. Otherwise the wall gives energy away. If the stored
-/// energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The energy left is
+/// `inward` says that the displacement is against the force, so that the wall absorbs energy. Otherwise the wall gives energy away.
+/// If the stored energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The
+/// energy left is
 /// **the remainder of that division**, `0 <= energy' < moved`, so nothing is multiplied a second time.
 ///
 /// For every input: `energy' <= energy + force'·moved` inward (equal below the cap), `energy' = energy - force'·moved` outward,
@@ -214,16 +217,17 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// Result of an outward motion that stored energy pays for: the distance, and the energy left.
+/// Result of [`affordable`]: how far a body moves out against a force until the stored energy is used up, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
-    /// Displacement: `floor(energy / force)`, saturating.
+    /// Distance that the energy pays for: `floor(energy / force)`, saturating.
     pub moved: W,
     /// Energy left: `energy - force · moved`, never negative.
     pub rest: W::Wide,
 }
 
-/// How far a body may move outward against the full force before the stored energy is used up, and the remainder of that division.
+/// How far a body may move outward against the full force before the stored energy is used up, and the energy left (the remainder
+/// of that division).
 ///
 /// For every input with a force: `force·moved + rest = energy`. With a force of 0 the displacement is 0.
 #[inline(always)]
@@ -235,7 +239,7 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
             rest: W::minus(energy, accounted),
         };
     }
-    // Further than the format reaches: to its end, which costs less than the division accounted for.
+    // The energy pays for more than the largest distance of the format: the distance is limited, and costs less than the energy.
     Retreat {
         moved: W::MAX_SIGNED,
         rest: W::minus(energy, force.times(W::MAX_SIGNED)),
@@ -245,13 +249,14 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
 /// State of a square root that is calculated digit by digit: the root of the digits found so far, and its square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Root<W: Word> {
-    /// The root as far as its binary digits are found, from the highest down.
+    /// The binary digits of the root that are found so far, from the highest down.
     pub root: W,
     /// The square of `root`, never above the radicand.
     pub square: W::Wide,
 }
 
-/// Returns the candidate, a root with one more binary digit, if its square does not exceed the radicand; else the root so far.
+/// One step of a square root: returns the candidate (the root so far with one more binary digit) if its square does not exceed the
+/// radicand, else the root so far.
 #[inline(always)]
 pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
     let square = candidate.times(candidate);
@@ -279,7 +284,7 @@ pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
     found
 }
 
-/// `floor(gain · x)` for a gain with `bits` fractional bits, saturating.
+/// `floor(gain · x)`, limited to the range of a word. `gain` is a fixed-point number with `bits` fractional bits.
 #[inline(always)]
 pub fn scale<W: Word>(gain: W, x: W, bits: u32) -> W {
     W::narrow(W::shift_down(gain.times(x), bits))

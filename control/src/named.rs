@@ -1,4 +1,4 @@
-//! Sets a setting by its path and a text, as scene files, boards and bindings to other languages name it.
+//! Sets one setting from text: a path such as `law.kind` and a value. Scene files, boards and bindings to other languages use it.
 
 use crate::{Choice, Field, Settings};
 
@@ -24,7 +24,7 @@ macro_rules! parse {
     };
 }
 
-/// Sets the setting that has this path in the table of settings.
+/// Sets the setting of a given path. The code for each setting is generated from the table of settings.
 macro_rules! set {
     ($settings:ident $path:ident $text:ident:
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }

@@ -1,6 +1,7 @@
 //! Energy observers: two ways to sum the energy that a wall takes from a hand, and what each sum guarantees.
 //!
-//! A force is held over a tick (zero-order hold), so the force that acted over the last displacement is the previous one:
+//! `E(n)`, `f(n)` and `e(n)` are energy, force and penetration at tick `n`. A force is held over a tick (zero-order hold), so the
+//! force that acted over the last displacement is the previous one:
 //! - [`ObserverForm::Exact`]: `E(n) = E(n-1) + f(n-1) (e(n) - e(n-1))`, the true energy of the port, without a velocity;
 //! - [`ObserverForm::Thesis`], equations (2.1) and (2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which counts the energy leak of sampling with
 //!   the opposite sign. A controller that chooses `f(n)` can keep *this sum* from becoming negative. That says nothing about the true energy.
@@ -10,21 +11,24 @@ use crate::{Energy, Force, Number, Position, Stiffness};
 crate::choice! {
     /// The force that an energy observer multiplies with the last displacement.
     ObserverForm {
-        /// The previous force, which acted over the displacement: the sum is the true energy under a zero-order hold.
+        /// The previous force, which acted over the displacement. The sum is then the true energy of a force that is held over each
+        /// tick.
         #[default]
         Exact = "exact",
-        /// The new force, as in equations (2.1) and (2.4) of the thesis.
+        /// The new force, which acts only after the displacement, as in equations (2.1) and (2.4) of the thesis.
         Thesis = "thesis",
     }
 }
 
-/// Energy in joules that a damper took over one displacement, `c/T · Δ²`, rounded down.
+/// Energy in joules that a damper dissipates over one displacement, rounded down: `damping` (damping over control period, N·m/rad)
+/// times the square of the displacement.
 #[inline(always)]
 pub fn damping_loss<N: Number>(damping: Stiffness<N>, moved: Position<N>) -> Energy<N> {
     (damping * moved).towards_zero() * moved
 }
 
-/// The exact energy observer on its own, for monitoring without a control law.
+/// The exact energy observer on its own, to monitor a force without a control law. It multiplies each displacement with the force
+/// that acted over it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExactObserver<N: Number> {
     /// Energy taken from the hand so far, J.
@@ -34,7 +38,7 @@ pub struct ExactObserver<N: Number> {
 }
 
 impl<N: Number> ExactObserver<N> {
-    /// Starts the sum at a position, with no force and no energy.
+    /// Starts the energy sum at a position, with no force and no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {
@@ -54,16 +58,17 @@ impl<N: Number> ExactObserver<N> {
     }
 }
 
-/// The thesis' energy observer on its own, without a control law.
+/// The energy observer in the form of the thesis, for use without a control law. It multiplies the new force with the last
+/// displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThesisObserver<N: Number> {
-    /// Energy taken from the hand so far by the thesis' sum, J.
+    /// Energy that the thesis' formula counts as taken from the hand so far, J.
     pub energy: Energy<N>,
     position: Position<N>,
 }
 
 impl<N: Number> ThesisObserver<N> {
-    /// Starts the sum at a position, with no energy.
+    /// Starts the energy sum at a position, with no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {

@@ -29,19 +29,19 @@ macro_rules! quantity {
         }
 
         impl<N: Number> $name<N> {
-            /// Zero.
+            /// The quantity 0.
             #[inline(always)]
             #[must_use]
             pub fn zero() -> Self {
                 Self(Default::default())
             }
-            /// The smaller of two values.
+            /// The smaller of two quantities of the same type.
             #[inline(always)]
             #[must_use]
             pub fn min(self, other: Self) -> Self {
                 if other < self { other } else { self }
             }
-            /// The larger of two values.
+            /// The larger of two quantities of the same type.
             #[inline(always)]
             #[must_use]
             pub fn max(self, other: Self) -> Self {
@@ -72,7 +72,7 @@ quantity!(
     Ratio(Ratio)
 );
 quantity!(
-    /// Energy: J, positive = absorbed from the user.
+    /// Energy: J. Positive means absorbed from the user.
     Energy(Energy)
 );
 quantity!(
@@ -116,7 +116,7 @@ macro_rules! signal_quantity {
             pub fn modulus(self) -> Self {
                 Self(N::modulus(self.0))
             }
-            /// The modulus without an overflow check; the caller guarantees that it fits.
+            /// The modulus (absolute value) without an overflow check; the caller guarantees that it fits.
             #[inline(always)]
             #[must_use]
             pub fn modulus_fitting(self) -> Self {
@@ -163,8 +163,8 @@ impl<N: Number> Mul<Force<N>> for Compliance<N> {
     }
 }
 impl<N: Number> Ratio<N> {
-    /// This ratio of the displacement `x` plus the deformation of a spring under the force `f`, rounded down once. The caller
-    /// guarantees that nothing overflows.
+    /// This ratio times the sum of the displacement `x` and the deformation of `spring` under the force `f`, rounded down once. The
+    /// caller guarantees that nothing overflows.
     #[inline(always)]
     #[must_use]
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
@@ -180,7 +180,7 @@ impl<N: Number> Mul<Position<N>> for Ratio<N> {
 }
 impl<N: Number> Mul<Position<N>> for Force<N> {
     type Output = Energy<N>;
-    /// Force times displacement: the exact work.
+    /// Work of this force over the displacement `d`, exact.
     #[inline(always)]
     fn mul(self, d: Position<N>) -> Energy<N> {
         Energy(N::work(self.0, d.0))
@@ -226,8 +226,8 @@ impl<N: Number> Energy<N> {
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_energy_fitting(self.0, other.0))
     }
-    /// The energy rounded down to the precision of a position, without an overflow check. Multiplied by a stiffness `1/d`, it gives
-    /// the force that this energy allows over the distance `d`.
+    /// The energy rounded down to the precision of a position, without an overflow check. Multiplied by a stiffness of value `1/d`,
+    /// it gives the force whose work over the distance `d` is this energy.
     #[inline(always)]
     #[must_use]
     pub fn digits_fitting(self) -> Position<N> {
@@ -239,7 +239,7 @@ impl<N: Number> Energy<N> {
     pub fn per_displacement(self, d: Position<N>) -> Force<N> {
         Force(N::energy_per(self.0, d.0))
     }
-    /// Distance over which the force `f` can be pushed back until this energy is used up, and the energy left.
+    /// Distance over which this energy pays for an outward motion against the force `f`, and the energy left.
     #[inline(always)]
     #[must_use]
     pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
@@ -291,19 +291,19 @@ impl<N: Number> Tension<N> {
     pub fn down_fitting(self) -> Force<N> {
         Force(N::round_down_fitting(self.0))
     }
-    /// The outward force, rounded towards zero; 0 where the tension pulls inwards.
+    /// The force that pushes out of the wall, rounded towards zero; 0 where the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward(self) -> Force<N> {
         Force(N::positive_down(self.0))
     }
-    /// The outward force, rounded up; 0 where the tension pulls inwards.
+    /// The force that pushes out of the wall, rounded up; 0 where the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward_up(self) -> Force<N> {
         Force(N::positive_up(self.0))
     }
-    /// [`Tension::over`] for a stiffness that is prepared as a divisor.
+    /// Stretch of a spring under this tension: [`Tension::over`] for a stiffness that is prepared as a divisor.
     #[inline(always)]
     #[must_use]
     pub fn per(self, k: &Divisor<N>) -> Position<N> {
@@ -321,7 +321,7 @@ impl<N: Number> Tension<N> {
     pub fn rounded_up(self) -> Force<N> {
         Force(N::round_up(self.0))
     }
-    /// Stretch of a spring `k` under this tension, rounded towards zero.
+    /// Stretch of a spring of stiffness `k` under this force (tension), rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn over(self, k: Stiffness<N>) -> Position<N> {
@@ -378,7 +378,7 @@ mod tests {
     fn an_energy_in_si_is_at_most_the_energy() {
         let half = Energy::<Fixed32>::from_si(Si::lit("-0.5")).unwrap();
         assert_eq!(half.to_si(), Si::lit("-0.5"));
-        // One quantum of energy is below the step of SI: none of it is shown, and all of it is owed.
+        // One step of the energy format is less than a step of SI values: rounded down it is 0, and its negative is one step of SI.
         let quantum = Force::<Fixed32>::quantum() * Position::quantum();
         assert_eq!(quantum.to_si(), Si::ZERO);
         assert_eq!((Energy::zero() - quantum).to_si(), -Si::DELTA);

@@ -1,5 +1,5 @@
-//! Divisions for settings. They are 128 bits wide and slow, so no tick uses them. Each is a single function, because the smaller
-//! board has little flash.
+//! Divisions of settings, numbers of the type [`Si`]. They calculate with 128 bits and are slow, so control periods do not use
+//! them. The division is compiled once and never inlined, because the smaller board has little flash.
 
 use crate::Si;
 

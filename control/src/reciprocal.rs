@@ -1,8 +1,8 @@
-//! Quotients by a constant divisor, without a division.
+//! Divides by a constant without a division instruction.
 //!
-//! A law divides by the same few stiffnesses at every tick. So a constant inverse is calculated once. For the
-//! divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, it is `m = floor((2^k - 1)/d)` with
-//! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
+//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of
+//! bits of a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k -
+//! 1)/d)` with `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
 //!
 //! ```text
 //! floor(n/d) = floor((n + 1) m / 2^k)
@@ -32,12 +32,13 @@ macro_rules! reciprocal {
             /// Prepares a divisor. For a divisor of 0 every quotient is 0.
             pub fn new(divisor: $word) -> Self {
                 let shift = divisor.leading_zeros();
-                // A shift by all bits of the word wraps to a shift by none. It gives the scale of the divisor 0, which is not used.
+                // For the divisor 0 the shift by all bits of the word wraps to a shift by none. The result is not used.
                 let (scale, normal) = (
                     (1 as $word).wrapping_shl(shift),
                     <$wide>::from(divisor.wrapping_shl(shift)),
                 );
-                // (2^k - 1)/d, digit by digit: three words of ones but for the highest bit. The first is less than `d`.
+                // Calculates (2^k - 1)/d digit by digit. The dividend is three words of ones except for the highest bit; its first
+                // word is less than `d`.
                 let ones = <$wide>::from(<$word>::MAX);
                 let mut inverse: $wide = 0;
                 let mut rest = ones >> 1;
@@ -53,7 +54,7 @@ macro_rules! reciprocal {
                 }
             }
 
-            /// `floor(dividend / divisor)`, at most `2^(W-1) - 1`; 0 for a divisor of 0.
+            /// `floor(dividend / divisor)`, limited to `2^(W-1) - 1` for words of `W` bits; 0 for a divisor of 0.
             #[inline(always)]
             pub fn quotient(&self, dividend: $wide) -> $word {
                 if dividend >= <$wide>::from(self.divisor) << (Self::WORD - 1) {
@@ -63,11 +64,11 @@ macro_rules! reciprocal {
                         <$word>::MAX >> 1
                     };
                 }
-                // Below `2^(2W-1)`, so there is room for the one.
+                // The product is below `2^(2W-1)` for words of `W` bits, so adding 1 cannot overflow.
                 let scaled = dividend
                     .wrapping_mul(<$wide>::from(self.scale))
                     .wrapping_add(1);
-                // Below `2^(W-1)`: a word, and what is said of its highest bit only the compiler did not know.
+                // The result is below `2^(W-1)`. The mask tells the compiler that the highest bit is 0.
                 ($high(scaled, self.inverse) >> (Self::WORD - 1)) as $word & <$word>::MAX >> 1
             }
         }
@@ -105,7 +106,7 @@ fn high_16(a: u16, b: u16) -> u16 {
 mod tests {
     use super::{Reciprocal8, Reciprocal16, Reciprocal32};
 
-    /// Checks every 16-bit dividend with every 8-bit divisor.
+    /// Checks the quotient by a prepared inverse for every 16-bit dividend with every 8-bit divisor.
     #[test]
     fn every_quotient_of_8_bits() {
         for divisor in 0..=u8::MAX {
@@ -121,8 +122,8 @@ mod tests {
         }
     }
 
-    /// Checks every 16-bit divisor where the quotient changes: at a multiple and just below, for small, large and saturated
-    /// quotients.
+    /// Checks every 16-bit divisor at dividends where the quotient changes: at a multiple of the divisor and just below, for small,
+    /// large and saturated quotients.
     #[test]
     fn every_divisor_of_16_bits() {
         for divisor in 0..=u16::MAX {
@@ -200,7 +201,7 @@ mod tests {
             state ^ state >> 29
         };
         for _ in 0..times {
-            // Of all lengths.
+            // Random divisors of all lengths in bits.
             let divisor = (next() >> 32) as u32 >> (next() >> 40 & 31);
             let reciprocal = Reciprocal32::new(divisor);
             for _ in 0..16 {
@@ -217,7 +218,8 @@ mod tests {
         random(100_000);
     }
 
-    /// Checks 2^32 random quotients, in about a minute: `cargo test --release -p touchstone-control -- --ignored`.
+    /// Compares 2^32 quotients of random words with the machine's division. It takes about a minute: `cargo test --release -p
+    /// touchstone-control -- --ignored`.
     #[test]
     #[ignore = "a minute in a release build"]
     fn four_thousand_million_random_words() {

@@ -1,5 +1,5 @@
-//! The settings that a user chooses, in SI units, exact and without floats. So a microcontroller validates the same values with the
-//! same code as the desktop.
+//! The settings that a user chooses, in SI units, as exact decimal fractions without floating point. So a microcontroller validates
+//! the same values with the same code as a desktop computer.
 
 /// An SI value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
 pub type Si = fixed::types::I32F32;
@@ -16,7 +16,7 @@ macro_rules! structs {
             /// All settings of a control law, its wall, the estimator and the guard, in SI units.
             Settings { $($timing)* $($wall)* $($law)* } {
                 $($(#[$doc])* $group $Group)+
-                /// Resolution of the measured position. It follows from the encoder, so the table of settings has no row for it.
+                /// Resolution of the measured position. It follows from the encoder, so no row of the table of settings sets it.
                 position PositionSettings
             }
         }
@@ -60,7 +60,8 @@ macro_rules! thesis {
 }
 
 impl Settings {
-    /// The enhanced law as the thesis builds it: on measured states, without a guard, with stiffnesses within its passivity bounds.
+    /// The settings of the thesis for its enhanced law: measured positions instead of estimated ones, no energy guard, and
+    /// stiffnesses within the passivity bounds.
     #[must_use]
     pub fn thesis() -> Self {
         let mut settings = Self {
@@ -76,7 +77,8 @@ impl Settings {
 /// Resolution of the measured position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionSettings {
-    /// One encoder count, or else twice the largest error of a measured position, rad (m); 0 for an exact position.
+    /// Angle or length of one encoder count, rad (m). For another sensor it is twice the largest error of a measured position; 0
+    /// means an exact position.
     pub count: Si,
 }
 
@@ -92,7 +94,7 @@ impl PositionSettings {
 }
 
 impl Default for PositionSettings {
-    /// The thesis' encoder, 40,000 counts per turn.
+    /// The encoder of the thesis, which has 40,000 counts per turn.
     fn default() -> Self {
         Self {
             count: const { Si::lit("0.000157079633") },

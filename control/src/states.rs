@@ -4,7 +4,7 @@ use crate::estimator::{Estimator, EstimatorState};
 use crate::law::Sample;
 use crate::{Force, Number, Position};
 
-/// The stage before the law, which gives it position and displacement per tick.
+/// The stage before the control law, which gives the law the position and the displacement per tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum States<N: Number> {
     /// The measured penetration, and its change since the last tick.

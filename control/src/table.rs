@@ -1,6 +1,6 @@
-//! The one table of the control law's settings: path, type, range, default, unit, and a description for people.
+//! The one table of the control law's settings. Each row has path, type, range, default, unit, and a description for people.
 //!
-//! Everything else is generated from its rows: the fields of [`crate::Settings`] with their defaults, the variants of
+//! Code is generated from the rows: the fields of [`crate::Settings`] with their defaults, the variants of
 //! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
 //! config schema`. A row has this form:
 //!
@@ -14,10 +14,10 @@
 //!   A scene may leave out a `choice_of_law`; the law then has its own value.
 //! - `words` is the description that messages show after "give" and before the unit.
 //!
-//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. The sections after
-//! them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
+//! `timing`, `wall` and `law` are tables of a scene and of a device, and their fields are fields of [`crate::Settings`] itself. The
+//! sections after them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
 //!
-//! The texts stand in constants only, so a program contains only the texts that it uses.
+//! The texts are constants, so a program contains only the texts that it uses.
 
 /// Passes the table of settings to another macro, which generates code from it.
 #[macro_export]
@@ -35,16 +35,16 @@ macro_rules! law_settings {
             law {
                 Law law, kind: choice(LawKind) = EnhancedSfa, "",
                     "the control law";
-                // k_v, B, c, b, a, the filter and the estimator: found together over 216 devices (grips, encoders, inertias, dampings and
-                // delays), at k_de of 5 to 20 N·m/rad: `touchstone scorecard thesis-knob --family`. What the thesis has instead:
-                // `thesis_settings`.
+                // k_v, B, the offset's fractions a, b and c, the filter and the estimator were tuned together over 216 device
+                // variants (grips, encoders, inertias, dampings and delays), for k_de of 5 to 20 N·m/rad: `touchstone scorecard
+                // thesis-knob --family`. The thesis' own values are in `thesis_settings`.
                 KSoft k_soft, k_soft_n_m_per_rad: number("0.01", "500000") = "19.8", "N·m/rad",
                     "the soft stiffness k_v (stable by itself up to k_c = 2 c_i/T)";
-                // Thesis §5.1, found by Algorithm 2.1, so that k_c = 1 N·m/rad.
+                // Thesis §5.1, by the thesis' Algorithm 2.1: the critical stiffness k_c is then 1 N·m/rad at 1 kHz.
                 DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
                     "the damping c_i that device and fingertip are trusted to have";
-                // Far above what passivity at the port leaves, b - K T/2: on estimated states it steadies the loop, and what a hand can
-                // get out is the guard's to bound.
+                // Far above the bound for passivity at the hand, b - K T/2. With estimated states so much damping makes the loop
+                // stable, and the energy guard bounds the energy that a hand can get out.
                 VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0.03", "N·m·s/rad",
                     "the virtual damping B of the laws spring-damper and enhanced-sfa";
                 Observer observer, observer: choice(ObserverForm) = Exact, "",
@@ -53,13 +53,14 @@ macro_rules! law_settings {
                     "whether tdpa counts c_i as dissipation (2.6)";
                 FirstContact first_contact, first_contact: choice_of_law(FirstContact) = ZeroOffset, "",
                     "what happens to the force when the first contact ends";
-                // The only choice that shows k_de at the hand without a bound from k_f.
+                // The only choice with which the hand feels k_de whatever the coupling k_f is.
                 Regulate regulate, regulate: choice(Regulate) = Hip, "",
                     "which stiffness the offset regulates";
-                // Inward-only is a ratchet: it goes on only as long as something jitters, and overshoots.
+                // With the other two choices the offset can only grow: while the hand rests, it grows only because the measured
+                // position jitters. If it grows too far, it stays so.
                 OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
                     "when the enhanced law changes the offset";
-                // One step_of_ideal then serves all stiffnesses.
+                // With this choice one value of step_of_ideal serves all stiffnesses.
                 IdealStep ideal_step, ideal_step: choice(IdealStep) = Force, "",
                     "what the offset's ideal step supposes to stay";
                 StepOfIdeal step_of_ideal, step_of_ideal_per_ms: number("0", "1") = "0.0232", "",
@@ -68,21 +69,22 @@ macro_rules! law_settings {
                     "the largest step of the force each millisecond as a share of the force, b of (3.9)";
                 LimitOfPenetration limit_of_penetration, limit_of_penetration_per_ms: number("0", "1") = "0.0115", "",
                     "the largest step of the offset each millisecond as a share of the penetration, a of (3.11)";
-                // What a coupling k_f stores under the thesis' press of 0.1 N·m, F²/(2 k_f) = 5 mJ, four times over.
+                // Four times the energy that a coupling k_f stores under the thesis' press of 0.1 N·m: F²/(2 k_f) = 5 mJ.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
                     "the energy that is lent to a contact, which it may give beyond what it took (0: nothing is lent)";
-                // The thesis knob's torque limit: five times the thesis' typical push.
+                // The torque limit of the thesis' knob, five times a typical push in the thesis.
                 ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
                     "the largest force that is ever commanded";
                 States states, states: choice(StatesKind) = Estimated, "",
                     "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }
-            /// The virtual mass of the enhanced law between the hand's point (HIP) and the wall, by its physical parameters (thesis
-            /// §3.5, Fig. 3.11).
+            /// The virtual mass of the enhanced law between the hand's point (HIP) and the wall, given by physical parameters:
+            /// mass, stiffness and dampings (thesis §3.5).
             filter FilterSettings {
                 FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
-                // Far above the sampling bound 2 (c_i - c_f)/T: what a hand can get out by that is the guard's to bound.
+                // Far above the bound of sampling, 2 (c_i - c_f)/T: the energy guard bounds the energy that a hand can get out by
+                // that.
                 FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "280", "N·m/rad",
                     "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f - B)/T)";
                 FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00561", "N·m·s/rad",
@@ -106,10 +108,11 @@ macro_rules! law_settings {
             guard GuardSettings {
                 Guard on, on: flag() = true, "",
                     "whether the energy guard stands after the law";
-                // What the force limit of 0.5 N·m needs for every displacement up to 60 rad/s, acting up to 0.4 ticks late.
+                // The energy that the force limit of 0.5 N·m needs for every displacement up to 60 rad/s, if forces act up to 0.4
+                // ticks late.
                 GuardCapacity capacity, capacity_j: number("0", "16") = "0.045", "J",
                     "the energy C that a hand may get out at once";
-                // Nothing to a hand, and enough for the chatter of a quiet hold to last for ever.
+                // Too little power for a hand to notice, and enough to pay for the jitter of a hand that holds still.
                 GuardRefill refill, refill_w: number("0", "1") = "0.0005", "W",
                     "the power P that a hand may get out again and again";
                 GuardDamping damping, damping_n_m_s_per_rad: number("0", "1000") = "0.0004", "N·m·s/rad",
@@ -129,7 +132,7 @@ macro_rules! law_settings {
             velocity VelocitySettings {
                 VelocityFrom from, from: choice(VelocityKind) = Told, "",
                     "what the law spring-damper takes for the velocity (told: as every law, by law.states)";
-                // Half of what a hand can do; what practice takes lies between 20 and 100 Hz at 1 kHz.
+                // Half of the bandwidth that a hand can reach. Values used in practice lie between 20 and 100 Hz at 1 kHz.
                 VelocityBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "30", "Hz",
                     "the bandwidth of a filtered or Kalman velocity (a 500th to a fifth of the control rate)";
                 VelocityWindow window_s, window_s: number("0", "1") = "0.015", "s",
@@ -139,36 +142,39 @@ macro_rules! law_settings {
     };
 }
 
-/// Passes the thesis' settings that differ from the table's defaults to another macro, as `(table) field, name = value`. The thesis
-/// also uses measured states (`law.states`) and no guard (`law.guard.on`).
+/// Passes the settings of the thesis to another macro, as `(table) field, name = value`. Only those are listed that differ from the
+/// table's defaults. The thesis also uses measured states (`law.states`) and no guard (`law.guard.on`).
 #[macro_export]
 macro_rules! thesis_settings {
     ($with:ident $($more:tt)*) => {
         $with! {
             $($more)*
-            // Captions of thesis Figs. 3.2 and 3.5; below k_c = 2 c_i/T = 1, so the spring is passive unaided.
+            // From the captions of thesis Figs. 3.2 and 3.5. It is below k_c = 2 c_i/T = 1, so the spring is passive by the
+            // device's damping.
             (law) k_soft, k_soft_n_m_per_rad = "0.8";
-            // The thesis' law has no damper beside its augmented wall.
+            // The thesis' law adds no damper's force to the wall's.
             (law) virtual_damping, virtual_damping_n_m_s_per_rad = "0";
-            // a, b, c and the filter: found by a search over grips, encoders, touch and press, and k_de of 1 to 20 k_c; the thesis asks
-            // for "a fraction" only.
+            // The fractions a, b and c and the filter come from a search over grips, encoders, touch and press, for k_de of 1 to 20
+            // k_c; the thesis gives no values, only "a fraction".
             (law) step_of_ideal, step_of_ideal_per_ms = "0.012";
-            // Weber: a torque step of 12.7 % is just felt at 60 mN·m (Jandura and Srinivasan 1994); stay well below.
+            // A torque step of 12.7 % is just felt at 60 mN·m (Weber fraction; Jandura and Srinivasan 1994). This value stays well
+            // below.
             (law) limit_of_force, limit_of_force_per_ms = "0.03";
             (law) limit_of_penetration, limit_of_penetration_per_ms = "0.03";
-            // A thirtieth of the thesis knob's inertia: not felt.
+            // A thirtieth of the inertia of the thesis' knob, which a hand does not feel.
             (law filter) mass, mass_kg_m2 = "0.000003";
-            // The sampling bound 2 (c_i - c_f)/T at 1 kHz: as stiff as passivity at the physical port allows.
+            // The bound of sampling, 2 (c_i - c_f)/T at 1 kHz: the stiffest coupling that is passive at the device.
             (law filter) stiffness, stiffness_n_m_per_rad = "1";
-            // What it takes is lost to k_f; the damping to ground is enough.
+            // A damping of the coupling would lower the bound of k_f, and the damping to ground is enough.
             (law filter) damping, damping_n_m_s_per_rad = "0";
-            // Far above the bound k_v T/2 = 4e-4: it sets how fast the mass follows (12 ms at k_f), and so how calm it is.
+            // Far above the bound k_v T/2 = 4e-4. It sets how fast the mass follows the hand (12 ms with this k_f), and so how
+            // steady it is.
             (law filter) ground_damping, ground_damping_n_m_s_per_rad = "0.01";
         }
     };
 }
 
-/// The Rust type of a setting, by the kind in its row of the table.
+/// Gives the Rust type of a setting from the kind in the setting's row of the table, such as `number` or `flag`.
 #[macro_export]
 macro_rules! setting_type {
     (number $range:tt) => {
@@ -188,7 +194,7 @@ macro_rules! setting_type {
     };
 }
 
-/// The default of a setting, as a value of its Rust type.
+/// Gives the default of a setting, from the row's text, as a value of the setting's Rust type.
 #[macro_export]
 macro_rules! setting_value {
     ($value:tt: number $range:tt) => {
@@ -214,24 +220,24 @@ macro_rules! setting_path {
     (($($table:ident)+) $name:ident) => { concat!($(stringify!($table), ".",)+ stringify!($name)) };
 }
 
-/// A setting that is one of a few words.
+/// A setting whose value is one word of a fixed list, such as a control law's name.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All variants. The place in this list is the variant's number on the wire, so new variants go to the end.
+    /// All variants. A variant's index in this list is its number on the serial link, so new variants go to the end.
     const ALL: &'static [Self];
     /// The words of the variants in scene files, in the order of [`Choice::ALL`].
     const WORDS: &'static [&'static str];
 
-    /// The variant's place in [`Choice::ALL`], which is its number on the wire.
+    /// The variant's index in [`Choice::ALL`], which is its number on the serial link.
     #[must_use]
     fn number(self) -> u32 {
-        // At most as many as there are words.
+        // The index is at most the number of words, so it fits.
         (0..)
             .zip(Self::ALL)
             .find(|(_, it)| **it == self)
             .map_or(0, |(number, _)| number)
     }
 
-    /// The variant's word in scenes and on devices.
+    /// The word that stands for the variant in scene files (TOML files that describe a simulation) and on devices.
     #[must_use]
     fn word(self) -> &'static str {
         Self::ALL
@@ -267,7 +273,7 @@ macro_rules! choice {
     };
 }
 
-/// Each unit as the end of a setting's name, and as people read it.
+/// For each unit: the text that ends the names of settings in that unit, and the unit as people read it.
 const UNITS: &[(&str, &str)] = &[
     ("", ""),
     ("hz", "Hz"),
@@ -290,7 +296,7 @@ const UNITS: &[(&str, &str)] = &[
     ("per_rev", "counts/rev"),
 ];
 
-/// The end of a setting's name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
+/// Returns the end of a setting's name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
 ///
 /// # Panics
 /// No setting has this unit. Only constants call the function, so a panic stops the compiler and never a running program.
@@ -329,7 +335,7 @@ mod tests {
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
             $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
-            /// Variant, last part of the path, unit and description of each setting, in the order of the table.
+            /// Variant, last part of the path, unit and description of each setting, in the order of the table of settings.
             const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
         };
     }

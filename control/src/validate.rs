@@ -1,5 +1,5 @@
-//! Validation of settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and what
-//! that costs.
+//! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and the
+//! consequence.
 
 use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
@@ -28,7 +28,7 @@ macro_rules! fields {
         }
 
         impl Field {
-            /// All settings, in the order of the table.
+            /// All settings of the control law, in the order of the table of settings.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
             /// The path of the setting in scene files and on devices, for example `wall.k_desired_n_m_per_rad`.
@@ -63,7 +63,7 @@ macro_rules! fields {
             const { Si::const_from_int($max) },
         )?
     };
-    // A word or a flag has no other values.
+    // A choice or a flag has only allowed values, so it needs no check.
     (@check $place:tt $field:ident, $variant:ident: $kind:ident $range:tt) => {};
 }
 crate::law_settings!(fields);
@@ -100,16 +100,17 @@ pub enum SettingsError {
     OutOfFormat {
         /// The setting that was refused.
         field: Field,
-        /// The coefficient, SI (e.g. `m/T²` for the filter's mass).
+        /// The coefficient in SI units, for example mass over squared control period (`m/T²`) for the virtual mass.
         value: Si,
         /// Name of the number format.
         format: &'static str,
     },
-    /// The stiffness of equation (3.5) of the thesis has no positive solution, because `k_de >= k_f`.
+    /// The desired stiffness `k_de` is at or above the coupling stiffness `k_f`. Then the target stiffness of equation (3.5) of the
+    /// thesis, with which the hand would feel `k_de`, has no positive solution.
     NoCompensation {
-        /// Desired stiffness `k_de`.
+        /// Desired stiffness of the wall, `k_de`.
         k_desired: Si,
-        /// Coupling stiffness `k_f`.
+        /// Stiffness `k_f` of the spring between hand and virtual mass.
         k_filter: Si,
     },
     /// The encoder's resolution is too coarse for the guard's energy account.
@@ -176,49 +177,57 @@ impl fmt::Display for SettingsError {
 /// A passivity bound that the settings violate. The settings work, but the wall may give a hand more energy than it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Warning {
-    /// `k_v > k_c`: the soft spring alone already needs more damping than the device has.
+    /// The soft stiffness `k_v` is above the critical stiffness `k_c`: the soft spring alone already needs more damping than the
+    /// device has.
     SoftAboveCritical {
-        /// Soft stiffness: `k_v`.
+        /// Stiffness of the soft spring, `k_v`.
         k_soft: Si,
-        /// Critical stiffness `k_c = 2 c_i/T`, which the device's damping just makes passive.
+        /// Critical stiffness `k_c = 2 c_i/T`, up to which the device's damping `c_i` makes a spring passive at the control period
+        /// `T`.
         k_critical: Si,
     },
-    /// `k_f > 2 (c_i - c_f - B)/T`: under sampling, the coupling of the virtual mass is not passive at the physical port.
+    /// The coupling stiffness `k_f` of the virtual mass is above `2 (c_i - c_f - B)/T`, so the sampled coupling can give energy to
+    /// a hand. `c_i` is the device's, `c_f` the coupling's and `B` the virtual damping, `T` the control period.
     CouplingAboveBound {
-        /// Coupling stiffness of the filter: `k_f`.
+        /// Stiffness `k_f` of the spring between hand and virtual mass.
         k_filter: Si,
-        /// Largest passive coupling stiffness: `2 (c_i - c_f - B)/T`.
+        /// Largest passive coupling stiffness `2 (c_i - c_f - B)/T`, from the dampings of device, coupling and law and the control
+        /// period `T`.
         bound: Si,
     },
-    /// `c_env < k_v T/2`: the wall's force, calculated from the mass' previous position, may inject energy into the filter.
+    /// The ground damping `c_env` of the virtual mass is below `k_v T/2` (soft stiffness, control period). The wall's force is
+    /// calculated from the mass' previous position, so it may inject energy into the mass.
     GroundDampingBelowBound {
-        /// Ground damping per tick: `c_env/T`.
+        /// Damping of the virtual mass to ground over the control period: `c_env/T`.
         ground_damping_per_tick: Si,
-        /// Smallest passive ground damping per tick: `k_v/2`.
+        /// Smallest passive ground damping per tick: half the soft stiffness, `k_v/2`.
         bound: Si,
     },
-    /// The thesis' energy observer counts the energy leak of sampling with the wrong sign.
+    /// The energy observer has the form of the thesis, which counts the energy leak of sampling with the wrong sign.
     ThesisObserver,
     /// The time-domain passivity law sums energy over estimated displacements, which differ from those of the real device.
     ObservesEstimates,
-    /// In each contact the wall may give this much energy more than it took.
+    /// Each contact is lent energy: the wall may give the hand this much more than it took.
     EnergyCredit {
-        /// The lent energy, J.
+        /// The energy lent to each contact, J.
         credit: Si,
     },
-    /// Even a full energy account does not allow the force limit, so a hard press meets a softer wall.
+    /// The guard's largest energy account is too small for the force limit: even a full account allows less force. So a hard press
+    /// meets a softer wall.
     GuardSoftensAtForceLimit {
-        /// Capacity `C` of the guard's energy account, J.
+        /// Most energy that the guard's account holds, J.
         capacity: Si,
-        /// Capacity that the force limit needs, J.
+        /// Energy that the account would have to hold to allow the force limit, J.
         needed: Si,
     },
-    /// The guard's account has no refill. Rounding and jitter of one count then use it up in time, even if the hand holds still.
+    /// The guard's refill power is 0. Rounding and jitter of one encoder count then use up the energy account in time, even if the
+    /// hand holds still.
     GuardNeverRefilled,
 }
 
 impl Warning {
-    /// Whether the warning is about energy that a hand can get out. An energy guard bounds that energy, whatever the law does.
+    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy whatever the law
+    /// does, so the warning matters only without a guard.
     #[must_use]
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(
@@ -287,25 +296,25 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Quantities that depend on several settings, computed once. All are in N·m/rad (N/m) and saturate.
+/// Stiffness-like quantities that depend on several settings, computed once. All are in N·m/rad (N/m) and saturate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// Critical stiffness `k_c = 2 c_i/T`.
+    /// Critical stiffness `k_c = 2 c_i/T` of the device damping `c_i` and the control period `T`.
     pub k_critical: Si,
-    /// Mass over the squared tick: `m/T²`.
+    /// Virtual mass over the squared control period: `m/T²`.
     pub mass_per_tick2: Si,
-    /// Filter damping per tick: `c_f/T`.
+    /// Damping between hand and virtual mass over the control period: `c_f/T`.
     pub filter_damping_per_tick: Si,
-    /// Ground damping per tick: `c_env/T`.
+    /// Damping of the virtual mass to ground over the control period: `c_env/T`.
     pub ground_damping_per_tick: Si,
-    /// Device damping per tick: `c_i/T`.
+    /// Device damping over the control period: `c_i/T`.
     pub device_damping_per_tick: Si,
-    /// Virtual damping per tick: `B/T`.
+    /// Virtual damping over the control period: `B/T`.
     pub virtual_damping_per_tick: Si,
 }
 
 impl Settings {
-    /// Computes the critical stiffness, and dampings and inertia per tick, from the settings.
+    /// Computes the critical stiffness, and dampings and inertia over the control period, from the settings.
     #[must_use]
     #[inline]
     pub fn derived(&self) -> Derived {
@@ -321,7 +330,8 @@ impl Settings {
         }
     }
 
-    /// Whether the enhanced law is a plain spring for these settings: a stiffness up to `k_v` needs no augmentation (thesis §3.1).
+    /// Whether the enhanced law is a plain spring with these settings. It is if the desired stiffness is at most the soft stiffness
+    /// `k_v` (thesis §3.1).
     #[must_use]
     pub fn is_plain_spring(&self) -> bool {
         self.law == LawKind::EnhancedSfa && self.k_desired <= self.k_soft
@@ -370,7 +380,7 @@ impl Settings {
         }
     }
 
-    /// The passivity bounds that these settings violate with the law that they choose.
+    /// The passivity bounds that these settings violate with the chosen control law.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let derived = self.derived();
         let half = const { Si::lit("0.5") };
@@ -423,7 +433,8 @@ impl Settings {
     }
 }
 
-/// Converts a coefficient to the format `N`, or returns the error that names its setting.
+/// Converts a coefficient to a gain (stiffness) of the number format `N`, or returns the error that names the coefficient's
+/// setting.
 pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, SettingsError> {
     N::gain(value).ok_or(SettingsError::OutOfFormat {
         field,
@@ -432,7 +443,8 @@ pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, Settin
     })
 }
 
-/// Converts a ratio or compliance to the format `N`, or returns the error that names its setting.
+/// Converts a coefficient to a ratio or compliance of the number format `N`, or returns the error that names the coefficient's
+/// setting.
 pub(crate) fn ratio<N: Number>(field: Field, value: Si) -> Result<N::Ratio, SettingsError> {
     N::ratio(value).ok_or(SettingsError::OutOfFormat {
         field,

@@ -1,4 +1,4 @@
-//! Tests of the damper beside the enhanced law's augmented wall: what it adds to the force, and which values it does not change.
+//! Tests of the damper whose force the enhanced law adds to the wall's: what it adds, and which values it does not change.
 
 use touchstone_control::law::{Contact, Law, Sample};
 use touchstone_control::{
@@ -82,7 +82,8 @@ fn the_damper_changes_no_memory_and_adds_its_force() {
     );
 }
 
-/// For stiffnesses from `k_v` up the damper acts fully; below `k_v` it is in proportion to the stiffness.
+/// Checks that the enhanced law is a damped spring for desired stiffnesses up to the soft stiffness, with a damping in proportion
+/// to the stiffness.
 #[test]
 fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
     let soft = settings("5", "0").k_soft;
@@ -108,7 +109,7 @@ fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
     }
 }
 
-/// The preset with the thesis' settings has no damper.
+/// Checks that the settings of the thesis have no damper.
 #[test]
 fn the_thesis_law_has_no_damper() {
     assert_eq!(Settings::thesis().virtual_damping, Si::ZERO);

@@ -1,4 +1,4 @@
-//! Everything that firmware uses of this crate, in its set-up and its two interrupts.
+//! All calls that firmware makes into this crate: in its set-up, in the control interrupt and in the PWM interrupt.
 //!
 //! The example is a library, so that it builds without an operating system. `cargo xtask float-free` checks that the compiled code
 //! has no floating-point operations.
@@ -11,7 +11,7 @@ use touchstone_drive::{
     ResetReason, Ring, SettingsError,
 };
 
-/// Validates the settings and computes all coefficients.
+/// Validates the settings and computes all coefficients that the device needs from them.
 ///
 /// # Errors
 /// Same as [`Device::new`].
@@ -39,7 +39,7 @@ pub fn started(device: &mut Device, flags: &ResetFlags) {
     device.started(ResetReason::of(flags));
 }
 
-/// The control interrupt: runs one control tick and keeps its record.
+/// The control interrupt: runs one control period (tick) and stores its record in the ring of the last second.
 #[inline(never)]
 pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> ControlOutput {
     let output = device.tick(input);
@@ -47,13 +47,13 @@ pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> Co
     output
 }
 
-/// Packs the control tick's command for the mailbox to the current loop.
+/// Packs the current command of a control period into words for the mailbox that the current loop reads.
 #[inline(never)]
 pub fn down(output: &ControlOutput) -> CommandWords {
     output.mailbox().to_words()
 }
 
-/// The current interrupt: runs one PWM period, from the command's mailbox to the report's mailbox.
+/// The PWM interrupt: runs the current loop for one PWM period. Reads the command from one mailbox, writes the report to the other.
 #[inline(never)]
 pub fn current(
     current: &mut CurrentLoop,
@@ -65,19 +65,19 @@ pub fn current(
     (output, current.report().to_words())
 }
 
-/// Gives the current loop other coefficients.
+/// Sets other coefficients of the current loop, after a change of the settings.
 #[inline(never)]
 pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);
 }
 
-/// Unpacks the current loop's report from the mailbox to the control tick.
+/// Unpacks the report that the current loop put into the mailbox for the control interrupt.
 #[inline(never)]
 pub fn up(words: &ReportWords) -> CurrentReport {
     CurrentReport::from_words(words)
 }
 
-/// Reads one of the records of the last second before a fault; index 0 is the oldest.
+/// Reads a record from the ring that holds the last second before a fault; index 0 is the oldest.
 #[inline(never)]
 pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
     let record = ring.get(index).map(CompactRecord::from_bytes);

@@ -1,4 +1,4 @@
-//! Electrical angle as a fraction of a turn, and its sine and cosine from a table.
+//! Electrical angle of a motor as a fraction of a turn, with sine and cosine from a table.
 
 /// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and the value wraps to zero after a full turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -7,24 +7,25 @@ pub struct Angle(
     pub u16,
 );
 
-/// Steps of the sine table per turn.
+/// Number of steps of the sine table per turn.
 const STEPS: usize = 256;
-/// Bits of an angle below a step of the sine table, for interpolation.
+/// Number of low bits of a 16-bit angle that lie between two steps of the sine table and are interpolated.
 const STEP_BITS: u32 = 8;
-/// Sine table with one entry more than a turn needs, so that each entry has a next one.
+/// Sine table. It has one entry more than a turn needs, so that the interpolation always finds a next entry.
 const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.
 const TWO_PI: i128 = 7_244_019_458_077_122_842;
-/// Fractional bits with which the sine table is calculated.
+/// Number of fractional bits with which the compiler calculates the sine table.
 const BITS: u32 = 60;
 
-/// Calculates `sin(2π k / 256)` in 1/32,768, rounded to the nearest, with 1 as 32,767. The compiler evaluates the power series.
+/// Calculates the sine table in 1/32,768, rounded to the nearest, with 1 as 32,767: entry `k` is `sin(2π k / 256)`. The compiler
+/// evaluates the power series.
 const fn table() -> [i16; STEPS + 1] {
     let mut table = [0; STEPS + 1];
     let mut k = 0;
     while k <= STEPS {
-        // Into the quarter turn around zero, where the series needs few terms: sin(π - x) = sin x.
+        // Reduces the angle to a quarter turn around zero, where the power series needs few terms: sin(π - x) = sin x.
         let (turn, sign) = if k > STEPS / 2 {
             (k - STEPS / 2, -1)
         } else {
@@ -52,7 +53,7 @@ const fn table() -> [i16; STEPS + 1] {
 }
 
 impl Angle {
-    /// A quarter turn.
+    /// A quarter of an electrical turn.
     pub const QUARTER: Self = Self(0x4000);
 
     /// Sine in 1/32,768, interpolated linearly between 256 entries. The error is at most 4/32,768 (1.3e-4).
@@ -61,7 +62,7 @@ impl Angle {
     pub const fn sin(self) -> i32 {
         let at = (self.0 >> STEP_BITS) as usize;
         let rest = (self.0 & ((1 << STEP_BITS) - 1)) as i32;
-        // In range without a check: `at` has 8 bits and the table 257 entries.
+        // The indices are always in range: `at` has 8 bits and the table 257 entries.
         let (from, to) = (TABLE[at] as i32, TABLE[at + 1] as i32);
         from + (((to - from) * rest + (1 << (STEP_BITS - 1))) >> STEP_BITS)
     }
@@ -80,7 +81,7 @@ impl Angle {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// Signed angle from `other` to this angle, the short way, in 1/65,536 of a turn.
+    /// Signed angle from `other` to this angle, in 1/65,536 of a turn, by the shorter way: -32,768 to 32,767.
     #[inline]
     #[must_use]
     pub const fn since(self, other: Self) -> i16 {
@@ -91,7 +92,7 @@ impl Angle {
 /// Converts encoder counts to the electrical angle. It is exact to 2^-64 turns per count, so no error builds up over many turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElectricalScale {
-    /// Electrical turns per count in units of 2^-64, `2^64 pole pairs/counts`, wrapping.
+    /// Electrical turns per encoder count in units of 2^-64 turn: `2^64 · pole pairs/counts per turn`, wrapping at 2^64.
     per_count: u64,
 }
 
@@ -104,7 +105,7 @@ impl ElectricalScale {
         } else {
             counts_per_rev as u64
         };
-        // 32 bits at a time: the rest is below 2^32 and is divided again.
+        // Divides 32 bits at a time: the remainder is below 2^32 and is divided again.
         let turns = (pole_pairs as u64) << 32;
         let (upper, rest) = (turns / counts, turns % counts);
         Self {
@@ -112,7 +113,7 @@ impl ElectricalScale {
         }
     }
 
-    /// The electrical angle of a count, relative to that of count 0.
+    /// The electrical angle at an encoder count, relative to the angle at count 0.
     #[inline]
     #[must_use]
     pub const fn angle(&self, count: i64) -> Angle {

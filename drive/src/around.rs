@@ -1,14 +1,14 @@
-//! The environments (walls and detents) of a board: one that runs, and room for the one that replaces it.
+//! The environments (several walls and detents) that a board renders: one that runs, and room for the one that replaces it.
 //!
 //! ```text
-//! armed:      prepare -> next tick:        takes over from what runs, no jump
+//! armed:      prepare -> next tick:        replaces what runs, without a jump of the force
 //! not armed:  prepare -> at once:          runs from the next arming on
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If there is only the wall of the settings, the device's own law runs, as on boards without environments, and takes the same
-//! time. An environment takes the wall's place only if the user changes to another scene while the device is armed; that lasts
-//! until the next arming.
+//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without
+//! environments, and takes the same time. Only if the user changes the scene while the device is armed does an environment replace
+//! that wall. The replacement lasts until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -23,21 +23,21 @@ use touchstone_protocol::settings::environment::{CountsFrom, Surround};
 
 type Law = Controller<Fixed32>;
 
-/// The coefficients that are computed from settings and an environment.
+/// An environment of walls and detents, with its coefficients computed from the settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Surrounding {
     environment: Environment<Fixed32>,
     is_more: bool,
-    /// The wall of the device's settings.
+    /// The single wall of the device's settings, in whose place the environment (walls and detents) may be rendered.
     first: WallSettings,
     per_tick: Force<Fixed32>,
 }
 
 impl Surrounding {
-    /// Checks the environment and computes its coefficients.
+    /// Checks an environment (walls and detents) and computes its coefficients.
     ///
     /// # Errors
-    /// The setting that is refused.
+    /// A setting is refused; the error names it.
     #[cold]
     #[inline(never)]
     pub fn new(
@@ -54,11 +54,11 @@ impl Surrounding {
     }
 }
 
-/// Makes an environment of settings. If the position is measured when the force changes, the board's own delay is added to the
-/// guard's settings.
+/// Computes the coefficients of an environment (walls and detents). If the settings require that the position is measured when the
+/// force changes, the board's own delay is added to the settings of the energy guard.
 ///
 /// # Errors
-/// The setting that is refused.
+/// A setting is refused; the error names it.
 pub fn built(
     settings: &DeviceSettings,
     hardware: &Hardware,
@@ -72,7 +72,7 @@ pub fn built(
     environment.built(&told)
 }
 
-/// What is prepared but does not run yet.
+/// The event for which the prepared environment (walls and detents) waits before it is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Waits {
     Nothing,
@@ -80,25 +80,25 @@ enum Waits {
     ForTheCalibration,
 }
 
-/// The running environment of a board, and the one that is prepared.
+/// The environment (walls and detents) that a board renders, and the one that is prepared to replace it.
 #[derive(Debug, Clone)]
 pub struct Around {
     places: [Option<Surrounding>; 2],
     use_second: bool,
     waits: Waits,
-    /// Whether an environment runs, in the place of the single wall of the settings.
+    /// Whether the environment (walls and detents) is rendered in place of the single wall of the settings.
     runs: bool,
-    /// Whether there was a tick since the arming; the next fields hold its encoder count and its force.
+    /// Whether a control period has run since the arming. The next fields hold that period's encoder count and force.
     ticked: bool,
     count: i64,
     shown: Force<Fixed32>,
-    /// The cogging map in use, and whether it waits for a calibration.
+    /// The cogging map in use. The next field: whether the map waits for a calibration.
     map: Option<Played>,
     map_waits: bool,
 }
 
 impl Around {
-    /// Starts without an environment: the board runs the single wall of the settings.
+    /// Starts without an environment of walls and detents: the board renders the single wall of the settings.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
@@ -122,8 +122,8 @@ impl Around {
         self.map_waits = settings_wait;
     }
 
-    /// Prepares an environment and returns from when on it counts. `settings_wait` means that the settings with which it was
-    /// computed wait for a calibration.
+    /// Prepares an environment (walls and detents) and returns from when on it is rendered. `settings_wait` means that its
+    /// coefficients come from settings that wait for a calibration.
     pub(crate) fn prepare(
         &mut self,
         surrounding: &Surrounding,
@@ -166,8 +166,8 @@ impl Around {
         }
     }
 
-    /// Ends the running environment. The energy in its guard's account goes back to the guard of the settings' wall, as the hand is
-    /// the same.
+    /// Ends the rendering of the environment (walls and detents). The energy that its energy guard has left passes to the energy
+    /// guard of the settings' wall, because the same hand holds the knob.
     #[cold]
     #[inline(never)]
     fn end(&mut self, law: &mut Law) {
@@ -182,7 +182,7 @@ impl Around {
         self.runs = false;
     }
 
-    /// Starts the environment that was prepared last, at an arming.
+    /// When the device is armed: starts the environment (walls and detents) that was prepared last.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, law: &Law) {
@@ -196,7 +196,7 @@ impl Around {
         }
     }
 
-    /// Changes to the prepared environment while the device is armed, without a jump of the force.
+    /// Changes to the prepared environment (walls and detents) while the device is armed, without a jump of the force.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, law: &Law, scale: CountScale) {
@@ -220,7 +220,7 @@ impl Around {
                 new.environment
                     .take_over_from(law, &new.first, (&at, self.shown), new.per_tick);
             }
-            // Armed, and no tick yet.
+            // The device is armed, but no control period has run since.
             _ => new
                 .environment
                 .begin(law.guard.as_ref().map(Guarded::account)),
@@ -230,7 +230,8 @@ impl Around {
 }
 
 impl Scenery for Around {
-    // The wall alone pays for two questions: what it does itself is the longest thing that a tick does.
+    // For the single wall the functions below only add two comparisons. Its own control law is the longest computation of a control
+    // period.
     #[inline(always)]
     fn armed(&mut self, law: &mut Law, fresh: &Law) {
         if self.runs {
@@ -326,7 +327,7 @@ impl Scenery for Around {
     }
 }
 
-/// Internal values of the wall that is touched; an environment of detents alone has none.
+/// Internal values of the wall that the device touches, for telemetry; an environment of detents alone has none.
 #[inline(never)]
 fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     environment.view().unwrap_or(View {
@@ -337,8 +338,8 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     })
 }
 
-/// Runs one tick of an environment. It is a separate function in every program, like the law's tick, so that its time can be
-/// counted.
+/// Runs one control period of an environment (walls and detents). The function is never inlined, so that its processor cycles can
+/// be counted.
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,

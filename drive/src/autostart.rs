@@ -19,45 +19,46 @@ use touchstone_protocol::{Command, SelfStart, State};
 /// Time between two calls of [`Autostart::step`], ms.
 pub const STEP_MS: u32 = 10;
 
-/// Steps for which supply and shaft must be in order before the check: half a second.
+/// Steps of 10 ms for which supply and shaft must be in order before the stored alignment is checked: half a second in all.
 const REST: u32 = 500 / STEP_MS;
-/// Steps for which the shaft must be at rest after the check: a fifth of a second.
+/// Steps of 10 ms for which the shaft must be at rest after the alignment check: a fifth of a second in all.
 const REST_AGAIN: u32 = 200 / STEP_MS;
-/// Longest time that the board waits for supply and shaft, in steps: ten seconds. After the check it waits three seconds.
+/// Longest time that the board waits for supply and shaft before the alignment check, in steps of 10 ms: ten seconds. After the
+/// check it waits at most three seconds.
 const PATIENCE: u32 = 10_000 / STEP_MS;
 const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
-/// Encoder counts by which a shaft at rest may jitter.
+/// Encoder counts within which a shaft counts as at rest.
 const JITTER: u64 = 4;
 
-/// The state of the board at one step of the unattended start.
+/// The values of the board that one step of the unattended start looks at.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
     /// State of the device.
     pub state: State,
     /// Whether the supply voltage is within its limits.
     pub is_supplied: bool,
-    /// The encoder's count.
+    /// The encoder's count, by which the shaft's rest is judged.
     pub count: i64,
     /// Whether the stop button is pressed.
     pub is_stop_pressed: bool,
-    /// Whether a computer has sent a frame since the start.
+    /// Whether a computer has sent a frame since the board started.
     pub desktop_spoke: bool,
 }
 
-/// The state of the unattended start.
+/// The state of the unattended start, from one step to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
-    /// Steps in the present phase; the next field holds how many of them were in order.
+    /// Steps of 10 ms in the present phase. The next field: for how many of them in a row supply and shaft were in order.
     steps: u32,
     rest: u32,
-    /// Encoder count at which the shaft rests.
+    /// Encoder count at which the shaft was last seen at rest.
     count: i64,
 }
 
 impl Autostart {
-    /// The state at power-up. It depends on whether the settings switch autostart on, why the processor started, and whether there
-    /// is a stored alignment to check.
+    /// The unattended start at power-up. Whether it begins depends on the setting for autostart, on the reason why the processor
+    /// started, and on whether an alignment to check is stored.
     #[must_use]
     pub fn new(is_asked: bool, reason: ResetReason, has_alignment: bool) -> Self {
         let told = if !is_asked {
@@ -77,19 +78,20 @@ impl Autostart {
         }
     }
 
-    /// The present phase of the unattended start, as it is reported.
+    /// The present phase of the unattended start, for the report to the computer.
     #[must_use]
     pub const fn told(&self) -> SelfStart {
         self.told
     }
 
-    /// Whether the board itself counts as the computer, because none has sent a frame since the start.
+    /// Whether the board itself counts as the computer (so that silence is no fault), because none has sent a frame since the
+    /// start.
     #[must_use]
     pub const fn stands_in(&self, desktop_spoke: bool) -> bool {
         matches!(self.told, SelfStart::Checking | SelfStart::Started) && !desktop_spoke
     }
 
-    /// Runs one step; returns a command for the next control tick, if there is one.
+    /// Runs one step of the unattended start (every 10 ms); returns a command for the next control period, if one is due.
     pub fn step(&mut self, now: &Glance) -> Option<Command> {
         let is_first = self.told == SelfStart::Waiting;
         if !is_first && self.told != SelfStart::Checking {
@@ -101,7 +103,7 @@ impl Autostart {
         let waits_for = match (now.state, is_first) {
             (State::Boot, true) => REST,
             (State::Ready, false) => REST_AGAIN,
-            // The command is on its way, or carried out.
+            // The command is being passed on or carried out.
             (State::Boot | State::Calibrating, false) => return None,
             (State::Fault(_), _) => return self.ends(SelfStart::Faulted, None),
             _ => return self.ends(SelfStart::NotReady, None),

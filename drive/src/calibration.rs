@@ -1,21 +1,22 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
-//! to which electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which encoder count
+//! belongs to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
 //! ```
 //!
 //! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
-//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
-//!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
+//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical
+//!    turn. A rotor that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings,
+//!    up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
-//!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
-//! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag, on the way back in the other direction, so the mean of both ways is right. As the mean is over a whole turn, an eccentric
-//!    magnet does not change it.
+//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to
+//!    stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
+//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the
+//!    rotor lag behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is
+//!    over a whole turn, an eccentric magnet does not change it.
 //!
-//! The result is used only if all of it is plausible. Every stage ends after a limited number of ticks.
+//! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!
 //! If the alignment of an absolute encoder is stored, the calibration checks that alignment instead (module `check`).
 
@@ -37,30 +38,32 @@ pub use config::CalibrationConfig;
 use fit::Fit;
 use touchstone_protocol::FaultCode;
 
-/// Why a calibration failed: the value of [`FaultCode::CalibrationFailed`].
+/// Why a calibration failed. The fault [`FaultCode::CalibrationFailed`] carries this number as its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Reason {
-    /// The current loop did not report offsets in time.
+    /// The current loop did not report the current sensors' offsets in time.
     OffsetsLate = 1,
-    /// The shaft moved, but not as far as the settings' pole pairs and counts say.
+    /// The shaft did not move as far as the settings' number of pole pairs and counts per turn predict.
     PolePairs = 2,
     /// The shaft did not return to the position where it began: it slipped by a pole.
     NotBack = 3,
     /// The shaft did not follow the field: it is held or loaded, or the encoder is not on the motor's shaft.
     Uneven = 4,
-    /// The current did not reach the requested value: a phase is open, or the bus voltage is too low.
+    /// The current did not reach its commanded value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
-    /// A push of the motor measurement hardly moved the shaft: it is held, or its friction is larger than the push.
+    /// In the motor measurement a current pulse hardly moved the shaft: it is held, or its friction is larger than the motor's
+    /// torque.
     Held = 6,
     /// The rotor was not near the field at the electrical angle that the stored alignment gives.
     KeptWrong = 7,
-    /// During the check of a stored alignment the shaft did not move with the field: it is held or loaded, or the alignment is
+    /// While the stored alignment was checked, the shaft did not move with the field: it is held or loaded, or the alignment is
     /// wrong.
     KeptNotFollowed = 8,
     /// The shaft did not come to rest, so the stored alignment could not be checked.
     KeptTurning = 9,
-    /// The board measures no current, and the motor's resistance, inductance or torque constant is not set.
+    /// The board measures no current, so it needs the motor's resistance, inductance and torque constant, and one of them is not
+    /// set.
     MotorUntold = 10,
     /// The same current needed a different voltage in another direction: the gain of a current sensor or the resistance of a phase
     /// is wrong.
@@ -68,7 +71,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// All reasons, in the order of their values.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -83,34 +86,34 @@ impl Reason {
         Self::Unbalanced,
     ];
 
-    /// The reason that a fault's value stands for; `None` for a value without a reason.
+    /// The reason with this number, which a fault carries as its value; `None` if no reason has the number.
     #[must_use]
     pub fn from_value(value: i32) -> Option<Self> {
         Self::ALL.into_iter().find(|reason| *reason as i32 == value)
     }
 }
 
-/// Result of a calibration.
+/// Result of a calibration: how the electrical angle follows from the encoder count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alignment {
     /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
-/// Progress of a calibration.
+/// Progress of a calibration after a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
     /// The calibration is done; holds its result.
     Done(Alignment),
-    /// The calibration failed; holds the fault's code and value.
+    /// The calibration failed; holds the fault's code and the number that goes with it.
     Failed(FaultCode, i32),
 }
 
-/// Samples per electrical turn, as a power of two.
+/// Number of samples per electrical turn, as a power of two (3: eight samples).
 const SAMPLES_LOG2: u32 = 3;
 /// Largest spread of the angles between field and rotor over all samples, in 1/65,536 of a turn: a quarter turn, where the torque
 /// is largest.
@@ -130,29 +133,31 @@ enum Stage {
     Rock,
 }
 
-/// The state of a running calibration.
+/// The state of a running calibration, from one control period to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
     config: CalibrationConfig,
     stage: Stage,
-    /// Ticks since the present stage began.
+    /// Control periods since the present stage began.
     ticks: u32,
     current: Amps,
-    /// Angle of the field, 2^-32 electrical turns.
+    /// Angle of the calibration's rotating field, 2^-32 electrical turns.
     field: i64,
-    /// Speed of the field, 2^-32 electrical turns per tick.
+    /// Speed of the calibration's rotating field, 2^-32 electrical turns per control period.
     speed: u32,
-    /// Counts at which the forward mechanical turn began and ended. Before that turn, the range of the rotor's counts in the last
-    /// quarter of a second.
+    /// Encoder counts at which the examined forward turn of the shaft began and ended (this field and the next). Before that turn,
+    /// the two hold the range of the rotor's counts in the last quarter of a second.
     began: i64,
     ended: i64,
-    /// Quarters of a second in which the rotor swung.
+    /// Time in quarters of a second for which the rotor has swung in the standing field.
     swung: u8,
-    /// Angles between field and rotor, for a count that rises with the field and for one that falls.
+    /// Angles between field and rotor, under the assumption that the count rises with the electrical angle. The next field assumes
+    /// that it falls.
     along: Fit,
     against: Fit,
     samples: i32,
-    /// Voltage along the field: the mean over 16 ticks, and its smallest and largest value at the sampled positions.
+    /// Voltage along the field, as a mean over 16 control periods. The next two fields: its smallest and largest value at the
+    /// sampled positions.
     volts: Volts,
     least: Volts,
     most: Volts,
@@ -161,7 +166,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Begins a calibration.
+    /// Begins a calibration with its first stage, the current sensors' offsets.
     #[must_use]
     pub const fn new(config: CalibrationConfig) -> Self {
         Self {
@@ -185,9 +190,10 @@ impl Calibration {
         }
     }
 
-    /// Runs one control tick with a good encoder reading: takes the unwrapped count and the current loop's report.
+    /// Runs one control period (tick) of the calibration. Takes the unwrapped encoder count and the current loop's report.
     ///
-    /// In a tick without a good reading the caller does not call this function: the outputs are off, and the field waits.
+    /// In a control period without a good encoder reading the caller does not call this function: the outputs are off, and the
+    /// field waits.
     pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
         self.ticks = self.ticks.saturating_add(1);
         #[cfg(feature = "large")]
@@ -250,12 +256,14 @@ impl Calibration {
 
     fn offsets(&mut self, tick: u32, report: &CurrentReport) -> Progress {
         let config = &self.config;
-        // The loop forgets old ones in the first period that it sees the command, which is before the third tick.
+        // The current loop discards old offsets in the first PWM period in which it sees the command, which is before the third
+        // control period.
         if self.ticks >= 3
             && let Some(offsets) = report.offsets
             && self.may_begin()
         {
-            // Without sensors there is nothing that could be off; the bridge was off all the same, and a check has waited for rest.
+            // A board without current sensors has no offsets to check. The bridge was off for as long, and a check has waited until
+            // the shaft rests.
             #[cfg(feature = "voltage")]
             if !config.senses {
                 self.enter(Stage::Raise);
@@ -315,7 +323,7 @@ impl Calibration {
             (self.began, self.ended) = (count, count);
             return None;
         }
-        // Three quarters are less than any ripple takes away.
+        // Even with ripple the current is above three quarters of the commanded one.
         let least = Amps::from_bits(self.config.current.to_bits() >> 2)
             .saturating_mul(Amps::const_from_int(3));
         if report.current.d < least {
@@ -330,7 +338,8 @@ impl Calibration {
         None
     }
 
-    /// Moves the field by one tick towards `target`. Returns whether it has passed a position at which a sample is taken.
+    /// Moves the field by one control period towards the angle `target`. Returns whether it has passed a position at which a sample
+    /// is taken.
     fn turn(&mut self, forward: bool, target: i64) -> bool {
         self.speed = self
             .speed
@@ -361,12 +370,13 @@ impl Calibration {
         self.volts = self.volts.saturating_add(Volts::from_bits(step));
     }
 
-    /// Whether the same current needed much more voltage in one direction than in another.
+    /// Whether the same current needed much more voltage in one direction of the field than in another.
     ///
-    /// If the sensor of phase A reads `1/(1 + ε)` of its current, the loop drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of the
-    /// requested current along the field, so the voltage varies by `±0.58 ε`. The limit of a quarter and half a volt (dead time,
-    /// the rotor's swing, cogging) corresponds to `ε = 0.3` for the shipped motor. A warmer winding changes the voltage equally in
-    /// all directions, so the resistance need not be known.
+    /// Let the sensor of phase A read `1/(1 + ε)` of its true current, and let `θ` be the direction of the field. Then the loop
+    /// drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of the commanded current along the field, so the voltage varies by `±0.58 ε`. The
+    /// function allows a quarter of the voltage and half a volt (dead time, the rotor's swing, cogging). For the motor of the
+    /// default settings that is `ε = 0.3`. A warmer winding changes the voltage equally in all directions, so the resistance need
+    /// not be known.
     fn is_unbalanced(&self) -> bool {
         let quarter = Volts::from_bits(self.least.max(Volts::ZERO).to_bits() >> 2);
         let half_volt = Volts::from_bits(1 << 15);
@@ -375,7 +385,7 @@ impl Calibration {
 
     fn forward(&mut self, count: i64) -> Option<Progress> {
         const TURN: i64 = 1 << 32;
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let (field, inside) = (self.field_angle(), self.field >= TURN);
         if !inside {
             self.began = count;
@@ -393,7 +403,7 @@ impl Calibration {
         self.judge_distance()
     }
 
-    /// Checks that the shaft moved one mechanical turn; returns the failure if it did not.
+    /// Checks that the shaft moved one mechanical turn while the field turned forward; returns the failure if it did not.
     fn judge_distance(&self) -> Option<Progress> {
         let counts = i64::from(self.config.counts_per_rev);
         let moved = self.ended.saturating_sub(self.began).saturating_abs();
@@ -403,7 +413,8 @@ impl Calibration {
         if moved < counts / 8 {
             return Some(failed(Reason::Uneven));
         }
-        // With one pole pair more, the field's turns would be a (p + 1)-th of a turn short: half of that decides.
+        // If the motor had one pole pair more than the settings' p, the shaft would move a (p + 1)-th of a turn less. Half of that
+        // is the limit.
         let twice = i64::from(self.config.pole_pairs)
             .saturating_add(1)
             .saturating_mul(2);
@@ -417,14 +428,15 @@ impl Calibration {
         if inside && passed {
             self.sample(field, count);
         }
-        // Where the forward turn began to be looked at.
+        // The field is back where the examined forward turn began.
         if field_turns(self.field) >= 1 {
             self.ended = count;
         }
         (self.field <= 0).then(|| self.judge())
     }
 
-    /// Checks that rotor and field agreed in all samples; returns the alignment or the failure.
+    /// Ends the calibration: checks that the shaft came back and that rotor and field agreed in all samples. Returns the alignment
+    /// or the failure.
     fn judge(&self) -> Progress {
         let config = &self.config;
         let slipped = self.ended.saturating_sub(self.began).saturating_abs();
@@ -437,7 +449,7 @@ impl Calibration {
             return failed(Reason::Unbalanced);
         }
         let spread = |fit: &Fit| fit.most.saturating_sub(fit.least);
-        // The wrong direction differs by whole turns, so that its spread is far larger.
+        // With the wrong direction of counting the angles differ by whole turns, so their spread is far larger.
         let against = spread(&self.against) < spread(&self.along);
         let fit = if against { &self.against } else { &self.along };
         if spread(fit) > SPREAD {
@@ -450,7 +462,7 @@ impl Calibration {
     }
 }
 
-/// Whole electrical turns of a field angle.
+/// Number of whole electrical turns in an angle of the field, which is in 2^-32 electrical turns.
 const fn field_turns(field: i64) -> i64 {
     field >> 32
 }

@@ -1,18 +1,19 @@
-//! The second encoder reading in a tick, when the force changes, and how the displacement of a tick is divided between the old and
-//! the new force.
+//! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between
+//! the old and the new force.
 //!
-//! The current loop gets the command of a control tick one PWM period later, and the command acts from half a period after that on.
-//! Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time
-//! `t` after the encoder was read. Over a tick the port takes the energy `f₁ Δx - g ∫ H dx`, with the change `g`. With a second
-//! reading, after `q` periods, the two parts of the displacement `Δx = u + w` are known. For all motions of the hand within these
-//! parts
+//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after
+//! that on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing
+//! a time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx`
+//! in a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known
+//! parts, `Δx = u + w`. For all motions of the hand within these parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
 //! ```
 //!
-//! The damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So the
-//! guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag that remains.
+//! The device's damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`).
+//! So the energy guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag
+//! that remains.
 
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;
@@ -24,29 +25,31 @@ use touchstone_protocol::settings::MotorSettings;
 use touchstone_protocol::settings::{DriveKind, Reason, SettingsError};
 use touchstone_protocol::{Decimal, DeviceSettings};
 
-/// Quarters of a PWM period from the sampling of the currents to each encoder reading: the current loop's interrupt runs first.
+/// Time from the sampling of the currents to each encoder reading, in quarters of a PWM period. The current loop's interrupt runs
+/// in between.
 const READ_AFTER_QUARTERS: u32 = 1;
-/// Fractional bits of the calculations in this module.
+/// Number of fractional bits of the fixed-point numbers in this module.
 const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
-/// Largest fraction of a change of force that may be missing when the next change begins: a fiftieth.
+/// Largest fraction (a fiftieth) of a change of force that may still be missing when the next change begins.
 const REST_MAX: i64 = ONE / 50;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// The current loop's answer to a step of the requested current, as calculated and as the bridge acts. It gives the fraction that
-/// is still missing, quarter by quarter of a PWM period. The loop acts on a sampled error half a period later, for a whole period,
-/// and changes the current by `ω T` times the error.
+/// The calculated response of the current to a step of the commanded current, as controller and bridge produce it. It gives the
+/// fraction of the step that is still missing after each quarter of a PWM period. The loop acts on a sampled error half a PWM
+/// period (`T`) later, for a whole one, and changes the current by `ω T` times the error; `ω` is the loop's bandwidth.
 struct Answer {
-    /// `ω T/4`: fraction of an error by which the current changes in a quarter of a period.
+    /// Fraction of an error by which the loop changes the current in a quarter of a PWM period: bandwidth times period, `ω T/4`.
     step: i64,
-    /// Error at the sample before the last, on which the loop acts in the first half of a period.
+    /// Current error at the sample before the last, on which the loop acts in the first half of a PWM period.
     before: i64,
-    /// Error at the last sample. The sample at the tick itself did not see the step yet.
+    /// Current error at the last sample. It is zero at first, because the sample at the start of the control period was taken
+    /// before the step of the command.
     last: i64,
-    /// Fraction of the change that is still missing: `H`.
+    /// Fraction of the commanded change of force that is still missing; the module's text calls it `H`.
     missing: i64,
-    /// Quarters of a PWM period since the tick's sample.
+    /// Quarters of a PWM period since the currents were sampled at the start of the control period.
     quarter: u32,
     /// Only for a drive by voltage instead of current: fraction of the missing current that the winding gains in a quarter of a
     /// period.
@@ -73,8 +76,9 @@ impl Answer {
         }
     }
 
-    /// The winding's gain per quarter of a period, `s/(1 + s)` with `s = R/4L T`. A backward Euler step leaves at least as much
-    /// current missing as the exact exponential does. 0 for a motor whose values are not set, as it is never driven.
+    /// Fraction of the missing current that the winding gains in a quarter of a PWM period: `s/(1 + s)` with `s = R/4L T`, for
+    /// resistance `R`, inductance `L` and PWM period `T`. This backward Euler step leaves at least as much current missing as the
+    /// exact exponential does. 1 for a motor whose values are not set, which is never driven.
     #[cfg(feature = "voltage")]
     #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
@@ -88,10 +92,11 @@ impl Answer {
         quotient(way, Si::ONE.saturating_add(way)).to_bits() >> (Si::FRAC_NBITS - BITS)
     }
 
-    /// Calculates the next quarter of a period; returns `H` at its end.
+    /// Calculates the next quarter of a PWM period; returns the fraction of the change of force that is still missing at its end.
     #[inline(never)]
     fn next(&mut self) -> i64 {
-        // The voltage is there from its bottom on, one and a half periods after the tick's sample, and stays.
+        // The new voltage acts from the counter's bottom one and a half PWM periods after the sample of the control period on, and
+        // stays.
         #[cfg(feature = "voltage")]
         if let Some(share) = self.winding {
             if self.quarter >= 6 {
@@ -114,7 +119,8 @@ impl Answer {
     }
 }
 
-/// Integrals over a part of a tick, with a quarter of a PWM period as the unit of time.
+/// Integrals of the missing fraction `H` over one part of a control period (before or after the second encoder reading). The unit
+/// of time is a quarter of a PWM period.
 #[derive(Debug, Clone, Copy, Default)]
 struct Part {
     quarters: i64,
@@ -123,12 +129,12 @@ struct Part {
 }
 
 impl Part {
-    /// Adds a quarter of a period in which `H` goes from one value to another.
+    /// Adds a quarter of a PWM period, in which the missing fraction of the force goes from `from` to `to`.
     #[inline(never)]
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
         self.area += (from + to) / 2;
-        // The chord of a square is above it.
+        // The mean of both ends is an upper bound, because the square is convex.
         self.square += (times(from, from) + times(to, to)) / 2;
     }
 
@@ -137,38 +143,38 @@ impl Part {
         self.area.checked_div(self.quarters).unwrap_or(0)
     }
 
-    /// `∫ (H - mean)² dt`.
+    /// The integral `∫ (H - mean)² dt` of the missing fraction `H` of the force, over this part of the control period.
     #[inline]
     fn variance(&self) -> i64 {
         (self.square - times(self.mean(), self.area)).max(0)
     }
 }
 
-/// Product of two values with [`BITS`] fractional bits, each at most some hundreds.
+/// Product of two fixed-point values with [`BITS`] fractional bits. Each value is at most some hundreds.
 #[inline]
 fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
 }
 
-/// The time of the encoder's second reading and the use of that reading.
+/// When the encoder is read a second time in a control period, and the factors with which the reading is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
-    /// PWM periods from the first encoder reading of a control tick to the second.
+    /// PWM periods from the first encoder reading of a control period to the second.
     pub read_at: u16,
-    /// Fraction, in 2^-28, of the displacement before the second reading that was under the new force, beyond the delay that the
-    /// guard itself charges.
+    /// The displacement before the second reading counts by this fraction (in 2^-28) as made under the new force. The delay that
+    /// the energy guard itself charges is not included.
     pub before: i32,
-    /// Fraction, in 2^-28, of the displacement after the second reading that was under the new force.
+    /// The displacement after the second reading counts by this fraction (in 2^-28) as made under the new force.
     pub after: i32,
-    /// Mean time in seconds from a tick's encoder reading to the change of force, without `lag_s`.
+    /// Mean time in seconds from the encoder reading at the start of a control period to the change of force, without `lag_s`.
     pub delay_s: Si,
-    /// The uncertainty that remains with a second reading, expressed as a lag in seconds.
+    /// Lag in seconds that the energy guard charges for what a second reading leaves uncertain.
     pub lag_s: Si,
 }
 
 impl ChangeConfig {
-    /// Calculates the time and use of the second reading from settings. `None` where the guard is off, or where it estimates the
-    /// position at the change.
+    /// Calculates when the second encoder reading is made and how it is used. `None` if the settings switch the energy guard off or
+    /// let it estimate the position at the change of force.
     ///
     /// # Errors
     /// The drive does not use this crate's current loop, or the loop has not finished a change of force when the next one begins.
@@ -203,7 +209,7 @@ impl ChangeConfig {
             answer.next();
         }
         for quarter in 0..tick {
-            // As soon as half of the change is there.
+            // The encoder is read as soon as half of the change of force has come.
             if quarter & 3 == 0 && read_at.is_none() && answer.missing <= ONE / 2 {
                 read_at = u16::try_from(quarter / 4).ok();
             }
@@ -215,11 +221,11 @@ impl ChangeConfig {
         }
         let read_at = read_at.filter(|_| answer.missing.abs() <= REST_MAX)?;
         let open = before.variance() + after.variance();
-        // The guard charges `lag (span - lag)/span`: the sixteenth more is what the parenthesis takes away, and some.
+        // The energy guard charges `lag (span - lag)/span`. The sixteenth added to the lag is more than that factor takes away.
         let lag = open + open / 16;
         let delay = before.area + after.area - lag;
         let span = i64::from(tick) * ONE - delay;
-        // The guard puts so much of the way after the change under the old force by itself.
+        // This fraction of the displacement after the change the energy guard itself counts as made under the old force.
         let own = (lag << BITS).checked_div(span)?;
         if lag - times(lag, own) < open {
             return None;
@@ -243,8 +249,9 @@ impl ChangeConfig {
         })
     }
 
-    /// Displacement since the force changed, as if the whole change had come at one instant. Takes the displacement from a tick's
-    /// first reading to its second, and that from the second to the next tick's first.
+    /// Displacement since the force changed, as if the whole change had come at one instant. The arguments are the displacement
+    /// from the first encoder reading of a control period to the second, and from the second to the first reading of the next
+    /// period.
     #[inline(always)]
     #[must_use]
     pub fn since_change(
@@ -254,7 +261,7 @@ impl ChangeConfig {
     ) -> Position<Fixed32> {
         let under_new =
             |share: i32, way: Position<Fixed32>| i64::from(share) * i64::from(way.0.to_bits());
-        // Shares are some 1 at most: 29 bits and 32, and the sum of both fits.
+        // The fractions are about 1 at most: products of 29 and 32 bits, whose sum fits into 64 bits.
         let sum = under_new(self.before, until_read) + under_new(self.after, from_read);
         Position(fixed::types::I8F24::from_bits(crate::units::clamp_i32(
             sum >> BITS,
@@ -262,8 +269,8 @@ impl ChangeConfig {
     }
 }
 
-/// The settings for a device's law. If the position is measured when the force changes, the board's own delay is added to the
-/// guard's settings.
+/// The settings from which a device's control law is computed. If the position is measured when the force changes, the board's own
+/// delay is added to the settings of the energy guard.
 ///
 /// # Errors
 /// Same as [`ChangeConfig::new`].

@@ -1,9 +1,10 @@
-//! Compensation of cogging by a stored map: a current by the shaft's position, added to the current that the law requests.
+//! Compensation of cogging by a stored map: a current that depends on the shaft's position is added to the current that the control
+//! law requests.
 //!
-//! The map's harmonics are summed once, outside the ticks, into a table over a turn. The control tick interpolates linearly between
-//! the table's entries. Three properties bound the map's effect: no entry is more than a quarter of the current limit; the entries
-//! add up to zero, so the work over a turn is zero; and the table is read at the position that the shaft has when the current acts.
-//! `docs/energy-guard.md` has the energy that remains.
+//! The map's harmonics are summed once, outside the control interrupt, into a table over a turn. In each control period the device
+//! interpolates linearly between the table's entries. Three properties bound the map's effect. No entry is more than a quarter of
+//! the current limit. The entries add up to zero, so the work over a turn is zero. The table is read at the position that the shaft
+//! has when the current acts. `docs/energy-guard.md` states the energy that the map can still give to a hand.
 
 use crate::Amps;
 use crate::angle::{Angle, ElectricalScale};
@@ -14,34 +15,35 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::cogging::{CURRENT_BITS, CoggingMap};
 
-/// Table entries per turn, as a power of two: 24 for each of the usual 84 periods. Linear interpolation then errs by at most 0.9 %
-/// of the amplitude.
+/// Number of table entries per turn, as a power of two. With the usual 84 cogging periods per turn that is 24 entries per period,
+/// and linear interpolation errs by at most 0.9 % of the amplitude.
 const PLACES_LOG2: u32 = 11;
-/// Table entries per turn.
+/// Number of entries in the table of currents, per turn of the shaft.
 pub const PLACES: usize = 1 << PLACES_LOG2;
-/// Bits of an angle below a step of the table, for interpolation.
+/// Number of low bits of a 16-bit angle that lie between two table entries and are interpolated.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
-/// The map may use at most the current limit divided by this number. With more, too little current would be left for the wall's
-/// force.
+/// The cogging map may use at most the current limit divided by this number. With more, too little current would be left for the
+/// wall's force.
 pub const SHARE: i32 = 4;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// Mean time in PWM periods from a tick's encoder reading until its command acts, without the current loop's own lag.
+/// Mean time in PWM periods from the encoder reading of a control period until the command computed from it acts. The current
+/// loop's own lag is not included.
 const ACTS_AFTER_PERIODS: i64 = 2;
 
-/// A cogging map prepared for the control tick, as a table of currents.
+/// A cogging map prepared for the control interrupt, as a table of currents.
 #[derive(Debug, Clone)]
 pub struct Played {
     /// Current by position within a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
-    /// Distance ahead of the shaft at which the table is read, 2^-16 turns per rad/s.
+    /// How far ahead of the shaft the table is read, per speed: 2^-16 turns per rad/s.
     lead: I16F16,
 }
 
 impl Played {
-    /// Sums the map's harmonics into the table.
+    /// Calculates the table of currents as the sum of the cogging map's harmonics.
     #[cold]
     #[inline(never)]
     #[must_use]
@@ -56,14 +58,14 @@ impl Played {
         let mut sum = 0;
         for (place, entry) in (0..).zip(&mut table) {
             let value = sum_at(map, place);
-            // As a whole: a map that were cut off would take work in a turn.
+            // The whole map is scaled down: if only its peaks were cut off, it would do work over a turn.
             let value = if peak > most {
                 value * most / peak
             } else {
                 value
             };
             sum += value;
-            // Within the bits of the current limit.
+            // The value is within the current limit, so it fits into 16 bits.
             *entry = value as i16;
         }
         level(&mut table, sum);
@@ -74,8 +76,8 @@ impl Played {
         }
     }
 
-    /// The compensating current, positive in the direction of rising counts. Takes the position in counts from the encoder's zero,
-    /// and the speed.
+    /// The current that compensates the cogging; positive if its torque acts towards rising counts. Takes the position in counts
+    /// from the encoder's zero, and the speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {
@@ -83,7 +85,7 @@ impl Played {
         let angle = self.scale.angle(place).0.wrapping_add(ahead as u16);
         let at = (angle >> REST_BITS) as usize;
         let rest = (angle & ((1 << REST_BITS) - 1)) as i32;
-        // In range without a check: 11 bits.
+        // The indices are always in range: they have 11 bits.
         let (from, to) = (
             self.table[at & (PLACES - 1)] as i32,
             self.table[(at + 1) & (PLACES - 1)] as i32,
@@ -94,7 +96,7 @@ impl Played {
     }
 }
 
-/// Sum of the map's harmonics at one entry of the table.
+/// Sum of the cogging map's harmonics at one entry of the table of currents.
 fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     let of = |it: &touchstone_protocol::CoggingHarmonic| {
         let angle = Angle((place.wrapping_mul(u32::from(it.order)) << REST_BITS) as u16);
@@ -104,18 +106,18 @@ fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     (sum + (1 << 14)) >> 15
 }
 
-/// Makes the entries add up to zero. Then linear interpolation between them takes as much work over a turn as it gives.
+/// Shifts the entries so that they add up to zero. Then the interpolated current does no net work over a turn.
 fn level(table: &mut [i16; PLACES], sum: i64) {
     let (each, mut rest) = (sum.div_euclid(PLACES as i64), sum.rem_euclid(PLACES as i64));
     for entry in table {
         let more = i64::from(rest > 0);
         rest -= more;
-        // By a step or two: harmonics have no mean, and the entries are within a quarter of 16 bits.
+        // Changes entries by a step or two only, because harmonics have no mean. The entries are within a quarter of 16 bits.
         *entry = clamp_i32(i64::from(*entry) - each - more) as i16;
     }
 }
 
-/// Distance that the shaft moves until a current acts, in the middle of the tick in which it acts.
+/// Angle that the shaft turns, per speed, from the encoder reading to the middle of the time in which the current acts.
 fn lead(settings: &DeviceSettings, hardware: &Hardware) -> I16F16 {
     let of = |parts: i64, rate: Si| quotient(Si::const_from_int(parts), rate);
     let period = of(ACTS_AFTER_PERIODS, Si::saturating_from_num(hardware.pwm_hz));
@@ -172,13 +174,13 @@ mod tests {
             let found: f64 = played.current(count, I16F16::ZERO).to_num();
             worst = worst.max((found - exact).abs());
         }
-        // A straight line is up to 0.83 % of the 22 mA off, a step of the current 0.12 mA.
+        // The linear interpolation errs by up to 0.83 % of the 22 mA, the current's step of 0.12 mA by half of it.
         assert!(worst < 3.5e-4, "{worst}");
     }
 
     #[test]
     fn a_turn_takes_no_work_and_no_map_is_more_than_a_quarter_of_the_limit() {
-        // The second is a map whose peaks meet on one side.
+        // In the second map the peaks of all harmonics meet on one side.
         for parts in [
             &[(84, 0.01, 0.003)][..],
             &[(5, 3.9, 0.0), (10, 3.9, 0.0)][..],
@@ -187,7 +189,7 @@ mod tests {
             let played = played(parts);
             assert_eq!(played.table.iter().map(|it| i64::from(*it)).sum::<i64>(), 0);
             let most = played.table.iter().map(|it| it.unsigned_abs()).max();
-            // Of 2 A, and two steps of levelling.
+            // A quarter of the 2 A limit, and two steps because the entries were shifted to add up to zero.
             assert!(f64::from(most.unwrap()) <= 0.5 * AMPERE + 2.0, "{most:?}");
         }
     }
@@ -195,14 +197,14 @@ mod tests {
     #[test]
     fn it_is_looked_up_where_the_shaft_will_be() {
         let played = played(&[(84, 0.02, 0.0)]);
-        // Two PWM periods, the current loop's 0.265 ms and half a tick.
+        // Two PWM periods, the current loop's lag of 0.265 ms, and half a control period.
         let lead_s = 100e-6 + 1.0 / (TAU * 600.0) + 0.5e-3;
         for speed in [-30.0, -5.0, 0.0, 5.0, 30.0] {
             for count in 0..1_000_i64 {
                 let angle = TAU * count as f64 / 16_384.0 + speed * lead_s;
                 let exact = 0.02 * (84.0 * angle).cos();
                 let found: f64 = played.current(count, I16F16::from_num(speed)).to_num();
-                // Angles of 16 bits: 84 · 9.6e-5 rad, and what the straight lines are off.
+                // The error of 16-bit angles, 84 · 9.6e-5 rad, and that of the linear interpolation.
                 assert!(
                     (found - exact).abs() < 5e-4,
                     "{speed} {count}: {found} {exact}"

@@ -1,4 +1,4 @@
-//! From a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
+//! Converts a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -28,32 +28,32 @@ impl DacCode {
 pub enum DriveCommand {
     /// The drive is off: bridge off, amplifier disabled and its input at zero.
     Off,
-    /// A command for the current loop.
+    /// The three-phase bridge is driven; holds the current loop's command.
     Current(CurrentCommand),
     /// A code for the external amplifier, which is enabled.
     Analogue(DacCode),
 }
 
-/// Position and motion of the rotor, for the drives that need them.
+/// Position and motion of the rotor, for the drives that must know them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
-    /// Number of the control tick.
+    /// Number of the control period, as a sign of life for the current loop.
     pub tick: u32,
     /// Electrical angle of the rotor.
     pub angle: Angle,
     /// Change of the electrical angle in a PWM period, 2^-32 turns.
     pub advance: i32,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// Fraction of the current limit that the temperature allows, in 1/65,536; at most 65,536.
+    /// Fraction of the current limit that the temperature allows, in 1/65,536 (65,536: the whole limit).
     pub derating: u32,
-    /// Current that the cogging map adds, positive along `+x`.
+    /// Current that the cogging map adds, A; positive if its torque acts towards rising positions (`+x`).
     #[cfg(feature = "large")]
     pub map: Amps,
 }
 
 impl Rotor {
-    /// The cogging map's current, limited to the current that the law leaves; 0 without a map.
+    /// The cogging map's current, limited to `left`, the current that the control law's force leaves unused; 0 without a map.
     #[inline(always)]
     #[cfg(feature = "large")]
     fn added(&self, left: Amps) -> Amps {
@@ -67,7 +67,7 @@ impl Rotor {
         Amps::ZERO
     }
 
-    /// The command for a current whose torque acts along `+x`.
+    /// The current loop's command for a current whose torque acts towards rising positions (`+x`).
     #[inline(always)]
     pub(crate) const fn along(&self, current: Amps) -> CurrentCommand {
         CurrentCommand {
@@ -87,27 +87,27 @@ impl Rotor {
     }
 }
 
-/// The drive command for a torque, and which limits acted.
+/// The drive command for a torque, and the limits that made the torque smaller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
     /// The command to the drive.
     pub command: DriveCommand,
     /// The limits that made the torque smaller.
     pub limits: Limits,
-    /// The torque along `+x` that is left after the limits.
+    /// The torque that remains after the limits, N·m; positive towards rising positions (`+x`).
     pub torque: Force<Fixed32>,
 }
 
 /// Turns a torque into a command for the motor's drive.
 pub trait Drive {
-    /// The command for a torque along `+x`.
+    /// Returns the drive command for a torque that is positive towards rising positions (`+x`).
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven;
 }
 
 /// A three-phase motor on this board's bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ThreePhase {
-    /// `1/k_t`, A/(N·m).
+    /// Inverse of the torque constant, `1/k_t`, A/(N·m).
     amps_per_nm: Amps,
     /// Torque constant `k_t`, N·m/A.
     nm_per_amp: I8F24,
@@ -115,10 +115,10 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// Computes the coefficients from the motor's settings.
+    /// Computes torque constant and its inverse from the motor's settings.
     ///
     /// # Errors
-    /// The inverse of the torque constant does not fit its format.
+    /// The inverse of the torque constant does not fit its fixed-point format.
     #[inline]
     pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
         let inverse = quotient(Si::ONE, motor.torque_constant_n_m_per_a);
@@ -137,11 +137,11 @@ impl ThreePhase {
 impl Drive for ThreePhase {
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
-        // At most the limit, as the derating is at most 1.
+        // This is at most the limit, as the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
         let added = rotor.added(left);
-        // With nothing added, within what is left; else the limit is on one side nearer and on the other further, and always around zero.
+        // Range of the wall's current. The cogging map's current shifts it, but it always includes zero.
         let (least, most) = (
             left.saturating_neg().saturating_sub(added),
             left.saturating_sub(added),
@@ -172,15 +172,15 @@ impl Drive for ThreePhase {
 /// A servo amplifier connected to the analogue output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Analogue {
-    /// Codes per N·m with 16 fractional bits.
+    /// Codes of the analogue output per N·m, with 16 fractional bits.
     codes_per_nm: i32,
 }
 
 impl Analogue {
-    /// Computes the coefficient from the amplifier's settings.
+    /// Computes the codes of the analogue output per N·m from the amplifier's settings.
     ///
     /// # Errors
-    /// The inverse of the full-scale torque does not fit its format.
+    /// The inverse of the full-scale torque does not fit its fixed-point format.
     #[inline]
     pub fn new(drive: &DriveSettings) -> Result<Self, SettingsError> {
         let codes = quotient(Si::const_from_int(2_047), drive.analogue_full_scale_n_m);
@@ -194,7 +194,7 @@ impl Analogue {
 
 impl Drive for Analogue {
     fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> Driven {
-        // 24 + 16 fractional bits to none, to the nearest.
+        // Removes 24 + 16 fractional bits, rounding to the nearest.
         let wide = i64::from(torque.0.to_bits()) * i64::from(self.codes_per_nm);
         let wanted = clamp_i32((wide + (1 << 39)) >> 40);
         let given = wanted.clamp(-2_047, 2_047);
@@ -221,7 +221,7 @@ impl AnyDrive {
     /// Computes the drive's coefficients from the settings.
     ///
     /// # Errors
-    /// A coefficient does not fit its format.
+    /// A coefficient does not fit its fixed-point format.
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Result<Self, SettingsError> {
         Ok(match settings.drive.kind {
@@ -265,7 +265,7 @@ mod tests {
             panic!("{driven:?}")
         };
         let limits = driven.limits;
-        // What is left is what the current gives, and never more.
+        // The reported torque is the one that the current gives, and never more than requested.
         let (left, given) = (
             driven.torque.0.to_num::<f64>(),
             0.25 * command.current.q.to_num::<f64>(),
@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_torque_is_a_current_by_the_torque_constant_and_direction() {
-        // 0.25 N·m/A, at most 2 A.
+        // The torque constant is 0.25 N·m/A, the current limit 2 A.
         for (nm, amps) in [(0.0, 0.0), (0.1, 0.4), (-0.1, -0.4), (0.49, 1.96)] {
             let (q, limits) = current(nm, ROTOR);
             assert!(
@@ -351,7 +351,8 @@ mod tests {
             (q, driven.torque.0.to_num::<f64>(), is_limited)
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
-        // Of 2 A the map has its part; the force that is told is that of the rest, and never another way or more than was asked.
+        // The cogging map uses a part of the 2 A. The reported force is that of the remaining current; it never has the other sign,
+        // nor is it more than requested.
         for (nm, map, derating, q, told, limited) in [
             (0.1, 0.05, 1 << 16, 0.45, 0.1, false),
             (0.5, 0.1, 1 << 16, 2.0, 0.475, true),
@@ -371,7 +372,7 @@ mod tests {
 
     #[test]
     fn the_analogue_output_spans_its_full_scale_around_the_middle() {
-        // 1 N·m at the upper end.
+        // The upper end of the range is 1 N·m.
         let drive = Analogue::new(&DeviceSettings::default().drive).unwrap();
         for (nm, code) in [
             (0.0, 2_048),

@@ -1,8 +1,8 @@
-//! The coefficients that are computed once from settings, and how a calibration changes to those of other settings.
+//! The coefficients that are computed once from the settings, and how a calibration switches to the coefficients of other settings.
 //!
 //! The functions that compute the coefficients, here and in the crate `control`, are `#[inline]`. So each program compiles them
-//! itself, the firmware for size. The code of the ticks is compiled with its crate, for speed. On the STM32G431 that saves 6 KiB of
-//! flash.
+//! itself, the firmware for size. The code that runs in each control period is compiled with its crate, for speed. On the STM32G431
+//! that saves 6 KiB of flash.
 
 use crate::angle::ElectricalScale;
 use crate::calibration::CalibrationConfig;
@@ -28,30 +28,30 @@ use touchstone_protocol::settings::{SettingsError, refused};
 pub struct Config {
     /// Coefficients of the current loop.
     pub current: CurrentConfig,
-    /// Limits whose violation is a fault.
+    /// Limits of the supervisor, whose violation is a fault.
     pub supervisor: SupervisorConfig,
     /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
-    /// Coefficients of a measurement that follows the calibration.
+    /// Coefficients of a motor measurement that follows the calibration.
     pub measurement: MeasurementConfig,
-    /// Coefficients of a cogging sweep that follows the calibration.
+    /// Coefficients of a cogging sweep (slow turn that measures the cogging torque) after the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
     /// Converts a torque to a current, or to a voltage for an external amplifier.
     pub drive: AnyDrive,
-    /// The control law in the state at power-up.
+    /// The control law, in the state that it has at power-up.
     pub law: Controller<Fixed32>,
-    /// Force from which on a tick is reported as being at the force limit, N·m.
+    /// A control period whose force reaches this value in N·m is reported as being at the force limit.
     pub force_limit: I8F24,
-    /// Converts encoder counts to the penetration.
+    /// Converts encoder counts to the penetration into the wall.
     pub scale: CountScale,
     /// Converts encoder counts to the electrical angle.
     pub electrical: ElectricalScale,
     /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// The second encoder reading at the change of force; `None` where it is not used.
+    /// How the second encoder reading, at the change of force, is timed and used; `None` where it is not used.
     pub change: Option<ChangeConfig>,
-    /// Growth per tick of the torque's fraction while the torque fades in, 2^-32.
+    /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,
 }
 
@@ -59,15 +59,15 @@ impl Config {
     /// Validates the settings and computes the coefficients.
     ///
     /// # Errors
-    /// Same as [`validate`]; also coefficients that do not fit their formats.
+    /// Same as [`validate`]; also coefficients that do not fit their fixed-point formats.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         validate(settings, hardware)?;
         let motor = &settings.motor;
         let rate = Si::saturating_from_num(settings.timing.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
-        // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
-        // Rounded up, so that the last of these ticks has all of it.
+        // The quotient has 32 fractional bits, so its bits are the step. A time below a control period gives the whole torque at
+        // once. The step is rounded up, so that the torque is complete in the last of these periods.
         let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
             .unwrap_or(u32::MAX)
             .saturating_add(1);
@@ -104,7 +104,7 @@ impl CurrentConfig {
     /// Computes the current loop's coefficients.
     ///
     /// # Errors
-    /// Gains that do not fit their formats. For an analogue drive they are not used and never refused.
+    /// The controller gains do not fit their fixed-point formats. For an analogue drive the gains are not used and never refused.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let motor = &settings.motor;
@@ -134,8 +134,8 @@ impl CurrentConfig {
     }
 }
 
-/// The coefficients in use, and room for the next ones. A calibration switches between them with a flag, because copying all of
-/// them would be the longest operation of a control tick.
+/// The coefficients in use, and room for those of the next settings. A calibration switches between them with a flag, because
+/// copying all of them would be the longest operation of a control period.
 #[derive(Debug, Clone)]
 pub(crate) struct Configs {
     first: Config,
@@ -163,7 +163,7 @@ impl Configs {
         }
     }
 
-    /// Prepares a configuration for the next switch.
+    /// Stores a configuration to which the next calibration switches.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;
@@ -173,7 +173,7 @@ impl Configs {
         self.has_next = true;
     }
 
-    /// Whether a configuration is prepared for the next switch.
+    /// Whether a configuration is stored to which the next calibration switches.
     #[cfg(feature = "large")]
     pub(crate) const fn has_next(&self) -> bool {
         self.has_next

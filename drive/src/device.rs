@@ -1,13 +1,13 @@
-//! One control tick, from the encoder's raw word to the command for the drive.
+//! One control period (tick), from the encoder's raw word to the command for the drive.
 //!
 //! ```text
 //! reading -> supervisor -> fault machine -> penetration -> law -> torque -> drive
 //! ```
 //!
-//! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator. Its force depends only on the encoder
-//! counts since the tick that armed, on the guard's energy account at that tick, and on the forces that were really commanded.
-//! Stages after the law reduce its force (fading in, current limit, temperature) and report the result to its estimator and its
-//! guard.
+//! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three
+//! things: the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really
+//! commanded. Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's
+//! estimator and its energy guard.
 
 use crate::angle::Angle;
 #[cfg(feature = "large")]
@@ -36,7 +36,7 @@ use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
 
-/// The device: the coefficients computed from settings, and all memory of the control tick.
+/// The device: the coefficients computed from settings, and all memory from one control period to the next.
 #[derive(Debug, Clone)]
 pub struct Device {
     configs: Configs,
@@ -61,7 +61,8 @@ impl Device {
         Ok(Self::of(Config::new(settings, hardware)?, Memory::new()))
     }
 
-    /// Makes a device with a given memory, for restoring or examining one. Supervisor and law start anew, and no calibration runs.
+    /// Makes a device with a given memory, for restoring or examining one. Supervisor and control law start anew, and no
+    /// calibration runs.
     #[must_use]
     pub fn of(config: Config, memory: Memory) -> Self {
         Self {
@@ -78,7 +79,7 @@ impl Device {
         }
     }
 
-    /// The memory that the next tick starts from.
+    /// The memory from which the next control period starts.
     #[must_use]
     pub const fn memory(&self) -> &Memory {
         &self.memory
@@ -90,7 +91,7 @@ impl Device {
         &self.law
     }
 
-    /// Takes the reason why the processor started. Some reasons are faults, which the next tick latches.
+    /// Tells the device why the processor started. Some reasons are faults; the next control period latches them.
     pub fn started(&mut self, reason: ResetReason) {
         if reason != ResetReason::PowerOn {
             self.supervisor
@@ -101,7 +102,7 @@ impl Device {
         }
     }
 
-    /// Reports a fault that another part of the firmware detected. The next tick latches the first reported fault.
+    /// Reports a fault that another part of the firmware detected. The next control period latches the first reported fault.
     ///
     /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with that
     /// fault.
@@ -110,7 +111,7 @@ impl Device {
         self.memory.settings_refused |= code == FaultCode::SettingsInvalid;
     }
 
-    /// Whether the device accepts settings now: not while the motor may move.
+    /// Whether the device accepts settings in its present state: not while the motor may move.
     #[must_use]
     pub const fn may_configure(&self) -> bool {
         matches!(self.memory.machine.outputs(), Outputs::Off)
@@ -136,8 +137,8 @@ impl Device {
         self.memory.settings_refused = false;
     }
 
-    /// Makes the position of the last tick the zero, until the next calibration. While the outputs may be on, the function changes
-    /// nothing and returns `false`: a wall must not jump at a hand.
+    /// Makes the position of the last control period the zero, until the next calibration. While the outputs may be on, the
+    /// function changes nothing and returns `false`, since the wall would jump against the hand.
     pub fn zero_here(&mut self) -> bool {
         if !self.may_configure() {
             return false;
@@ -153,7 +154,7 @@ impl Device {
         self.configs.now().current
     }
 
-    /// State of the device.
+    /// State of the device, for example calibrating or armed.
     #[must_use]
     pub const fn state(&self) -> State {
         self.memory.machine.state()
@@ -165,13 +166,13 @@ impl Device {
         self.memory.machine.fault()
     }
 
-    /// The last tick's record.
+    /// The telemetry record of the last control period.
     #[must_use]
     pub const fn record(&self) -> &Record {
         &self.memory.record
     }
 
-    /// The present part of a motor measurement; `None` while none runs.
+    /// The part of the motor measurement that runs now; `None` while none runs.
     #[must_use]
     pub fn measuring(&self) -> Option<MeasuringPart> {
         #[cfg(feature = "large")]
@@ -187,9 +188,9 @@ impl Device {
         self.memory.alignment
     }
 
-    /// Takes the encoder's second reading for the next tick, at the time that
-    /// [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) gives. If a tick drives the motor and this function is
-    /// not called, or the reading is bad, the next tick counts as one without a good reading.
+    /// Takes the encoder's second reading, made between two control periods, at the time that
+    /// [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) gives. If a control period drives the motor and this
+    /// function is not called, or the reading is bad, the next period counts as one without a good reading.
     pub fn read_change(&mut self, reading: EncoderReading) {
         let config = self.configs.now();
         if config.change.is_none() {
@@ -206,8 +207,8 @@ impl Device {
         });
     }
 
-    /// Whether the tick drives the motor and the second encoder reading is still missing. Code that delays the control tick for
-    /// long in that time makes the next tick lose the reading.
+    /// Whether the motor is driven and the second encoder reading is still due. Code that delays the control interrupt for long
+    /// while this is true makes the device lose that reading.
     #[must_use]
     pub fn awaits_reading(&self) -> bool {
         self.memory.record.law_ran
@@ -215,19 +216,19 @@ impl Device {
             && self.configs.now().change.is_some()
     }
 
-    /// Runs one control tick with the single wall of the settings.
+    /// Runs one control period with the single wall of the settings.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)
     }
 
-    /// Runs one control tick with an environment of walls and detents.
+    /// Runs one control period with an environment of walls and detents.
     #[cfg(feature = "large")]
     pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
         self.tick_with(input, around)
     }
 
-    /// Sets the environment to touch; returns from when on it counts. It must have been computed with the settings that
-    /// [`Device::prepare`] got last.
+    /// Sets the environment of walls and detents to render; returns from when on it is rendered. It must have been computed with
+    /// the settings that [`Device::prepare`] got last.
     #[cfg(feature = "large")]
     pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
         let is_armed = self.memory.machine.state() == State::Armed;
@@ -276,7 +277,7 @@ impl Device {
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         let last = (self.memory.record.penetration, self.memory.record.count);
-        // A fault may have switched off before this tick.
+        // A fault may have switched the outputs off before this control period.
         let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
         if before == State::Armed && after != State::Armed {
@@ -292,7 +293,7 @@ impl Device {
         };
         self.finish(input, drive, limits, watched && verdict.count.is_none());
         ControlOutput {
-            // A tick without a reading to drive by is off as well, whatever the state.
+            // Without a usable encoder reading the outputs are off in every state.
             outputs: if drive == DriveCommand::Off {
                 Outputs::Off
             } else {
@@ -306,7 +307,7 @@ impl Device {
         }
     }
 
-    /// Runs one tick of the calibration. A drive without a motor to align is done at once.
+    /// Runs one control period of the calibration. A drive without a motor to align is done at once.
     fn calibrate(
         &mut self,
         tick: u32,
@@ -329,7 +330,7 @@ impl Device {
         if self.swept.running.is_some() {
             return self.swept(tick, count, self.map_here(scenery));
         }
-        // Built by its first tick and not by the one that takes its settings, which has enough to do.
+        // The calibration is built in its first control period, because the one that switches the settings already takes long.
         let progress = self
             .calibration
             .get_or_insert_with(|| Calibration::new(config.calibration))
@@ -349,8 +350,8 @@ impl Device {
         }
     }
 
-    /// Runs one tick of the motor measurement after a calibration. It is a separate function, so that it adds no time to the ticks
-    /// of a wall.
+    /// Runs one control period of the motor measurement after a calibration. It is a separate function, so that it adds no time to
+    /// the control periods of a wall.
     #[cold]
     #[inline(never)]
     fn measure(&mut self, tick: u32, count: i64) -> Progress {
@@ -367,7 +368,7 @@ impl Device {
         }
     }
 
-    /// Electrical angle and motion of the rotor at this tick's count.
+    /// Electrical angle and motion of the rotor at this encoder count, as the drive needs them.
     #[inline(always)]
     fn rotor(&self, tick: u32, count: i64, derating: u32) -> Rotor {
         let config = self.configs.now();
@@ -393,7 +394,7 @@ impl Device {
         }
     }
 
-    /// Carries out a change of state; returns whether the current loop must be rebuilt.
+    /// Carries out a change of the device's state; returns whether the current loop must be rebuilt.
     fn change(
         &mut self,
         before: State,
@@ -431,8 +432,8 @@ impl Device {
         is_new
     }
 
-    /// Writes the values that telemetry reports in every state.
-    // A call would have the whole input in memory, and it is copied there.
+    /// Writes the values that are reported in every state into the telemetry record.
+    // Inlined, because a call would copy the whole input to memory.
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
@@ -447,7 +448,7 @@ impl Device {
         record.current = input.current.current;
         record.bus = input.current.bus;
         record.timing = input.timing;
-        // Unless the law runs.
+        // These values hold unless the control law runs in this period.
         record.law_ran = false;
         record.force = Force::zero();
         record.torque = Force::zero();
@@ -457,7 +458,7 @@ impl Device {
         record.contact = Contact::Free;
     }
 
-    /// Fills in the rest of the tick's record, and returns the tick's output.
+    /// Fills in the rest of the control period's telemetry record, and returns the period's output.
     fn finish(
         &mut self,
         input: &ControlInput,
@@ -478,7 +479,8 @@ impl Device {
     }
 }
 
-/// The drive command of a calibration. It is off in the first tick and in ticks without a good reading.
+/// The drive command of a calibration. It is off in the calibration's first control period and in periods without a good encoder
+/// reading.
 const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
     match progress {
         Some(Progress::Running(command)) => DriveCommand::Current(command),

@@ -1,8 +1,9 @@
-//! Exchange between current loop and control tick in every tick: words in atomics, with neither side ever waiting.
+//! Exchange of command and report between the current loop and the control interrupt. The words are atomics, and neither side ever
+//! waits.
 //!
-//! On one core a lower priority never interrupts a higher one, so two forms are enough. In [`CommandBox`] the reader may interrupt
-//! the writer; in [`ReportBox`] the writer may interrupt the reader. The functions are in this crate and not in the firmware,
-//! because this crate is compiled for speed.
+//! On one core a lower priority never interrupts a higher one, so two forms of mailbox are enough. In [`CommandBox`] the reader may
+//! interrupt the writer; in [`ReportBox`] the writer may interrupt the reader. The functions are in this crate and not in the
+//! firmware, because this crate is compiled for speed.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, compiler_fence};
 
@@ -12,20 +13,20 @@ use crate::mailbox::{CommandWords, ReportWords};
 const COMMAND_WORDS: usize = size_of::<CommandWords>() / 4;
 const REPORT_WORDS: usize = size_of::<ReportWords>() / 4;
 
-/// Passes a command from the control tick to the current loop. The loop may interrupt the writing, and then reads the command
-/// before.
+/// Passes a command from the control interrupt to the current loop. If the loop interrupts the writing, it reads the previous
+/// command.
 #[derive(Debug)]
 pub struct CommandBox(Down<COMMAND_WORDS>);
 
 impl CommandBox {
-    /// Holds the default command: off.
+    /// A mailbox that holds the default command: bridge off.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
         Self(Down::new())
     }
 
-    /// Writes a command. Only the control tick may call it.
+    /// Writes a command. Only the control interrupt may call it.
     #[inline(never)]
     pub fn put(&self, command: &CurrentCommand) {
         self.0.put(&command.to_words());
@@ -39,12 +40,12 @@ impl CommandBox {
     }
 }
 
-/// Passes a report from the current loop to the control tick; the writer may interrupt the reader.
+/// Passes a report from the current loop to the control interrupt; the writer may interrupt the reader.
 #[derive(Debug)]
 pub struct ReportBox(Up<REPORT_WORDS>);
 
 impl ReportBox {
-    /// Holds the default report.
+    /// A mailbox that holds the default report.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
@@ -57,7 +58,7 @@ impl ReportBox {
         self.0.put(&report.to_words());
     }
 
-    /// Reads the last report. Only the control tick may call it.
+    /// Reads the last report. Only the control interrupt may call it.
     #[inline(never)]
     #[must_use]
     pub fn get(&self) -> CurrentReport {
@@ -87,8 +88,8 @@ fn load<const N: usize>(words: &Words<N>) -> [u32; N] {
     values
 }
 
-/// Passes words from a lower priority to a higher one. The reader never sees half of a value, because one store publishes the whole
-/// value.
+/// Passes words from a lower interrupt priority to a higher one. The reader never sees half of a value, because one store publishes
+/// the whole value.
 #[derive(Debug)]
 struct Down<const N: usize> {
     first: Words<N>,
@@ -97,7 +98,7 @@ struct Down<const N: usize> {
 }
 
 impl<const N: usize> Down<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -106,17 +107,17 @@ impl<const N: usize> Down<N> {
         }
     }
 
-    /// Writes a value. It must be called from one priority only.
+    /// Writes a value. All callers must run at the same interrupt priority.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.use_second.load(Ordering::Relaxed);
         store(if second { &self.second } else { &self.first }, values);
-        // On one core the order of the instructions is what an interrupt sees.
+        // On one core an interrupt sees memory in the order of the instructions.
         compiler_fence(Ordering::SeqCst);
         self.use_second.store(second, Ordering::Relaxed);
     }
 
-    /// Reads the last value. It must be called from a higher priority than [`Self::put`].
+    /// Reads the last value. The caller must run at a higher interrupt priority than callers of [`Self::put`].
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         load(if self.use_second.load(Ordering::Relaxed) {
@@ -127,20 +128,20 @@ impl<const N: usize> Down<N> {
     }
 }
 
-/// Passes words from a higher priority to a lower one. The reader first announces which of two places it reads, and the writer then
-/// writes the other place. So no value is ever a mix of two, however often the reader is interrupted, and neither side has to
-/// retry.
+/// Passes words from a higher interrupt priority to a lower one. The reader first announces which of two places it reads, and the
+/// writer then writes the other place. So no value is ever a mix of two, however often the reader is interrupted, and neither side
+/// has to retry.
 #[derive(Debug)]
 struct Up<const N: usize> {
     first: Words<N>,
     second: Words<N>,
-    /// Whether the last value is in the second place. The next field: whether the second place is being read.
+    /// Whether the last value is in the field `second`. The next field: whether `second` is being read.
     last_is_second: AtomicBool,
     reads_second: AtomicBool,
 }
 
 impl<const N: usize> Up<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -150,7 +151,7 @@ impl<const N: usize> Up<N> {
         }
     }
 
-    /// Writes a value. It must be called from one priority only.
+    /// Writes a value. All callers must run at the same interrupt priority.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.reads_second.load(Ordering::Relaxed);
@@ -159,20 +160,21 @@ impl<const N: usize> Up<N> {
         self.last_is_second.store(second, Ordering::Relaxed);
     }
 
-    /// Reads the last value. It must be called from a single priority that is lower than [`Self::put`]'s.
+    /// Reads the last value. All callers must run at the same interrupt priority, lower than that of the callers of [`Self::put`].
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         self.get_interrupted(|| ())
     }
 
-    /// Same as `get`, and calls `interrupt` between any two steps, as an interrupt would come.
+    /// Same as `get`, but calls `interrupt` between any two steps, to stand for an interrupt that comes there.
     #[inline(always)]
     fn get_interrupted(&self, mut interrupt: impl FnMut()) -> [u32; N] {
         let second = self.last_is_second.load(Ordering::Relaxed);
         interrupt();
         self.reads_second.store(second, Ordering::Relaxed);
-        // On one core the order of the instructions is what an interrupt sees. From here on the place is whole, and stays so: what
-        // was written between the two lines above is older or newer than what was promised, but never half.
+        // On one core an interrupt sees memory in the order of the instructions. From here on the announced place holds a complete
+        // value, and the writer leaves it alone. A write between the two lines above makes the value older or newer, but never
+        // mixed.
         compiler_fence(Ordering::SeqCst);
         let words = if second { &self.second } else { &self.first };
         let mut values = [0; N];
@@ -211,7 +213,8 @@ mod tests {
             assert_eq!(reports.get(), report);
         }
     }
-    /// Tries every order in which up to eleven writes can fall between the steps of a read; the bits of a word give the order.
+    /// Checks that no read mixes two reports. Up to eleven writes fall between the steps of a read, in every possible order; the
+    /// bits of a number select the order.
     #[test]
     fn no_report_is_torn_however_often_its_reading_is_interrupted() {
         const WORDS: usize = 6;
@@ -224,7 +227,7 @@ mod tests {
                     up.put(&[written; WORDS]);
                 }
             };
-            // Whichever place is the last one's to begin with.
+            // Either of the two places may hold the last value at the start.
             put(1 + pattern % 2);
             let _ = up.get();
             put(pattern % 3);

@@ -5,12 +5,13 @@
 //!   -> penetration, law (control, unchanged) -> torque -> current (command) -> mailbox -> current loop (current) -> compare values
 //! ```
 //!
-//! The firmware's interrupts make only two calls: [`CurrentLoop::tick`] once a PWM period and [`Device::tick`] once a control
+//! The firmware's interrupts make only two calls: [`CurrentLoop::tick`] once per PWM period and [`Device::tick`] once per control
 //! period. Neither waits, allocates, panics, reads a clock or a register, or calculates with floats. So both run the same on any
 //! host.
 //!
-//! Read it in this order: [`device`] for one control tick, [`command`] for how its torque becomes a command, [`current`] for one
-//! PWM period; then [`supervisor`] for the faults and [`calibration`] for the values that must be known before.
+//! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command, [`current`]
+//! for one PWM period. Then [`supervisor`] for the faults, and [`calibration`] for the values that must be known before the first
+//! torque.
 //!
 //! | word | meaning | type |
 //! |---|---|---|

@@ -1,5 +1,6 @@
-//! The two mailboxes between current loop and control tick as 32-bit words, so that the firmware can pass them through atomics.
-//! Every bit pattern decodes to a harmless value: an unknown mode to [`CurrentMode::Off`], an unknown trip to none.
+//! Command and report of the two mailboxes between current loop and control interrupt as 32-bit words, so that the firmware can
+//! pass them through atomics. Every bit pattern decodes to a harmless value: an unknown mode becomes [`CurrentMode::Off`], an
+//! unknown trip (reason for switching off) becomes none.
 
 use crate::Volts;
 use crate::angle::Angle;
@@ -8,9 +9,9 @@ use crate::transform::Dq;
 use fixed::types::I16F16;
 use touchstone_protocol::FaultCode;
 
-/// The words of a [`CurrentCommand`].
+/// A [`CurrentCommand`] as 32-bit words.
 pub type CommandWords = [u32; 5];
-/// The words of a [`CurrentReport`].
+/// A [`CurrentReport`] as 32-bit words.
 pub type ReportWords = [u32; 12];
 
 const fn bits(value: I16F16) -> u32 {
@@ -80,7 +81,7 @@ impl CurrentReport {
         let offsets = self.offsets.unwrap_or_default();
         let flags = pair(
             u16::from(code) | u16::from(self.trips) << 8,
-            // A spread has 12 bits.
+            // The spread of the offsets has 12 bits.
             offsets.spread.min(0x7FFF) << 1 | u16::from(self.offsets.is_some()),
         );
         [

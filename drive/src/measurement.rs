@@ -1,16 +1,17 @@
-//! The excitation of a motor measurement, after a calibration. From the recorded data the desktop identifies the motor, in
+//! The excitation of a motor measurement, after a calibration. The computer identifies the motor from the recorded data, in
 //! `touchstone_lab::identify::motor`.
 //!
 //! ```text
 //! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
 //! ```
 //!
-//! 1. A current turns far faster than the rotor can follow, first at half of the calibration's current, then at all of it. In the frame of
-//!    that current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the same at both currents and cancels out.
-//! 2. A quarter of that current pushes the shaft up to a speed, in both directions. After each push the bridge is off, and the knob coasts. The
-//!    voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
+//! 1. A current vector turns far faster than the rotor can follow, first with half of the calibration's current, then with all of
+//!    it. In the frame that turns with the current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the
+//!    same at both currents and cancels out.
+//! 2. A quarter of the calibration's current pushes the shaft up to a speed, in both directions. After each push the bridge is off,
+//!    and the knob coasts. The voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
 //!
-//! Every stage ends after a fixed number of ticks. A push that does not move the shaft is a failure.
+//! Every stage ends after a fixed number of control periods. A push that does not move the shaft is a failure.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -25,11 +26,11 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
-/// Angle of the fast field per PWM period, 2^-32 turns: a sixty-third of a turn, 317 Hz at 20 kHz. The effect of dead time repeats
-/// every sixth of a turn. A control period, a product of 2s and 5s of PWM periods, is no multiple of that, so the ticks see the
-/// mean of the effect.
+/// Angle by which the fast field turns per PWM period, 2^-32 turns: a sixty-third of a turn, which is 317 Hz at 20 kHz. The effect
+/// of dead time repeats every sixth of a turn. A control period, a product of 2s and 5s of PWM periods, is no multiple of that, so
+/// the readings average the effect.
 pub const FAST_FIELD: u32 = u32::MAX / 63;
-/// Number of pushes: two fast ones, there and back, then two to a third of the speed.
+/// Number of pushes of the shaft: two to the full speed, there and back, then two to a third of it.
 const PUSHES: u8 = 4;
 
 /// Coefficients of a motor measurement.
@@ -38,25 +39,25 @@ pub struct MeasurementConfig {
     /// Whether the user has requested a measurement.
     pub(crate) wanted: bool,
     current: Amps,
-    /// Rise of the fast field's current per tick, A.
+    /// Rise per control period of the current that the fast field has, A.
     current_step: Amps,
-    /// Angle of the fast field per control period, 2^-32 turns.
+    /// Angle by which the fast field turns per control period, 2^-32 turns.
     field_per_tick: u32,
-    /// Ticks for which the fast field's current is held once it has reached its value.
+    /// Control periods for which the fast field's current is held once it has reached its value.
     hold: u32,
     push: Amps,
-    /// Speeds at which a push ends, the fast one and the slow one, rad/s.
+    /// Speeds at which a fast and a slow push of the shaft end, rad/s.
     speeds: [I16F16; 2],
     /// Braking current per speed, A·s/rad.
     brake: I16F16,
-    /// Ticks without a change of count after which the shaft is at rest.
+    /// Control periods without a change of the encoder count after which the shaft counts as at rest.
     rest: u32,
-    /// Longest time of a push, a coast or a brake, ticks.
+    /// Longest time of a push, a coast or a brake, in control periods.
     longest: u32,
 }
 
 impl MeasurementConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a motor measurement from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -65,7 +66,7 @@ impl MeasurementConfig {
         let current: Amps = narrow(settings.calibration.current_a);
         let hold = (rate / 2).max(1);
         let step = current.to_bits() / i32::try_from(hold).unwrap_or(i32::MAX);
-        // Half of what switches off: room for what a push adds until it is seen.
+        // Half of the speed at which the device switches off. That leaves room for the speed that a push adds until it is detected.
         let speed = of(settings.limits.max_speed_rad_per_s, 2);
         let push = of(settings.calibration.current_a, 4);
         Self {
@@ -84,7 +85,7 @@ impl MeasurementConfig {
     }
 }
 
-/// Progress of a motor measurement.
+/// Progress of a motor measurement after a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measuring {
     /// The measurement goes on; holds the command for the current loop.
@@ -100,20 +101,20 @@ pub enum Measuring {
 pub struct Measurement {
     config: MeasurementConfig,
     part: MeasuringPart,
-    /// Ticks since the present part began.
+    /// Control periods since the present part of the measurement began.
     ticks: u32,
-    /// Ticks since the count last changed.
+    /// Control periods since the encoder count last changed.
     still: u32,
     last: i64,
     current: Amps,
-    /// Angle of the fast field, 2^-32 turns.
+    /// Angle of the fast rotating field, 2^-32 electrical turns.
     field: u32,
-    /// Number of pushes that are over.
+    /// Number of pushes of the shaft that are over.
     pushes: u8,
 }
 
 impl Measurement {
-    /// Begins a measurement with the shaft at this count.
+    /// Begins a measurement with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -128,15 +129,15 @@ impl Measurement {
         }
     }
 
-    /// The present part of the measurement.
+    /// The part of the measurement that runs, for example a push or a coast.
     #[must_use]
     pub const fn part(&self) -> MeasuringPart {
         self.part
     }
 
-    /// Runs one control tick with a good encoder reading: takes the unwrapped count, the shaft's speed and the rotor's angle.
+    /// Runs one control period of the measurement. Takes the unwrapped encoder count, the shaft's speed and the rotor's angle.
     ///
-    /// In a tick without a good reading the caller does not call this function: the outputs are off.
+    /// In a control period without a good encoder reading the caller does not call this function: the outputs are off.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor) -> Measuring {
         self.ticks = self.ticks.saturating_add(1);
         self.still = if count == self.last {
@@ -162,7 +163,7 @@ impl Measurement {
         self.still = 0;
     }
 
-    /// Turns the fast field by one tick; its current is raised and then held.
+    /// Turns the fast field by one control period. Its current is first raised, then held until the part `next` begins.
     fn turn(&mut self, tick: u32, current: Amps, next: MeasuringPart) -> Measuring {
         if self.current < current {
             self.current = self
@@ -178,7 +179,7 @@ impl Measurement {
             tick,
             mode: CurrentMode::Drive,
             angle: Angle((self.field >> 16) as u16),
-            // A sixty-third of 2^32 is below 2^31.
+            // The cast is exact: a sixty-third of 2^32 is below 2^31.
             advance: FAST_FIELD as i32,
             current: Dq {
                 d: self.current,
@@ -187,7 +188,7 @@ impl Measurement {
         })
     }
 
-    /// Brakes the shaft until it is at rest.
+    /// Runs one control period of braking, until the shaft is at rest.
     fn brake(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
         if self.still >= self.config.rest || self.ticks >= self.config.longest {
             if self.pushes >= PUSHES {
@@ -207,7 +208,7 @@ impl Measurement {
         let wanted = if self.pushes < PUSHES / 2 { fast } else { slow };
         let is_over = self.ticks >= self.config.longest;
         if speed.saturating_abs() >= wanted || is_over {
-            // A hand holds it, or friction is more than the push.
+            // A hand holds the shaft, or its friction is larger than the push.
             if speed.saturating_abs() < Amps::from_bits(wanted.to_bits() >> 3) {
                 return Measuring::Failed(Reason::Held);
             }
@@ -231,7 +232,7 @@ impl Measurement {
     }
 }
 
-/// A step of the measurement with the bridge off, as a command for the current loop.
+/// A control period of the measurement with the bridge off, as a command for the current loop.
 const fn off(tick: u32) -> Measuring {
     Measuring::Running(CurrentCommand {
         tick,

@@ -1,7 +1,7 @@
 //! Space-vector modulation: converts a voltage vector to three compare values.
 //!
 //! The three phase voltages are shifted by half the sum of the largest and the smallest. This gives the same switching times as the
-//! method of sectors and dwell times. Line voltages reach the whole bus voltage, and a vector `bus/√3`.
+//! method of sectors and dwell times. The voltage between two phases can reach the whole bus voltage, and a vector `bus/√3`.
 
 use crate::Volts;
 use crate::transform::AlphaBeta;
@@ -10,19 +10,19 @@ use crate::units::{clamp_i32, product};
 /// The timer's range, and the largest compare value that leaves time to sample the currents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Modulator {
-    /// Compare value at which a phase is always high: the timer's reload value.
+    /// Compare value at which a phase is always at the bus voltage: the timer's reload value.
     pub top: u16,
     /// Largest compare value. Above it the low side is on for too short a time to sample its shunt.
     pub longest: u16,
 }
 
-/// `2^16 √3/2`, rounded.
+/// The constant `2^16 · √3/2`, rounded.
 const HALF_ROOT_3: i32 = 56_756;
-/// `2^16/√3`, rounded down.
+/// The constant `2^16/√3`, rounded down.
 const ONE_OVER_ROOT_3: i64 = 37_837;
 
 impl Modulator {
-    /// Compare values for zero voltage: all phases are high half of the time.
+    /// Compare values for zero voltage at the motor: all phases are at the bus voltage half of the time.
     #[must_use]
     pub const fn zero(&self) -> [u16; 3] {
         [self.top / 2; 3]
@@ -36,11 +36,11 @@ impl Modulator {
         if self.top == 0 || span <= 0 {
             return 0;
         }
-        // One step less than the quotient, so that rounding never meets the clamp.
+        // One step less than the quotient, so that rounding never exceeds the compare range.
         clamp_i32(span * ONE_OVER_ROOT_3 / self.top as i64 - 1)
     }
 
-    /// Compare values for a voltage vector at this bus voltage, each within `top - longest ..= longest`.
+    /// Compare values for a voltage vector at the bus voltage `bus`, each within `top - longest ..= longest`.
     ///
     /// A bus voltage of 1 V or less gives zero voltage.
     #[inline]
@@ -51,9 +51,9 @@ impl Modulator {
         if divisor <= 256 {
             return self.zero();
         }
-        // Below 2^31 / 2^8.
+        // The scale is below 2^31 / 2^8.
         let scale = ((u32::from(self.top) << 15) / divisor).cast_signed();
-        // In halves, so that everything down to the products fits 32 bits: no phase exceeds 0.69 · 2^31.
+        // Calculated in half volts, so that all values down to the products fit 32 bits: no phase exceeds 0.69 · 2^31.
         let half_alpha = v.alpha.to_bits() >> 1;
         let sideways = product(v.beta.to_bits(), HALF_ROOT_3, 17);
         let a = half_alpha;
@@ -68,7 +68,7 @@ impl Modulator {
         [a, b, c].map(|phase| {
             let wide = i64::from(phase.wrapping_sub(common)) * i64::from(scale);
             let count = clamp_i32((middle + wide + (1 << 21)) >> 22);
-            // Within u16, as `most` is.
+            // The result fits into u16, as `most` does.
             count.min(most).max(least) as u16
         })
     }
@@ -104,7 +104,7 @@ mod tests {
                 let duties = TIMER.duties(v, value(bus)).map(f64::from);
                 let [a, b, c] = duties.map(|d| d / 4_250.0 * bus);
                 let (alpha, beta) = ((2.0 * a - b - c) / 3.0, (b - c) / 3f64.sqrt());
-                // Half a count of 5.6 mV, the table's 1.3e-4, the scale's 4e-5.
+                // Errors: half a compare count of 5.6 mV, 1.3e-4 of the sine table, 4e-5 of the scale.
                 assert!(
                     (alpha - v.alpha.to_num::<f64>()).abs() < 0.006,
                     "{bits} {size}: {duties:?}"

@@ -1,7 +1,8 @@
-//! The two current controllers: proportional and integral, with an integrator that cannot wind up.
+//! The two current controllers, for the d and q axes: proportional and integral, with an integrator that cannot wind up.
 //!
-//! A winding obeys `L di/dt = v - R i - e`. With `k_p = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole, and
-//! the loop is a first-order lag of bandwidth `ω`. The integrator contains the voltage limit:
+//! A winding obeys `L di/dt = v - R i - e`, with inductance `L`, resistance `R`, voltage `v` and back-EMF `e`. With the gains `k_p
+//! = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole, and the loop is a first-order lag of bandwidth `ω`. The
+//! integrator contains the voltage limit; `i*` is the requested current, `s` the integral, `T` the PWM period:
 //!
 //! ```text
 //! v  = limited(k_p (i* - i) + s)
@@ -20,12 +21,13 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::settings::SettingsError;
 
-/// Gains of a current controller, computed once.
+/// Gains of a current controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PiGains {
-    /// Proportional gain `ω L`, V/A.
+    /// Proportional gain in V/A: bandwidth `ω` (rad/s) times inductance `L`.
     pub proportional: I16F16,
-    /// `R T/L`: the fraction, 0 to 1 in 1/65,536, by which the integrator approaches the voltage in a PWM period.
+    /// Fraction (in 1/65,536) by which the integral approaches the voltage in a PWM period `T`: `R T/L`, with the winding's
+    /// resistance `R` and inductance `L`.
     pub share: u16,
 }
 
@@ -33,16 +35,17 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// Gains of a loop that never drives a motor.
+    /// Gains of zero, for a loop that never drives a motor.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,
     };
 
-    /// Gains for a winding (phase to star point), a bandwidth and the loop's rate.
+    /// Gains from resistance and inductance of a winding (phase to star point), the bandwidth, and the loop's rate.
     ///
     /// # Errors
-    /// A gain does not fit its format: the inductance is so large or so small that a PWM period does not resolve the winding.
+    /// A gain does not fit its fixed-point format: the inductance is so large or so small that a PWM period does not resolve the
+    /// winding.
     #[inline]
     pub fn new(
         resistance_ohm: Si,
@@ -95,13 +98,13 @@ impl Pi {
             .saturating_add(self.integral);
         let given = wanted.min(limit).max(limit.saturating_neg());
         let way = i64::from(given.to_bits()) - i64::from(self.integral.to_bits());
-        // To the nearest step, so that a small error is not lost on one side only.
+        // Rounded to the nearest step, so that small errors are not lost in one direction only.
         let step = share_of(way, gains.share);
         self.integral = Volts::from_bits(clamp_i32(i64::from(self.integral.to_bits()) + step));
         (given, given != wanted)
     }
 
-    /// Clears the integral, for a bridge that is off.
+    /// Clears the integral, for a period in which the bridge is off.
     pub fn reset(&mut self) {
         *self = Self::default();
     }

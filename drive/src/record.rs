@@ -1,4 +1,4 @@
-//! The telemetry record of a control tick.
+//! The telemetry record of a control period.
 
 use crate::timing::TickTiming;
 use crate::transform::Dq;
@@ -8,33 +8,33 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Energy, Fixed32, Force, Position};
 use touchstone_protocol::{Limits, State};
 
-/// The telemetry values of one control tick.
+/// The telemetry values of one control period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
-    /// Number of the tick, wrapping at 2^32; the first tick is 1.
+    /// Number of the control period, wrapping at 2^32; the first one is 1.
     pub tick: u32,
-    /// State of the device after the tick.
+    /// State of the device after the control period.
     pub state: State,
     /// The limits that reduced the force.
     pub limits: Limits,
-    /// Encoder counts since the calibration, as the law got them.
+    /// Encoder counts since the calibration, as passed to the control law.
     pub count: i64,
-    /// Whether the law ran in this tick: the device was armed, and the encoder reading was good.
+    /// Whether the control law ran in this period: the device was armed, and the encoder reading was good.
     pub law_ran: bool,
-    /// Penetration `e` at the last good reading, rad.
+    /// Penetration `e` into the wall at the last good encoder reading, rad.
     pub penetration: Position<Fixed32>,
     /// Displacement since the force changed, as if the whole change had come at one instant, rad; 0 where that is not measured
     /// ([`crate::change`]).
     pub since_change: Position<Fixed32>,
-    /// Force that the law and its guard returned, N·m.
+    /// Force that the control law returned after its energy guard, N·m.
     pub force: Force<Fixed32>,
-    /// Offset of the law's virtual spring, rad.
+    /// Offset of the control law's virtual spring, rad.
     pub offset: Position<Fixed32>,
-    /// Energy that the law's own observer has summed, J; `None` if the law has no observer.
+    /// Energy that the control law's own passivity observer has summed, J; `None` if the law has no observer.
     pub energy: Option<Energy<Fixed32>>,
     /// Phase of the contact with the wall.
     pub contact: Contact,
-    /// Requested torque along `+x`, N·m: the negative of the force, multiplied by its fraction while it fades in.
+    /// Requested torque, N·m, positive towards rising positions: the negative of the force, multiplied by the fade-in fraction.
     pub torque: Force<Fixed32>,
     /// Requested current `i_q`, A; zero for an analogue drive.
     pub current_command: Amps,
@@ -46,12 +46,12 @@ pub struct Record {
     pub temperature: Option<Celsius>,
     /// Speed of the shaft, rad/s.
     pub speed_rad_per_s: I16F16,
-    /// Lateness of this tick and duration of the tick before, in processor cycles.
+    /// Lateness of this control period and duration of the one before, in processor cycles.
     pub timing: TickTiming,
 }
 
 impl Record {
-    /// The state before the first tick.
+    /// The record before the first control period.
     #[must_use]
     pub fn empty() -> Self {
         Self {

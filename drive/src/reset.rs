@@ -2,7 +2,7 @@
 
 use touchstone_protocol::FaultCode;
 
-/// The processor's reset flags, and what stayed in memory over the reset.
+/// The processor's reset flags, and the values that survived the reset in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ResetFlags {
     /// The brown-out detector caused the reset; the flag is also set when power comes on.
@@ -19,9 +19,9 @@ pub struct ResetFlags {
     pub option_bytes: bool,
     /// A forbidden attempt to enter a low-power mode caused the reset.
     pub low_power: bool,
-    /// Whether the mark that the running program keeps in memory is still there: power was then not really off.
+    /// Whether the mark that the running program keeps in memory is still there. If so, the memory kept its power.
     pub memory_kept: bool,
-    /// The place of a panic, which the panic handler stored before the reset; `None` without a panic.
+    /// Where the program panicked, as the panic handler stored it before the reset; `None` without a panic.
     pub panic: Option<u32>,
 }
 
@@ -41,16 +41,16 @@ pub enum ResetReason {
     IndependentWatchdog,
     /// The window watchdog was fed too late or too early.
     WindowWatchdog,
-    /// The program panicked; the value gives the place, as the panic handler stored it.
+    /// The program panicked; the value is the place in the program that the panic handler stored.
     Panic(u32),
     /// Option bytes were loaded.
     OptionBytes,
-    /// A forbidden attempt to enter a low-power mode.
+    /// The program attempted to enter a low-power mode, which is forbidden.
     LowPower,
 }
 
 impl ResetReason {
-    /// The reason behind the flags. If several are set, the most specific counts.
+    /// The reason that the reset flags give. If several flags are set, the most specific one decides.
     #[must_use]
     pub const fn of(flags: &ResetFlags) -> Self {
         match flags {
@@ -86,7 +86,7 @@ impl ResetReason {
         }
     }
 
-    /// The fault that this reason means, with its value; `None` if the reason is no fault.
+    /// The fault that this reason stands for, with the number that goes with the fault; `None` if the reason is no fault.
     #[must_use]
     pub const fn fault(self) -> Option<(FaultCode, i32)> {
         match self {

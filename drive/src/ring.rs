@@ -1,17 +1,17 @@
-//! Memory of the last second before a fault: 1,000 compact records of 12 bytes, frozen when a fault is latched.
+//! Ring buffer with the last second before a fault: 1,000 records of 12 bytes, frozen when a fault is latched.
 
 use crate::record::Record;
 use touchstone_protocol::{Limits, State};
 
-/// Number of records that the ring holds.
+/// Number of records that the ring buffer holds.
 pub const RECORDS: usize = 1_000;
-/// Bytes per record.
+/// Size of a record in the ring buffer, bytes.
 pub const BYTES: usize = 12;
 
-/// The values of one control tick that the ring keeps.
+/// The values of one control period that the ring buffer keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CompactRecord {
-    /// Low 16 bits of the tick's number.
+    /// Low 16 bits of the control period's number.
     pub tick: u16,
     /// Low 24 bits of the encoder count, sign-extended.
     pub count: i32,
@@ -19,7 +19,7 @@ pub struct CompactRecord {
     pub force: i16,
     /// Measured current `i_q` in 1/1,024 A, saturating at ±32 A.
     pub current: i16,
-    /// Lateness of the tick in units of 64 processor cycles, saturating.
+    /// Lateness of the control period in units of 64 processor cycles, saturating.
     pub lateness: u8,
     /// The limits that reduced the force.
     pub limits: Limits,
@@ -47,7 +47,7 @@ fn short(bits: i32, shift: u32) -> i16 {
 }
 
 impl CompactRecord {
-    /// Makes a compact record of a tick's telemetry record.
+    /// Makes a compact record from the telemetry record of a control period.
     #[must_use]
     pub fn of(record: &Record) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl CompactRecord {
         }
     }
 
-    /// The record as little-endian bytes: tick 2, count 3, force 2, current 2, lateness 1, limits 1, state 1.
+    /// The record as little-endian bytes. Sizes: tick 2, count 3, force 2, current 2, lateness 1, limits 1, state 1.
     #[must_use]
     pub const fn to_bytes(&self) -> [u8; BYTES] {
         let [t0, t1] = self.tick.to_le_bytes();
@@ -90,7 +90,7 @@ impl CompactRecord {
         let [t0, t1, c0, c1, c2, f0, f1, i0, i1, lateness, limits, state] = *bytes;
         Self {
             tick: u16::from_le_bytes([t0, t1]),
-            // Into the upper bytes and down again, so that the sign is kept.
+            // The three bytes go into the upper bytes and are shifted down, which extends the sign.
             count: i32::from_le_bytes([0, c0, c1, c2]) >> 8,
             force: i16::from_le_bytes([f0, f1]),
             current: i16::from_le_bytes([i0, i1]),
@@ -101,22 +101,22 @@ impl CompactRecord {
     }
 }
 
-/// A ring of the last records; reading begins with the oldest.
+/// A ring buffer of the last records; reading begins with the oldest.
 #[derive(Debug, Clone)]
 pub struct Ring {
     records: [[u8; BYTES]; RECORDS],
-    /// Place at which the next record is stored.
+    /// Index at which the next record is stored.
     next: usize,
     length: usize,
-    /// Number of ticks left out since the last stored one.
+    /// Number of control periods left out since the last stored record.
     skipped: u16,
     since: u16,
     frozen: bool,
 }
 
 impl Ring {
-    /// An empty ring for a control rate. Above 1 kHz only every n-th tick is stored, so that the ring holds a second. At 1 kHz and
-    /// below, the ring is all zeros, so that as a static it needs no flash.
+    /// An empty ring for this control rate. Above 1 kHz only every n-th control period is stored, so that the ring holds a second.
+    /// At 1 kHz and below, the ring is all zeros, so that it needs no flash as a static variable.
     #[must_use]
     pub const fn new(rate_hz: u32) -> Self {
         Self {
@@ -139,7 +139,8 @@ impl Ring {
         self.thaw();
     }
 
-    /// Stores a tick's record if the tick is one of those that are kept. The tick of a fault is always stored, and is the last one.
+    /// Stores a control period's record if its turn has come (see [`Ring::every`]). The period of a fault is always stored and is
+    /// the last one.
     pub fn push(&mut self, record: &Record) {
         if self.frozen {
             return;
@@ -164,7 +165,7 @@ impl Ring {
         self.length = (self.length + 1).min(RECORDS);
     }
 
-    /// Empties the ring and continues after a fault.
+    /// Empties the ring and lets it record again after a fault.
     pub fn thaw(&mut self) {
         self.frozen = false;
         self.length = 0;
@@ -178,7 +179,7 @@ impl Ring {
         self.frozen
     }
 
-    /// The number n if every n-th tick is stored.
+    /// The number n if every n-th control period is stored.
     #[must_use]
     pub const fn every(&self) -> u16 {
         self.skipped.saturating_add(1)

@@ -1,55 +1,59 @@
-//! The forces that the knob renders: the single wall of the settings, or an environment on boards with enough memory.
+//! The forces that the knob renders: the single wall of the settings, or an environment of several walls and detents on boards with
+//! enough memory.
 //!
-//! It is not a part of the device: an environment has some kilobytes, too large for a stack.
+//! An environment is not a part of the device struct, as its kilobytes are too large for a stack.
 
 use touchstone_control::law::View;
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Position};
 
 type Law = Controller<Fixed32>;
 
-/// Position and displacement of the device at a tick.
+/// Position and displacement of the device in a control period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// The encoder's count.
+    /// Encoder count at the device's position.
     #[cfg_attr(
         not(feature = "large"),
         allow(dead_code, reason = "the wall alone has one surface")
     )]
     pub count: i64,
-    /// Penetration of that position behind the surface of the settings' wall.
+    /// Penetration at this position behind the surface of the settings' wall.
     pub penetration: Position<Fixed32>,
     /// Displacement since the force changed; `None` where it is not measured.
     pub since_change: Option<Position<Fixed32>>,
 }
 
-/// The calls that a control tick makes to the rendered wall or environment. The law of the settings' wall belongs to the device.
+/// The calls that a control period makes to what it renders: the single wall of the settings or an environment (walls and detents).
+/// The control law of the settings' wall belongs to the device, so it is passed in.
 pub(crate) trait Scenery {
-    /// Starts after an arming: all memory is cleared except the energy in the guard's account.
+    /// Starts rendering after the device was armed. All memory is cleared, except the energy that the energy guard still lets the
+    /// wall give.
     fn armed(&mut self, law: &mut Law, fresh: &Law);
-    /// Restarts the law while the device stays armed, after a motion at which no force is allowed.
+    /// Restarts the control law while the device stays armed, after a motion so large that no force is allowed.
     fn again(&mut self, law: &mut Law, fresh: &Law);
-    /// Runs one tick while armed; returns the force against `+x`. The encoder's scale is passed by reference, as a copy takes time.
+    /// Runs one control period while armed; returns the force, positive against rising positions (`+x`). The encoder's scale is
+    /// passed by reference, as a copy takes time.
     fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32>;
-    /// Reports the force that was really commanded, after later stages changed it.
+    /// Reports to the control law the force that was really commanded, after later stages changed it.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
-    /// Reports that the outputs are switched off, after a tick that commanded no force or at an unknown time.
+    /// Reports to the control law that the outputs are switched off, after a control period without force or at an unknown time.
     fn switched_off(&mut self, law: &mut Law);
-    /// Whether the guard has switched the force off because of overspeed.
+    /// Whether the energy guard has switched the force off because the shaft turns too fast.
     fn is_tripped(&self, law: &Law) -> bool;
-    /// Whether a wall gives no force because the device is deeper inside it than positions reach.
+    /// Whether a wall gives no force because the device is deeper inside it than the position's number format reaches.
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
-    /// Internal values of the wall that is touched.
+    /// Internal values of the wall that the device touches, for telemetry.
     fn view(&self, law: &Law) -> View<Fixed32>;
-    /// Whether an environment runs in the place of the settings' single wall.
+    /// Whether an environment (walls and detents) is rendered in place of the settings' single wall.
     fn runs(&self) -> bool;
-    /// Reports that a calibration has changed to other settings.
+    /// Tells the rendered scene that a calibration has switched to other settings.
     fn calibrated(&mut self, law: &mut Law);
     /// The cogging map with which the board compensates cogging; `None` without one.
     #[cfg(feature = "large")]
     fn played(&self) -> Option<&crate::cogging::Played>;
 }
 
-/// The single wall of the settings, without an environment.
+/// Renders only the single wall of the settings, without an environment of further walls and detents.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WallAlone;
 
@@ -109,7 +113,7 @@ impl Scenery for WallAlone {
     }
 }
 
-/// Runs the law's tick. It is a separate function in every program, so that its time can be counted (`cargo xtask cycles`).
+/// Runs one period of the control law. The function is never inlined, so that `cargo xtask cycles` can count its processor cycles.
 #[inline(never)]
 pub(crate) fn law_tick(
     law: &mut Law,

@@ -9,7 +9,8 @@ use touchstone_protocol::{Decimal, DeviceSettings};
 
 pub use touchstone_protocol::settings::{DriveKind, EncoderKind, MotorSettings};
 
-/// Checks a number against a narrower range than its table's: `narrow!(settings, motor.current_limit_a, to: most)`.
+/// Checks a setting against a range narrower than that of the settings' table: `narrow!(settings, motor.current_limit_a, to:
+/// most)`.
 macro_rules! narrow {
     ($settings:ident, $table:ident.$name:ident, to: $most:expr) => {
         narrow!(
@@ -25,7 +26,8 @@ macro_rules! narrow {
     }};
 }
 
-/// Checks every setting against its range on this board. The wall's law is checked when its coefficients are computed.
+/// Checks every setting against its range on this board. The settings of the control law are checked when its coefficients are
+/// computed.
 ///
 /// # Errors
 /// The first setting that is out of range.
@@ -75,7 +77,7 @@ fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), 
     narrow!(settings, calibration.current_a, to: settings.motor.current_limit_a)
 }
 
-/// The error for a coefficient that is computed from this setting and does not fit its format.
+/// The error for the setting at `path`: a coefficient that is computed from it does not fit its fixed-point format.
 pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> SettingsError {
     SettingsError {
         path,

@@ -1,13 +1,13 @@
 //! Cogging sweep after a calibration. It turns the shaft slowly and evenly, in one direction and back, and reports the current that
-//! this takes at each position. The desktop calculates the cogging from it, in `touchstone_lab::identify::cogging`.
+//! each position needs. The computer calculates the cogging from these currents, in `touchstone_lab::identify::cogging`.
 //!
 //! ```text
 //! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
 //! ```
 //!
 //! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show
-//! where it gives way, and the desktop corrects for the inertia. Friction changes its sign with the direction and cogging does not,
-//! so the mean of both directions is the cogging alone. Two turns in each direction show how well it repeats.
+//! where the shaft deviates, and the computer corrects for the inertia. Friction changes its sign with the direction and cogging
+//! does not, so the mean of both directions is the cogging alone. Two turns in each direction show how well the result repeats.
 
 use crate::Amps;
 use crate::calibration::Reason;
@@ -18,45 +18,47 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
-/// Number of turns in each direction that are examined.
+/// Number of turns in each direction from which the cogging is calculated.
 pub const TURNS: i64 = 2;
 /// Speed of the sweep in quarters of a turn per second.
 pub const QUARTERS_PER_S: i64 = 1;
-/// If the shaft is more than a turn divided by this number behind the reference, it counts as held.
+/// The shaft counts as held if it is behind the position reference by more than a turn divided by this number.
 const HELD: i64 = 16;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// Natural frequency `ω` of the position loop, rad/s: 20 Hz.
+/// Natural frequency of the sweep's position loop, rad/s (20 Hz).
 const OMEGA: Si = Si::lit("125.66");
 /// Damping of the position loop, as a fraction of critical damping.
 const DAMPING: Si = Si::lit("0.7");
-/// Growth of the integral part per second, as a multiple of the proportional part.
+/// Growth of the position loop's integral part per second, as a multiple of its proportional part.
 const INTEGRAL_PER_S: Si = Si::lit("25");
 
 /// Coefficients of a cogging sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SweepConfig {
     counts_per_rev: i64,
-    /// Speed of the reference, 2^-16 counts per tick. The next field is the largest change of that speed in a tick.
+    /// Speed of the position reference, 2^-16 counts per control period. The next field is the largest change of that speed in a
+    /// period.
     speed: i64,
     speed_step: i64,
-    /// Speed in rad/s for each 2^-16 counts per tick, with 32 fractional bits.
+    /// Factor from a speed in 2^-16 counts per control period to rad/s, with 32 fractional bits.
     rad_per_s: i64,
     /// Stiffness of the position loop, A per count, with 32 fractional bits.
     stiffness: i64,
-    /// Growth of the integral in a tick, as a fraction of the proportional part, with 32 more fractional bits.
+    /// Growth of the position loop's integral in a control period, as a fraction of the proportional part, with 32 more fractional
+    /// bits.
     integral: i64,
     /// Damping of the sweep's position loop, A·s/rad.
     damping: I16F16,
     limit: Amps,
-    /// Ticks for which the shaft is held at the end.
+    /// Control periods for which the shaft is held at rest at the end of the sweep.
     stand: u32,
 }
 
 impl SweepConfig {
-    /// Computes the coefficients from validated settings. The loop needs `law.estimator.inertia_kg_m2` to be right within a factor
-    /// of two.
+    /// Computes the coefficients of a cogging sweep from validated settings. The position loop needs `law.estimator.inertia_kg_m2`
+    /// to be right within a factor of two.
     #[must_use]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate = settings.timing.rate_hz.max(1);
@@ -65,7 +67,7 @@ impl SweepConfig {
         let speed = (per_second / i64::from(rate)).max(1);
         let constant = settings.motor.torque_constant_n_m_per_a;
         let inertia = settings.law.estimator.inertia_kg_m2;
-        // J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
+        // Inertia times frequency over torque constant: J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
         let once = quotient(inertia.saturating_mul(OMEGA), constant);
         let twice = once.saturating_mul(OMEGA);
         let counts_si = Si::saturating_from_num(counts);
@@ -102,19 +104,19 @@ enum Way {
 pub struct Running {
     config: SweepConfig,
     way: Way,
-    /// Ticks for which the shaft has stood at the end.
+    /// Control periods for which the shaft has stood at the end of the sweep.
     ticks: u32,
-    /// Position of the reference, 2^-16 counts. The next field is its speed.
+    /// Position of the loop's reference, 2^-16 counts. The next field is the reference's speed.
     place: i64,
     speed: i64,
-    /// Count at which the present direction ends.
+    /// Encoder count at which the sweep's present direction ends.
     end: i64,
-    /// Current of the integral part, 2^-48 A.
+    /// Current of the position loop's integral part, 2^-48 A.
     integral: i64,
 }
 
 impl Running {
-    /// Begins a sweep with the shaft at this count.
+    /// Begins a sweep with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {
@@ -128,7 +130,7 @@ impl Running {
         }
     }
 
-    /// The present part of the sweep; `None` while the shaft stands at the end.
+    /// The part of the sweep that runs (forward or backward); `None` while the shaft stands at the end.
     #[must_use]
     pub const fn part(&self) -> Option<MeasuringPart> {
         match self.way {
@@ -138,10 +140,10 @@ impl Running {
         }
     }
 
-    /// Runs one control tick with a good encoder reading: takes the count, the shaft's speed, the rotor's angle, and the current
-    /// that a cogging map adds.
+    /// Runs one control period of the sweep. Takes the encoder count, the shaft's speed, the rotor's angle, and the current that a
+    /// cogging map adds.
     ///
-    /// In a tick without a good reading the caller does not call this function: the outputs are off.
+    /// In a control period without a good encoder reading the caller does not call this function: the outputs are off.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor, map: Amps) -> Measuring {
         self.go(count);
         let config = &self.config;
@@ -155,7 +157,7 @@ impl Running {
         let spring = clamp_i32(behind.saturating_mul(config.stiffness) >> 32);
         let most = i64::from(config.limit.to_bits()) << 32;
         let more = i64::from(spring) * config.integral;
-        // Not `clamp`, which panics where its ends are the wrong way round.
+        // Not `clamp`, because that panics if its lower end is above the upper one.
         self.integral = self.integral.saturating_add(more).min(most).max(-most);
         let wanted = clamp_i32((self.speed * config.rad_per_s) >> 32);
         let slower = wanted.saturating_sub(speed.to_bits());
@@ -166,7 +168,7 @@ impl Running {
         Measuring::Running(rotor.along(along.saturating_add(map)))
     }
 
-    /// Moves the reference by one tick.
+    /// Moves the position reference by one control period.
     fn go(&mut self, count: i64) {
         let wanted = match self.way {
             Way::Forward => self.config.speed,
@@ -188,7 +190,7 @@ impl Running {
     }
 }
 
-/// Counts of one direction: a quarter of a turn to start or to reverse, and the turns that are examined.
+/// Encoder counts of one direction of the sweep: a quarter of a turn to start or to reverse, and the turns that are evaluated.
 const fn way(counts_per_rev: i64) -> i64 {
     counts_per_rev * TURNS + counts_per_rev / 4
 }

@@ -2,14 +2,15 @@
 
 use crate::Celsius;
 
-/// A temperature sensor: pairs of the converter's code and the temperature, with rising codes.
+/// A temperature sensor: a table from the converter's code to the temperature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Thermistor {
     /// Pairs of the converter's code and degrees Celsius, both rising.
     pub points: [(u16, i16); 9],
 }
 
-/// A thermistor of 10 kΩ at 25 degrees Celsius, B = 3,455 K, from the supply, with 4.7 kΩ to ground and a 12-bit converter.
+/// A thermistor of 10 kΩ at 25 degrees Celsius, with the constant B = 3,455 K, between supply and converter, and 4.7 kΩ to ground.
+/// The converter has 12 bits.
 ///
 /// `R = 10 kΩ exp(B (1/T - 1/298.15 K))`, `code = 4,096 · 4.7 kΩ/(4.7 kΩ + R)`.
 pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
@@ -27,7 +28,7 @@ pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
 };
 
 impl Thermistor {
-    /// A board without a temperature sensor: every code gives no temperature.
+    /// Table for a board without a temperature sensor: no code gives a temperature.
     pub const NONE: Self = Self {
         points: [(u16::MAX, 0); 9],
     };
@@ -47,7 +48,7 @@ impl Thermistor {
                 let span = i32::from(above.0).saturating_sub(i32::from(below.0));
                 let rise = i32::from(above.1).saturating_sub(i32::from(below.1));
                 let way = i32::from(code).saturating_sub(i32::from(below.0));
-                // At most 2^16 · 2^16 before the shift of 8, so it is done in two steps.
+                // The product before the shift by 8 may be 2^16 · 2^16, so the calculation has two steps.
                 let share = (way << 8).checked_div(span)?;
                 let bits =
                     (i32::from(below.1) << 16).saturating_add(rise.saturating_mul(share) << 8);
@@ -82,7 +83,7 @@ mod tests {
             let shown = NTC_10K_3455_OVER_4K7
                 .celsius(code(exact).round() as u16)
                 .unwrap();
-            // A straight line for the curve between points 20 degrees apart: best where it matters.
+            // The error of a straight line between points 20 degrees apart. It is least in the range in which the limits are.
             let bound = if (20.0..100.0).contains(&exact) {
                 1.0
             } else {

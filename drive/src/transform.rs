@@ -6,13 +6,14 @@
 //! back     α = d cos θ - q sin θ       β = d sin θ + q cos θ
 //! ```
 //!
-//! Values are currents or voltages in `I16F16`. Sums saturate; values within ±20,000 never reach saturation.
+//! Values are currents or voltages in `I16F16` (16 integer and 16 fractional bits). Sums saturate; values within ±20,000 never
+//! reach saturation.
 
 use crate::angle::Angle;
 use crate::units::clamp_i32;
 use fixed::types::I16F16;
 
-/// `2^31/√3`, rounded.
+/// The constant `2^31/√3`, rounded.
 const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 
 /// A vector in the stationary frame: α along phase A, β at 90 electrical degrees to it.
@@ -20,7 +21,7 @@ const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 pub struct AlphaBeta {
     /// Component along phase A.
     pub alpha: I16F16,
-    /// Component a quarter turn ahead of phase A.
+    /// Component at 90 electrical degrees to phase A.
     pub beta: I16F16,
 }
 
@@ -29,7 +30,7 @@ pub struct AlphaBeta {
 pub struct Dq {
     /// Component along the rotor's field.
     pub d: I16F16,
-    /// Component a quarter turn ahead of the rotor's field, which makes torque.
+    /// Component 90 electrical degrees ahead of the rotor's field. This component of the current makes the torque.
     pub q: I16F16,
 }
 
@@ -40,7 +41,7 @@ pub struct Rotation {
     cos: i32,
 }
 
-/// `x/√3`, rounded to the nearest step.
+/// Divides `x` by √3, rounded to the nearest integer.
 const fn over_root_3(x: i64) -> i64 {
     (x * ONE_OVER_ROOT_3 + (1 << 30)) >> 31
 }
@@ -50,7 +51,7 @@ impl AlphaBeta {
     #[inline]
     #[must_use]
     pub const fn from_phases(a: I16F16, b: I16F16) -> Self {
-        // At most 3 · 2^31, so the product with 2^31/√3 fits.
+        // The sum is at most 3 · 2^31, so the product with 2^31/√3 fits into 64 bits.
         let sum = a.to_bits() as i64 + 2 * b.to_bits() as i64;
         Self {
             alpha: a,
@@ -63,13 +64,13 @@ impl AlphaBeta {
     #[must_use]
     pub const fn square(self) -> u64 {
         let (a, b) = (self.alpha.to_bits() as i64, self.beta.to_bits() as i64);
-        // Each at most 2^62.
+        // Each square is at most 2^62.
         (a * a) as u64 + (b * b) as u64
     }
 }
 
 impl Dq {
-    /// Zero.
+    /// The zero vector.
     pub const ZERO: Self = Self {
         d: I16F16::ZERO,
         q: I16F16::ZERO,
@@ -135,7 +136,7 @@ mod tests {
             assert!((v.alpha.to_num::<f64>() - 3.0 * phase.cos()).abs() < 1e-4);
             assert!((v.beta.to_num::<f64>() - 3.0 * phase.sin()).abs() < 1e-4);
             assert!(((v.square() as f64) / 2f64.powi(32) - 9.0).abs() < 1e-3);
-            // In a frame that turns with it, it stands along d.
+            // In a frame that turns with the vector, the vector stands along d.
             let angle = Angle((f64::from(step) * 65_536.0 / 720.0).round() as u16);
             let dq = Rotation::of(angle).park(v);
             assert!((dq.d.to_num::<f64>() - 3.0).abs() < 1e-3, "{dq:?}");

@@ -1,7 +1,7 @@
-//! A model that runs beside a device: the same control law, fed tick by tick with the motion that the device measured.
+//! A model that runs beside a device: the same control law, fed in each control period with the motion that the device measured.
 //!
-//! A record holds penetration and force with all bits, so the model's force equals the device's force bit for bit. That holds as
-//! long as every tick's record arrives, and everything that influences the force is in the records.
+//! A telemetry record holds penetration and force with all bits, so the model's force equals the device's force bit for bit. That
+//! holds as long as every record arrives, and everything that influences the force is in the records.
 
 use crate::command::{Drive, Rotor};
 use crate::config::Config;
@@ -13,16 +13,17 @@ use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
 
-/// Ticks outside the wall after which the model's force is compared, if its records do not begin with the arming. The memory of its
-/// estimator fades within some periods of the estimator's bandwidth, so the estimate is right by then.
+/// Number of control periods outside the wall after which forces are compared, if the model's records do not begin with the arming.
+/// The memory of the law's speed estimator fades within some periods of the estimator's bandwidth, so the estimate is right by
+/// then.
 const FINDS_IN: u32 = 500;
 
-/// How much of the memory of the device's law the model knows.
+/// How much the model knows of the memory that the device's control law has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// All of it: the model has run since the tick that armed.
+    /// The whole memory: the model has run since the device was armed.
     All,
-    /// Too little to compare forces; holds the number of ticks outside the wall so far.
+    /// Too little to compare forces; holds the number of control periods outside the wall so far.
     Little(u32),
 }
 
@@ -31,12 +32,12 @@ enum Knows {
 pub struct Twin {
     config: Config,
     law: Controller<Fixed32>,
-    /// Values of the record before: its tick, its state, and whether the law ran in it.
+    /// Values of the previous record: its number, the device's state, and whether the control law ran.
     before: Option<(u32, Phase, bool)>,
     knows: Knows,
-    /// Fraction of the torque while it fades in, 2^-32.
+    /// Factor by which the torque is multiplied while it fades in, 2^-32.
     fade: u32,
-    /// Whether the law's force was not zero in its last tick.
+    /// Whether the control law's force was not zero in its last period.
     pushes: bool,
 }
 
@@ -57,8 +58,8 @@ impl Twin {
         })
     }
 
-    /// The model's force in this record's tick. `None` where the device's law does not run, or where the model does not know the
-    /// law's memory.
+    /// The model's force in the control period of this record. `None` where the device's control law does not run, or where the
+    /// model does not know the law's memory.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
         let limits = Limits::from_wire(record.limits);
         let has_reading = !limits.has(Limit::Encoder);
@@ -84,11 +85,11 @@ impl Twin {
                 Knows::Little(0)
             };
         }
-        // The law does not run in a tick without a good reading.
+        // The control law does not run in a control period without a good encoder reading.
         if !ran {
             return None;
         }
-        // What else there is to touch is in no record.
+        // The records do not hold an environment (further walls, detents), so its forces cannot be computed.
         if limits.has(Limit::Beside) {
             self.knows = Knows::Little(0);
             return None;
@@ -118,7 +119,7 @@ impl Twin {
             .tick_with_change(now, measures.then_some(at_change))
     }
 
-    /// Handles the tick in which the device switches its outputs off, as the device does.
+    /// Handles, as the device does, the control period in which the device switches its outputs off.
     fn leave(&mut self, record: &Telemetry, acted: bool) {
         if acted {
             let _ = self.law_tick(record);
@@ -127,17 +128,17 @@ impl Twin {
         self.law.switched_off();
     }
 
-    /// Reports to the law the force that was finally commanded, as the device does.
+    /// Reports to the control law, as the device does, the force that was finally commanded.
     fn becomes_of(&mut self, force: Force<Fixed32>, record: &Telemetry) {
         let limits = Limits::from_wire(record.limits);
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.config.fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
-        // By how much a warm power stage was held back is in no record.
+        // The records do not say by how much a warm power stage reduced the force.
         if limits.has(Limit::Temperature) && limits.has(Limit::Current) {
             self.knows = Knows::Little(0);
         }
-        // Angles are for the current loop: the torque does not depend on them.
+        // Only the current loop needs the angles; the torque does not depend on them.
         let rotor = Rotor {
             derating: 1 << 16,
             ..Rotor::default()
@@ -148,7 +149,7 @@ impl Twin {
                 driven.torque.0.to_bits().saturating_neg(),
             )));
         }
-        // A flick of a knob that nothing holds begins anew, and where the wall is off, as in the device.
+        // As in the device, the control law restarts after a fast motion of a free knob, and where the wall gives no force.
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         let is_free = self.law.view().contact == Contact::Free;
         if self.law.tripped() {

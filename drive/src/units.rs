@@ -1,4 +1,5 @@
-//! Conversions between the wide numbers of settings and the narrow ones of the ticks. None of them overflows or panics.
+//! Conversions between the wide fixed-point numbers of settings and the narrow ones of the control interrupt. None of them
+//! overflows or panics.
 
 use fixed::types::I16F16;
 use touchstone_control::Si;
@@ -14,7 +15,7 @@ pub(crate) const fn narrow(value: Si) -> I16F16 {
 #[inline(always)]
 pub(crate) const fn clamp_i32(value: i64) -> i32 {
     let low = value as i32;
-    // One comparison instead of two: this is in every product of the current loop.
+    // One comparison instead of two, because every product of the current loop calls this.
     if low as i64 == value {
         low
     } else if value < 0 {
@@ -31,7 +32,7 @@ pub const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
 }
 
-/// The fraction `share`, in 1/65,536, of a difference of two 32-bit numbers, rounded to the nearest.
+/// The product of the difference `way` of two 32-bit numbers and the fraction `share` in 1/65,536, rounded to the nearest.
 #[inline(always)]
 #[must_use]
 pub const fn share_of(way: i64, share: u16) -> i64 {

@@ -1,4 +1,4 @@
-//! Functions between the serial protocol and the drive: the check of received settings, and the records that are sent.
+//! Functions between the serial protocol and the drive: they check received settings and make the records that are sent.
 
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 use crate::settings::validate;
@@ -21,7 +21,7 @@ pub const fn hardware(board: Board) -> &'static Hardware {
     }
 }
 
-/// Checks settings, for firmware and desktop alike: ranges, the board, the law, and the power stage.
+/// Checks settings, for firmware and computer alike: ranges, the board, the control law, and the power stage.
 ///
 /// # Errors
 /// The first setting that is refused.
@@ -31,8 +31,8 @@ pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsEr
     validate(settings, hardware(board))
 }
 
-/// The values of a motor measurement that are sent beside the record. They are calculated separately, so that a wall's ticks take
-/// no longer.
+/// The values of a motor measurement that are sent beside the telemetry record. They are calculated separately, so that control
+/// periods of a wall take no longer.
 #[cold]
 #[inline(never)]
 #[must_use]
@@ -56,7 +56,7 @@ impl From<&Record> for Telemetry {
             since_change_rad: record.since_change.0,
             force_n_m: record.force.0,
             offset_rad: record.offset.0,
-            // From 48 fractional bits to 32, and ±32,768 fits: exact but for the bits that are dropped.
+            // Converts 48 fractional bits to 32. The range of ±32,768 fits; only the lower bits are lost.
             energy_j: Decimal(
                 record
                     .energy

@@ -1,4 +1,4 @@
-//! A test bench: an emulated device, the desktop's end of its serial port, and the actions of a person at the device.
+//! A test bench: an emulated device, the computer's end of its serial port, and the actions of a person at the device.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -12,9 +12,9 @@ use crate::link::Link;
 use crate::machine::{Halt, Machine};
 use crate::world::{Parts, World};
 
-/// Processor cycles per microsecond.
+/// Processor cycles per microsecond at 170 MHz.
 pub const US: u64 = 170;
-/// Processor cycles per millisecond.
+/// Processor cycles per millisecond at 170 MHz.
 pub const MS: u64 = 1_000 * US;
 
 /// Properties of the emulated device on the bench.
@@ -22,7 +22,7 @@ pub const MS: u64 = 1_000 * US;
 pub struct Setup {
     /// The board, with its encoder.
     pub board: Board,
-    /// Frequency of the oscillator that clocks the watchdog, Hz.
+    /// Frequency of the oscillator that clocks the independent watchdog, Hz.
     pub lsi_hz: u64,
     /// Properties of the motor and the knob.
     pub parts: Parts,
@@ -46,18 +46,18 @@ impl Setup {
     }
 }
 
-/// An emulated device, the simulated world around it, and the desktop's end of its serial port.
+/// An emulated device, the simulated world around it, and the computer's end of its serial port.
 pub struct Bench {
-    /// The emulated chip with its simulated world, into which faults can be injected.
+    /// The emulated chip with the simulated motor, knob and hand, into which faults can be injected.
     pub machine: Machine,
-    /// The desktop's end of the serial link.
+    /// The computer's end of the serial link.
     pub link: Link,
     /// Reason why the machine has halted; `None` while it runs.
     pub halted: Option<Halt>,
 }
 
 impl Bench {
-    /// Mounts a board and switches it on.
+    /// Builds the emulated device and switches its power on.
     ///
     /// # Errors
     /// The emulator refuses the program.
@@ -121,7 +121,7 @@ impl Bench {
         }
     }
 
-    /// Sends bytes to the device.
+    /// Sends bytes to the device's serial port.
     pub fn send(&mut self, bytes: &[u8]) {
         let now = self.now();
         self.machine.chip_mut().link().put(bytes, now);
@@ -143,7 +143,7 @@ impl Bench {
         answer.ok_or(what)
     }
 
-    /// Sends a request that must be granted.
+    /// Sends a request and returns the reply.
     ///
     /// # Errors
     /// The request was refused or not answered.
@@ -180,7 +180,8 @@ impl Bench {
         Ok(self.status()?.fault)
     }
 
-    /// Waits until the device is in a phase, and requests its state every 5 ms.
+    /// Waits until the device is in a phase (for example `Armed`), and requests its state every 5 ms. `within` is in processor
+    /// cycles.
     ///
     /// # Errors
     /// The device did not reach the phase within the time.
@@ -210,13 +211,13 @@ impl Bench {
     /// The device does not answer within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
-        // What noise there was while the port was not set up.
+        // The zero byte ends a frame that noise may have begun while the port was not yet set up.
         self.send(&[0]);
         self.demand(Request::Hello)
     }
 
     /// Changes the settings of the device. The bench may send nothing for seconds. Therefore the device's time limit for a silent
-    /// desktop is off unless `change` sets it.
+    /// computer is off unless `change` sets it.
     ///
     /// # Errors
     /// The device refuses the settings.
@@ -241,7 +242,7 @@ impl Bench {
         }
     }
 
-    /// Calibrates from `Boot` or `Stopped`.
+    /// Calibrates the device, which must be in the phase `Boot` or `Stopped`.
     ///
     /// # Errors
     /// The calibration fails.
@@ -260,7 +261,7 @@ impl Bench {
         self.wait_for(Phase::Armed, 100 * MS)
     }
 
-    /// Whether the power bridge of the motor is on.
+    /// Whether the motor's power bridge is on.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.machine.chip().bridge.is_on()
@@ -285,8 +286,8 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// Same as [`Bench::press`] with given settings: the surface of the wall in rad, the encoder counts per turn, the stiffness in
-    /// N·m/rad.
+    /// Same as [`Bench::press`], without reading the device's settings: the caller gives the surface of the wall in rad, the
+    /// encoder counts per turn, and the stiffness in N·m/rad.
     ///
     /// # Errors
     /// No telemetry has arrived, so the position of the wall is unknown.
@@ -305,7 +306,7 @@ impl Bench {
         let turn = std::f64::consts::TAU / counts;
         let world = &mut self.machine.chip_mut().world;
         let here = world.angle_rad();
-        // The shaft's angle at the surface, by what the device says of where it is.
+        // The shaft's true angle at the wall's surface, from the true angle now and the position that the device reports.
         let surface = here - f64::from(record.count) * turn + surface_rad;
         let give = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness;
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);
@@ -316,19 +317,19 @@ impl Bench {
         Ok(())
     }
 
-    /// The simulated hand releases the knob.
+    /// Lets the simulated hand release the knob.
     pub fn release(&mut self) {
         self.machine.chip_mut().world.release();
     }
 }
 
-/// A setting as a floating-point number in the same unit.
+/// A setting of fixed-point format as a floating-point number, in the same unit.
 #[must_use]
 pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the fraction (0 to 1) of the
+/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the elapsed fraction (0 to 1) of its
 /// duration.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! The circuit board around the chip: which pin measures which quantity, at which scale.
+//! The circuit board around the emulated chip: which pin measures which quantity, at which scale.
 
 mod told;
 
@@ -20,7 +20,7 @@ pub fn code(volts: f64) -> u16 {
     code_with(volts, 0.0)
 }
 
-/// Same as `code`, with an error added, in codes of the converter.
+/// Same as `code`, for a voltage plus an error, which is in codes of the converter.
 #[must_use]
 pub fn code_with(volts: f64, error: f64) -> u16 {
     (volts / REFERENCE_V * 4_095.0 + error)
@@ -70,18 +70,18 @@ pub enum Source {
     Temperature,
 }
 
-/// Injected faults of the wiring between the simulated world and the chip's pins.
+/// Injected faults at the chip's pins: wrong voltages, signals and encoder counts.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wiring {
-    /// Quantities whose pins carry a wrong voltage, with that voltage in V.
+    /// Quantities whose pins carry a wrong voltage, each with that voltage in V.
     pub forced: [Option<(Source, f64)>; 2],
-    /// The gate driver pulls the break input, or its own line on boards that have such a line.
+    /// Whether the gate driver pulls the break input, or its own fault line on boards that have such a line.
     pub break_pulled: bool,
-    /// Mask of the comparators that report too much current whatever their shunt measures: bit 0 is COMP1.
+    /// Mask of the chip's comparators (bit 0: COMP1) that a test makes report over-current, independently of their shunt.
     pub comparators: u32,
-    /// The incremental encoder's count stays at this value.
+    /// Value at which the incremental encoder's count stays; `None` while the count follows the shaft.
     pub encoder_held: Option<i64>,
-    /// Encoder counts that are added to the count of the incremental encoder.
+    /// Encoder counts that an injected fault adds to the count of the incremental encoder.
     pub encoder_moved: i64,
 }
 
@@ -97,26 +97,27 @@ pub struct Board {
     pub button: Option<(usize, usize)>,
     /// Chip select of the magnetic encoder: port and pin.
     pub chip_select: Option<(usize, usize)>,
-    /// True: the serial link to the desktop is USART2. False: it is LPUART1.
+    /// Which serial port links the board to the computer. True: USART2. False: LPUART1.
     pub link_is_usart2: bool,
     /// Value of the option register FLASH_OPTR.
     pub option_bytes: u32,
     /// Value of the chip's identification register DBGMCU_IDCODE.
     pub device_id: u32,
-    /// The chip's flash memory, bytes.
+    /// Size of the chip's flash memory, bytes.
     pub flash_bytes: usize,
-    /// Size in bytes of the chip's contiguous memory: SRAM1, SRAM2, and the CCM behind them unless the CCM is used at its own
-    /// address.
+    /// Size in bytes of the chip's contiguous memory: SRAM1, SRAM2, and the core-coupled memory (CCM) behind them, unless the
+    /// program uses the CCM at its own address.
     pub ram_bytes: usize,
-    /// Size in bytes of the CCM at its own address; 0 where the program uses the CCM behind SRAM2. Use at two addresses at once is
-    /// not modelled.
+    /// Size in bytes of the core-coupled memory (CCM) at its own address; 0 where the program uses the CCM behind SRAM2. Use at two
+    /// addresses at once is not modelled.
     pub ccm_bytes: usize,
-    /// The quantity at each input, named by its converter and its channel.
+    /// Measured quantities, each with its analog-to-digital converter (0 or 1) and the converter's channel.
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
     pub gates: GateDriver,
-    /// Volts of a current sensor's output at no current, and per ampere into the motor. Negative: that current comes from ground
-    /// through the shunt below the lower transistor, and pulls the shunt's upper end below ground.
+    /// Output of a current sensor: voltage at no current in V, and volts per ampere into the motor. The second number is negative
+    /// where the shunt is below the lower transistor: a current into the motor comes from ground and pulls the shunt's upper end
+    /// below ground.
     pub current: (f64, f64),
     /// Volts at the measuring pin per volt of the supply bus.
     pub bus_divider: f64,
@@ -127,40 +128,40 @@ pub struct Board {
     pub break_a: f64,
     /// Pins that measure the shunts before their amplifiers: port and pin, and the motor phase.
     pub shunts: &'static [((usize, usize), usize)],
-    /// Voltage of the supply, V.
+    /// Voltage of the motor's supply, V.
     pub supply_v: f64,
-    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time.
+    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time, in which none of its transistors conducts.
     pub dead_share: f64,
     /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,
-    /// Torque of a hand's press in the tests on this board, N·m. `lean_n_m` is a larger torque that the motor cannot withstand for
-    /// ever.
+    /// Torque with which a hand presses in the tests on this board, N·m. `lean_n_m` is a larger torque that the motor cannot hold
+    /// for ever.
     pub press_n_m: f64,
-    /// See [`Board::press_n_m`].
+    /// Torque with which a hand leans on the wall in a long test, N·m; more than the motor can hold for ever.
     pub lean_n_m: f64,
-    /// Speed at which the field may turn the shaft in a calibration, electrical turns per second. A small rotor swings around a
-    /// fast field.
+    /// Largest speed of the rotating field in a calibration, electrical turns per second. A small rotor swings around a faster
+    /// field.
     pub field_turns_per_s: Si,
     /// Stiffnesses of the walls that the tests press, N·m/rad.
     pub walls: [Si; 2],
-    /// The motor's values that a person has to enter where the board cannot measure them.
+    /// The motor's values that a person has to enter where the board cannot measure them; `None` on other boards.
     pub told: Option<ToldMotor>,
     /// Injected faults of the wiring.
     pub wiring: Wiring,
 }
 
-/// Encoder, motor and press on the boards for larger motors.
+/// On boards for larger motors: stiffnesses of the walls in N·m/rad, torque of a press and of a lasting press in N·m.
 const THESIS: ([Si; 2], f64, f64) = ([Si::lit("1"), Si::lit("5")], 0.1, 0.45);
 
-/// TIM1_BKIN's pin on the boards with a driver's line: port and pin.
+/// Port and pin of TIM1's break input, on boards whose motor driver has a fault line.
 pub const BREAK_PIN: (usize, usize) = (1, 12);
 
-/// The pin to which the X-NUCLEO-IHM16M1 links EN\FAULT: shields differ.
+/// The solder link on the shield X-NUCLEO-IHM16M1 that connects its line EN\FAULT to a pin. Shields differ in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultLink {
-    /// R37: PB12.
+    /// Link R37: the line is at pin PB12.
     R37,
-    /// R35: PA11.
+    /// Link R35: the line is at pin PA11.
     R35,
 }
 
@@ -184,7 +185,7 @@ impl Board {
         matches!(self.gates, GateDriver::Stspin830 | GateDriver::Drv8313)
     }
 
-    /// Whether the board's firmware has more than one wall.
+    /// Whether the board's firmware has environments of more than one wall.
     #[must_use]
     pub fn is_large(&self) -> bool {
         let named = touchstone_protocol::Board::ALL
@@ -193,7 +194,7 @@ impl Board {
         named.is_some_and(touchstone_protocol::Board::is_large)
     }
 
-    /// NUCLEO-G474RE with X-NUCLEO-IHM08M1.
+    /// The board NUCLEO-G474RE with the shield X-NUCLEO-IHM08M1.
     #[must_use]
     pub fn nucleo_g474re(encoder: Encoder) -> Self {
         Self {
@@ -217,14 +218,15 @@ impl Board {
                 (1, 8, Source::Temperature),
             ],
             gates: GateDriver::L6398,
-            // 680 ohm from the shunt and 6.8 kohm from 3.3 V, then 1 + 4.7 kohm/1 kohm.
+            // The shunt is connected through 680 ohm and the 3.3 V through 6.8 kohm. An amplifier with the gain 1 + 4.7 kohm/1 kohm
+            // follows.
             current: (REFERENCE_V * 0.68 / 7.48 * 5.7, -0.01 * 6.8 / 7.48 * 5.7),
             bus_divider: 9.31 / (169.0 + 9.31),
             driver_line: None,
             break_a: 20.0,
             shunts: &[],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -236,8 +238,9 @@ impl Board {
         }
     }
 
-    /// NUCLEO-G474RE with X-NUCLEO-IHM16M1 and the motor of its kit, at 12 V. From NuttX's page and an open bench; the shield's schematic
-    /// and the STSPIN830's data sheet were not read: when its own protection acts is an assumption.
+    /// NUCLEO-G474RE with X-NUCLEO-IHM16M1 and the motor of its kit, at 12 V. The values come from NuttX's page and an open test
+    /// bench. The shield's schematic and the STSPIN830's data sheet were not read, so the current at which its own protection acts
+    /// is an assumption.
     #[must_use]
     pub fn nucleo_g474re_ihm16m1(encoder: Encoder, link: FaultLink) -> Self {
         Self {
@@ -250,7 +253,7 @@ impl Board {
                 (1, 5, Source::Temperature),
             ],
             gates: GateDriver::Stspin830,
-            // 680 ohm from the shunt and 2.2 kohm from 3.3 V, then a gain of 2.
+            // The shunt is connected through 680 ohm and the 3.3 V through 2.2 kohm. An amplifier with a gain of 2 follows.
             current: (REFERENCE_V * 0.68 / 2.88 * 2.0, -0.33 * 2.2 / 2.88 * 2.0),
             bus_divider: 1.0 / 16.0,
             driver_line: Some(match link {
@@ -264,13 +267,13 @@ impl Board {
             walls: [Si::lit("1"), Si::lit("2")],
             press_n_m: 0.03,
             lean_n_m: 0.06,
-            // The rest is the NUCLEO's.
+            // All other fields are those of the NUCLEO.
             ..Self::nucleo_g474re(encoder)
         }
     }
 
-    /// NUCLEO-G431RB with X-NUCLEO-IHM16M1 and the motor of the kit, P-NUCLEO-IHM03: the other NUCLEO's shield, connectors and button
-    /// (UM2505 is of both boards), the smaller chip.
+    /// NUCLEO-G431RB with X-NUCLEO-IHM16M1 and the motor of the kit, P-NUCLEO-IHM03. Shield, connectors and button are those of the
+    /// NUCLEO-G474RE (UM2505 describes both boards); the chip is smaller.
     #[must_use]
     pub fn nucleo_g431rb_ihm16m1(encoder: Encoder, link: FaultLink) -> Self {
         let same_chip = Self::b_g431b_esc1();
@@ -281,13 +284,14 @@ impl Board {
             flash_bytes: same_chip.flash_bytes,
             ram_bytes: same_chip.ram_bytes,
             ccm_bytes: same_chip.ccm_bytes,
-            // The rest is the shield's, or the other NUCLEO's.
+            // All other fields are those of the same shield on the other NUCLEO.
             ..Self::nucleo_g474re_ihm16m1(encoder, link)
         }
     }
 
-    /// NUCLEO-G474RE with a SimpleFOC Mini on wires and the small gimbal motor, at 12 V. From the Mini's schematic, and from the DRV8313's
-    /// data sheet (SLVSBA5D), of which the tables of operating conditions and inputs were read and its protections were not.
+    /// NUCLEO-G474RE with a SimpleFOC Mini on wires and the small gimbal motor, at 12 V. The values come from the Mini's schematic
+    /// and from the DRV8313's data sheet (SLVSBA5D). Its tables of operating conditions and inputs were read, its protections were
+    /// not.
     #[must_use]
     pub fn nucleo_g474re_simplefoc_mini(encoder: Encoder) -> Self {
         Self {
@@ -295,21 +299,21 @@ impl Board {
             // ADC1_IN1 is PA0.
             pins: &[(0, 1, Source::Bus)],
             gates: GateDriver::Drv8313,
-            // 100 kohm over 10 kohm.
+            // The supply voltage is divided by 100 kohm above and 10 kohm below.
             bus_divider: 1.0 / 11.0,
             driver_line: Some(BREAK_PIN),
-            // The least of IOCP.
+            // The smallest value of IOCP, the driver's over-current threshold, in the data sheet.
             break_a: 3.0,
-            // 90 ns in 50 us.
+            // The dead time is 90 ns in a PWM period of 50 µs.
             dead_share: 0.0018,
             parts: Parts::gimbal_on_mini(),
             told: Some(ToldMotor::GIMBAL),
-            // The rest is that of the board with the same motor.
+            // All other fields are those of the board with the same motor.
             ..Self::nucleo_g474re_ihm16m1(encoder, FaultLink::R37)
         }
     }
 
-    /// B-G431B-ESC1 with an incremental encoder.
+    /// The board B-G431B-ESC1 with an incremental encoder.
     #[must_use]
     pub fn b_g431b_esc1() -> Self {
         Self {
@@ -324,7 +328,7 @@ impl Board {
             flash_bytes: 128 * 1024,
             ram_bytes: 32 * 1024,
             ccm_bytes: 0,
-            // The amplifiers' outputs inside the chip, PA0, PB14.
+            // The three amplifier outputs are inside the chip. The other two inputs are PA0 and PB14.
             pins: &[
                 (0, 13, Source::Current(0)),
                 (1, 16, Source::Current(1)),
@@ -336,12 +340,12 @@ impl Board {
             current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
             driver_line: None,
-            // The chip's comparators are all that there is.
+            // The board has no over-current protection of its own besides the chip's comparators.
             break_a: f64::INFINITY,
-            // PA1, PA7, PB0.
+            // The shunts of the phases are on PA1, PA7 and PB0.
             shunts: &[((0, 1), 0), ((0, 7), 1), ((1, 0), 2)],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -353,8 +357,8 @@ impl Board {
         }
     }
 
-    /// The amplifier inside the chip whose output a channel is, counted from 0 (RM0440, table of the converters' inputs). Off, it lets
-    /// its input float; the model takes 0 V.
+    /// Number, counted from 0, of the chip's amplifier whose output a converter's channel measures (RM0440, table of the
+    /// converters' inputs); `None` for other channels. The output of an amplifier that is off floats; the model assumes 0 V.
     #[must_use]
     pub fn amplifier(&self, adc: usize, channel: u32) -> Option<usize> {
         match (adc, channel) {
@@ -391,7 +395,7 @@ impl Board {
         }
     }
 
-    /// Count of an incremental encoder.
+    /// Count of the incremental encoder for the shaft's angle, with the injected faults.
     #[must_use]
     pub fn encoder_count(&self, world: &World) -> i64 {
         let Encoder::Incremental(counts) = self.encoder else {
@@ -401,36 +405,38 @@ impl Board {
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 
-    /// Whether the motor driver pulls its line low, because its own protection acts or because a test injects the fault.
+    /// Whether the motor driver pulls its fault line low, because its own protection acts or because a test injects the fault.
     #[must_use]
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();
         if self.gates == GateDriver::Drv8313 {
-            // Kept until the supply was off: its line for a reset is not wired.
+            // The driver keeps this error until its supply is switched off, because its reset line is not connected.
             self.wiring.break_pulled |= over;
-            // TTSD, 150 degrees at the least: over when it is cooler.
+            // The thermal shutdown threshold TTSD is at least 150 °C. This error ends when the driver is cooler.
             return self.wiring.break_pulled || world.temperature_c >= 150.0;
         }
         self.wiring.break_pulled || over
     }
 
-    /// Level of the break pin.
+    /// Level of the timer's break pin; low is active.
     #[must_use]
     pub fn break_pin(&self, world: &World) -> bool {
         !(self.wiring.break_pulled || world.hardware_over_current())
     }
 
-    /// Volts at a pin of [`Board::shunts`] for a current through its shunt to ground: 3 mOhm, with 1.5 kohm from it to the pin, 22 kohm from the
-    /// pin to 3.3 V and 2.2 kohm to ground. That 4/7 of the shunt's voltage are left before an amplifier of 16 is SimpleFOC's
-    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`). The resistors are ones that give it, as
-    /// the schematic (MB1419) was not read.
+    /// Voltage at a pin of [`Board::shunts`] for a current through its shunt to ground, V. The shunt has 3 mOhm; 1.5 kohm lead from
+    /// it to the pin, 22 kohm from the pin to 3.3 V, and 2.2 kohm to ground.
+    ///
+    /// These resistors leave 4/7 of the shunt's voltage before an amplifier with a gain of 16, as in SimpleFOC's
+    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`). They are an assumption that
+    /// gives this value, as the schematic (MB1419) was not read.
     #[must_use]
     pub fn shunt_pin_v(&self, amps: f64) -> f64 {
         let (shunt, up, down) = (1.0 / 1.5e3, 1.0 / 22e3, 1.0 / 2.2e3);
         (0.003 * amps * shunt + REFERENCE_V * up) / (shunt + up + down)
     }
 
-    /// The chip's read-only memory: flash size, unique number.
+    /// The word at an address of the chip's read-only memory, which holds the flash size and the unique number.
     #[must_use]
     pub fn system_memory(&self, address: u32) -> u32 {
         match address {
@@ -443,7 +449,8 @@ impl Board {
         }
     }
 
-    /// Registers of blocks without a model that have a bit which says "ready".
+    /// The value that the program reads from a register of an unmodelled block after it wrote `value`. Bits that report "ready" are
+    /// set.
     #[must_use]
     pub fn read_back(&self, address: u32, value: u32) -> u32 {
         match address {
@@ -454,7 +461,7 @@ impl Board {
     }
 }
 
-/// The shield's thermistor, 10 kohm at 25 degrees C, B 3455, towards the supply; 4.7 kohm to ground.
+/// Voltage of the shield's thermistor divider, V: 10 kohm at 25 degrees C with B = 3,455 K towards the supply, 4.7 kohm to ground.
 fn thermistor_v(celsius: f64) -> f64 {
     let ohm = 10e3 * (3_455.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15)).exp();
     REFERENCE_V * 4.7e3 / (4.7e3 + ohm)

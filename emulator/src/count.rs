@@ -1,5 +1,5 @@
-//! Counts what the firmware costs: instructions and cycles of the control law, of the control interrupt and of the current loop,
-//! and the stack in use.
+//! Counts the firmware's costs: instructions and cycles of the control law, the control interrupt and the current loop, and the
+//! stack in use.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
@@ -93,8 +93,8 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// Faults that switch the outputs off, by name. The costs are counted with each, because a control tick with a fault executes other
-/// code than one without.
+/// Faults that switch the outputs off, by name. The costs are counted with each, because a control period with a fault executes
+/// other code than one without.
 const FAULTS: &[(&str, Fault)] = &[
     ("  bus at 33 V", Fault::Bus(33.0, 0)),
     ("  phase A reads +8 A", Fault::Sensor(0, 8.0)),
@@ -114,7 +114,7 @@ struct Counted {
     current: Handler,
 }
 
-/// The largest costs and the violated budgets, collected while the table is printed row by row.
+/// The largest costs and the exceeded limits, collected while the table is printed row by row.
 #[derive(Default)]
 struct Table {
     worst: Counted,
@@ -123,7 +123,7 @@ struct Table {
 }
 
 impl Table {
-    /// Prints one row of the table: the costs since the previous row.
+    /// Prints one row of the table: the costs that were counted since the previous row.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
         let counted = take(bench);
         let show = |cost: Cost| {
@@ -203,7 +203,7 @@ pub fn run(programs: &Programs) -> u8 {
 }
 
 /// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders, and prints the table.
-/// Returns whether every cost is within its budget, and a summary.
+/// Returns whether every cost is within its limit, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
         "{:<36}{:>22}{:>24}{:>22}",
@@ -224,7 +224,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The workloads' walls are too stiff for a small knob, whose program is that of the NUCLEO.
+        // The walls of the other workloads are too stiff for a board with a small motor. Its program is the same as that of the
+        // NUCLEO.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
@@ -292,8 +293,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
     Ok((is_right, summary(worst, &over, table.stack_used, size)))
 }
 
-/// Prints which functions the current loop and the control tick fetched from flash most often. Boards without CCM RAM, the memory
-/// without wait states, are left out.
+/// Prints which functions of the current loop and the control interrupt were fetched from flash most often. Boards without CCM RAM,
+/// the memory without wait states, are left out.
 fn tell_places(program: &Program, bench: &Bench) {
     if bench.machine.chip().board.ccm_bytes == 0 {
         return;
@@ -351,7 +352,8 @@ fn take(bench: &mut Bench) -> Counted {
 
 /// Injects a fault while the device is armed, waits 20 ms, and removes the fault.
 ///
-/// Errors: the device is then not in the phase `Fault` (a flick of the knob may leave it armed).
+/// Errors: the device is then not in the phase `Fault`. A fault that turns the knob quickly may leave the device armed without an
+/// error.
 fn fail(bench: &mut Bench, fault: Fault) -> Result<(), String> {
     fault.inject(bench)?;
     bench.run(20 * MS)?;
@@ -381,7 +383,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The workloads are made for the press of the thesis with 0.1 N·m.
+    // The torques of the workloads assume the press of the thesis, which is 0.1 N·m. They are scaled to the press of this board.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

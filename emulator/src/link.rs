@@ -1,24 +1,24 @@
-//! The desktop's end of the serial port: frames, requests, answers and telemetry. It uses the same protocol crate as the firmware.
+//! The computer's end of the serial port: frames, requests, answers and telemetry. It uses the same protocol crate as the firmware.
 
 use touchstone_protocol::frame::{Decoder, FRAME_MAX, encode, message};
 use touchstone_protocol::{FromDevice, Refusal, Reply, Request, Telemetry, ToDevice};
 
-/// The desktop's end of the serial link.
+/// The computer's end of the serial link.
 #[derive(Debug, Default)]
 pub struct Link {
     decoder: Decoder,
     next_id: u8,
     answers: Vec<(u8, Result<Reply, Refusal>)>,
-    /// Telemetry received so far.
+    /// Telemetry records received so far.
     pub telemetry: Vec<Telemetry>,
-    /// Number of payloads that arrived complete but were not a valid message.
+    /// Number of decoded frames whose content was not a valid message.
     pub not_understood: u64,
     /// Number of bytes received so far.
     pub bytes: u64,
 }
 
 impl Link {
-    /// Decodes bytes from the device.
+    /// Decodes bytes from the device: stores answers and telemetry records.
     pub fn receive(&mut self, bytes: &[u8]) {
         self.bytes += bytes.len() as u64;
         for byte in bytes {

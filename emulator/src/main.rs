@@ -38,7 +38,7 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 
-/// Which checks and injections the command line selects.
+/// The checks and injections that the command line selects.
 #[derive(Debug, Default)]
 struct Wanted<'a> {
     sample: Option<Asked<'a>>,
@@ -127,7 +127,7 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     Ok((programs, wanted))
 }
 
-/// Runs a command that takes one program, and returns the exit code.
+/// Runs a command that takes one firmware program, and returns the exit code.
 fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     let said = |result: Result<String, String>| match result {
         Ok(text) => {
@@ -196,7 +196,7 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     }
 }
 
-/// The board whose program has this name. Boards that can read an AS5047P encoder get one.
+/// The board whose firmware program has this name. Boards that can read an AS5047P encoder get one.
 fn board_of(name: &str) -> Option<Board> {
     match name {
         "nucleo-g474re" => Some(Board::nucleo_g474re(Encoder::As5047p)),
@@ -216,7 +216,7 @@ fn board_of(name: &str) -> Option<Board> {
     }
 }
 
-/// Plays the hand's programme from a file on the emulated device, and writes the recording to another file.
+/// Replays a file with a programme of hand actions on the emulated device, and writes the recording to another file.
 fn play(
     program: &Program,
     board: Board,
@@ -235,7 +235,7 @@ fn play(
     ))
 }
 
-/// Boots the device, then writes the content of its RAM to a file.
+/// Boots the device, then writes the content of the device's RAM to a file.
 fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
     let ram_bytes = board.ram_bytes;
     let mut bench = Bench::new(program, &Setup::on(board))?;

@@ -1,6 +1,6 @@
-//! Replays a recorded programme of hand actions on the emulated board. A simulated hand carries out, action by action, what
-//! `touchstone scorecard --programme` wrote. Each tick (control period) is recorded: the board's telemetry in the columns of
-//! `touchstone monitor`, and the true motion of the shaft.
+//! Replays a recorded programme of hand actions on the emulated board. A simulated hand carries out, action by action, the file
+//! that `touchstone scorecard --programme` wrote. The recording has a row per control period (tick): the board's telemetry in the
+//! columns of `touchstone monitor`, and the true motion of the shaft.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,17 +15,18 @@ use crate::world::ShaftBooks;
 
 /// Processor cycles per second.
 const SECOND: u64 = 1_000 * MS;
-/// Waiting time in cycles after arming. The torque fades in over this time, and an action begins with the full torque.
+/// Waiting time after arming, in processor cycles. The torque fades in over this time, so that an action begins with the full
+/// torque.
 const FADED_IN: u64 = 300 * MS;
-/// Time in seconds between two actions, in which the hand moves to the start of the next action and rests there.
+/// Time in seconds before an action, in which the hand or the test stand moves the shaft to the action's start.
 const OUT_S: f64 = 0.5;
 const REST: u64 = SECOND / 4;
 /// Step of the mechanical simulation, µs.
 const STEP_US: u64 = 25;
-/// Waiting time in cycles until the last telemetry records have arrived over the serial line.
+/// Waiting time in processor cycles until the last telemetry records have arrived over the serial line.
 const ON_THE_LINE: u64 = 20 * MS;
-/// Least fraction of the ticks in which the encoder count must belong to the shaft's angle or be its neighbour. The shaft moves on
-/// between sampling and reading.
+/// Least fraction of the control periods in which the encoder count must be that of the shaft's true angle or its neighbour. The
+/// shaft moves on between sampling and reading, so not all need be.
 const IN_STEP: f64 = 0.99;
 
 /// The motion of one hand for one action of the programme.
@@ -35,16 +36,16 @@ pub struct HandDeed {
     pub grip: String,
     /// Description of the action.
     pub deed: String,
-    /// Rest point of the hand's spring in rad, one value per tick.
+    /// Rest point of the hand's spring in rad, one value per control period.
     pub rest_rad: Vec<f64>,
 }
 
-/// A programme of hand actions.
+/// A programme of hand actions, as `touchstone scorecard --programme` writes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandProgramme {
     /// Position of the wall's surface, rad.
     pub surface_rad: f64,
-    /// Ticks (control periods) per second.
+    /// Control periods per second.
     pub rate_hz: u32,
     /// The actions, in order.
     pub deeds: Vec<HandDeed>,
@@ -107,7 +108,7 @@ impl HandProgramme {
     }
 }
 
-/// The simulated hand for the name of a grip.
+/// The simulated hand for a grip's name.
 fn hand_of(grip: &str) -> Result<Hand, String> {
     match grip {
         "light" => Ok(LIGHT),
@@ -117,11 +118,10 @@ fn hand_of(grip: &str) -> Result<Hand, String> {
     }
 }
 
-/// Columns of the recording: those of `touchstone monitor` that concern the wall, and those that only a test stand
-/// measures.
+/// Columns of the recording: those of `touchstone monitor` that concern the wall, and those that only a test stand can measure.
 const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad";
 
-/// Plays a programme on a board, each grip on a new device; returns the recording as text.
+/// Replays a programme of hand actions on a board, with a new device for each grip. Returns the recording as text.
 ///
 /// # Errors
 /// The step that failed.
@@ -174,19 +174,19 @@ struct Stand {
     surface_rad: f64,
     /// Angle per encoder count, rad.
     step_rad: f64,
-    /// Encoder counts by which the device's count is ahead of the count for the shaft's true angle.
+    /// Encoder counts by which the device's count exceeds the count for the shaft's true angle.
     ahead: i64,
     first_tick: Option<u32>,
 }
 
-/// Observations of some ticks, and of the first one after them.
+/// Recording of some control periods and of the start of the next one: the shaft's true state, and the device's telemetry.
 struct Course {
     shaft: Vec<ShaftBooks>,
     told: Vec<Telemetry>,
 }
 
 impl Stand {
-    /// Calibrated, in the hand, which goes to where the first action begins.
+    /// Makes a stand with a calibrated device in the hand. The hand has moved the knob to and fro, so that `ahead` is known.
     fn new(
         program: &Program,
         setup: &Setup,
@@ -211,7 +211,7 @@ impl Stand {
             ));
         }
         bench.calibrate()?;
-        // A light rotor coasts, and swings in a hand.
+        // Waits, because a light rotor coasts on and swings in the hand.
         bench.run(REST)?;
         let now = bench.now();
         let world = &mut bench.machine.chip_mut().world;
@@ -228,7 +228,8 @@ impl Stand {
             first_tick: None,
         };
         stand.bench.run(REST)?;
-        // Some way, on which counts and angles are told together; then to where it begins.
+        // The shaft moves a short way in both directions, to align the device's counts with the true angle. Afterwards it moves to
+        // the start of the motion.
         for to in [here + 0.1, here - 0.1] {
             stand.go(to);
             let course = stand.watch(700)?;
@@ -237,7 +238,7 @@ impl Stand {
         Ok(stand)
     }
 
-    /// A shaft's angle in the programme's frame, where the middle of a count is its angle.
+    /// Converts a true shaft angle to the programme's frame, in which the middle of an encoder count stands for the count's angle.
     fn in_programme(&self, world_rad: f64) -> f64 {
         world_rad + (self.ahead as f64 - 0.5) * self.step_rad
     }
@@ -246,7 +247,7 @@ impl Stand {
         programme_rad - (self.ahead as f64 - 0.5) * self.step_rad
     }
 
-    /// Moves the hand's rest point to a position and keeps it there.
+    /// Moves the rest point of the hand's spring smoothly to a position and keeps it there.
     fn go(&mut self, to: f64) {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
@@ -255,13 +256,14 @@ impl Stand {
         world.lead(move |time| from + (to - from) * minimum_jerk(time / OUT_S));
     }
 
-    /// The stand turns the shaft to a place, and there a hand takes it, at rest: a hand alone would leave it where its friction holds it.
+    /// Turns the shaft to a position from outside; then the hand takes it, at rest. A hand alone would leave the shaft where
+    /// friction holds it.
     fn put(&mut self, hand: &Hand, to: f64) -> Result<(), String> {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
         world.advance(now);
         let way = to - world.books().angle_rad;
-        // In whole mechanical steps, of which each moves the shaft by as much.
+        // The motion takes a whole number of mechanical steps, each of which moves the shaft by the same angle.
         let steps = (OUT_S * 1e6) as u64 / STEP_US;
         world.force(way / OUT_S);
         self.bench.run(steps * STEP_US * US)?;
@@ -273,14 +275,15 @@ impl Stand {
         self.bench.run(REST)
     }
 
-    /// Some ticks from the next one on.
+    /// Records this many control periods, from the next one on.
     fn watch(&mut self, ticks: usize) -> Result<Course, String> {
         let from = self.bench.link.telemetry.len();
         self.bench.machine.run_to(CONTROL_TICK.exception())?;
         self.watch_from_here(from, ticks)
     }
 
-    /// Same as `watch`, started in the handler of the first tick; `from`: number of records before.
+    /// Same as `watch`, called when the handler of the first control period begins. `from` is the number of telemetry records
+    /// before it.
     fn watch_from_here(&mut self, from: usize, ticks: usize) -> Result<Course, String> {
         let begin = self.bench.now();
         let period = SECOND / u64::from(self.rate_hz);
@@ -311,7 +314,8 @@ impl Stand {
         Ok(course)
     }
 
-    /// With which record the shaft's course begins, and how many counts the device is ahead: where most counts belong to their angles.
+    /// Aligns telemetry and true motion: index of the record that belongs to the first true state, and the counts by which the
+    /// device is ahead. The function chooses the pair with which most counts belong to their angles.
     fn in_step(&self, course: &Course) -> (usize, i64) {
         let spare = course.told.len().saturating_sub(course.shaft.len());
         let mut best = (0, 0, -1.0);
@@ -335,7 +339,7 @@ impl Stand {
         (shaft.angle_rad / self.step_rad).floor() as i64
     }
 
-    /// Share of the ticks whose count is that of the shaft's angle or a neighbour of it.
+    /// Fraction (0 to 1) of the control periods whose encoder count is within `off` counts of the one for the shaft's true angle.
     fn share(&self, course: &Course, first: usize, ahead: i64, off: i64) -> f64 {
         let pairs = course.told.iter().skip(first).zip(&course.shaft);
         let here = |shaft: &ShaftBooks| self.count_of(shaft) + ahead;
@@ -345,7 +349,8 @@ impl Stand {
         right as f64 / course.shaft.len() as f64
     }
 
-    /// An action, from outside of the wall and with the law as after arming, and out again.
+    /// Carries out an action: arms the device outside the wall, so that the control law starts anew, records the action, and
+    /// disarms.
     fn play(&mut self, deed: &HandDeed) -> Result<Course, String> {
         self.put(&hand_of(&deed.grip)?, self.in_world(deed.rest_rad[0]))?;
         let bench = &mut self.bench;
@@ -360,7 +365,7 @@ impl Stand {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
         world.advance(now);
-        // Held over a tick, as the simulator's is.
+        // The hand's rest point is constant within a control tick, as in the simulator.
         world.lead(move |time| {
             let tick = (time * rate_hz + 1e-6) as usize;
             rests.get(tick).copied().unwrap_or(last)
@@ -379,7 +384,8 @@ impl Stand {
         Ok(course)
     }
 
-    /// A row a tick; the last one says where the last tick led to.
+    /// Appends a row of the recording for each control period. The row of the last period has the change of its energies to the
+    /// next one.
     fn write(&mut self, deed: &HandDeed, course: &Course, text: &mut String) {
         let period_s = 1.0 / f64::from(self.rate_hz);
         for (index, (told, shaft)) in course.told.iter().zip(&course.shaft).enumerate() {

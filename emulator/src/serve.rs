@@ -1,4 +1,4 @@
-//! Serves the emulated device's serial port on a network socket in real time, so that desktop programs run without a board.
+//! Serves the emulated device's serial port on a network socket in real time, so that programs on the computer run without a board.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
@@ -11,13 +11,13 @@ use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;
 use crate::world::Parts;
 
-/// Options of serving the emulated device.
+/// Options of `touchstone-emulator serve`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted {
     /// True: a simulated hand presses into the wall every four seconds while the device is armed, and lets go when the device is no
     /// longer armed.
     pub hand: bool,
-    /// Seconds after which serving ends; `None` runs without an end.
+    /// Seconds after which serving ends; `None` for no limit.
     pub for_s: Option<u64>,
     /// Properties of the motor and the knob.
     pub parts: Parts,
@@ -70,7 +70,7 @@ pub fn serve(
         let until = bench.now() + MS;
         let ran = bench.machine.run_until(until);
         let sent = std::mem::take(&mut bench.machine.chip_mut().link().sent);
-        // Looked at on its way, for the hand.
+        // The simulated hand needs the telemetry, so the bytes are also decoded here before they are sent on.
         bench.link.receive(&sent);
         let excess = bench.link.telemetry.len().saturating_sub(10);
         bench.link.telemetry.drain(..excess);
@@ -86,7 +86,7 @@ pub fn serve(
             .telemetry
             .last()
             .is_some_and(|record| record.phase == Phase::Armed);
-        // Whoever stops a device takes the hand off it: the next calibration turns the shaft.
+        // A user who stops a device also takes the hand off it, because the next calibration turns the shaft.
         if hand && was_armed && !is_armed {
             bench.release();
         }

@@ -16,9 +16,9 @@ use crate::peripheral::CORE_HZ;
 /// A signal to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trace {
-    /// The pins of the power bridge with an active wall that renders no force, and the sampling times of the converters.
+    /// The pins of the power bridge while the device is armed but renders no force, and the sampling times of the converters.
     Pwm,
-    /// The phase currents at the beginning of a torque.
+    /// The phase currents at the beginning of a current pulse.
     Step,
     /// The shaft's angle and the current of one phase during a calibration.
     Calibration,
@@ -40,20 +40,21 @@ impl Trace {
     }
 }
 
-/// Interval at which the pins are read, cycles, and for how long.
+/// Time between two readings of the pins, in processor cycles. The next constant is the number of readings, which cover 110 µs.
 const LOOK: u64 = 5;
 const LOOKS: u64 = 110 * US / LOOK;
-/// A current probe's samples, and a shaft's.
+/// Time between two samples of a current probe, in processor cycles. The next constant is that between two samples of the shaft's
+/// angle.
 const PROBE: u64 = 25 * US;
 const SHAFT: u64 = 2 * MS;
-/// Time in cycles that is recorded before a current step; the time after the step follows.
+/// Time recorded before a current step, in processor cycles. The next constant is the time recorded after the step.
 const BEFORE: u64 = MS;
 const AFTER: u64 = 4 * MS;
-/// A push has begun where the phases' amplitude has this share of its current.
+/// A current push counts as begun when the amplitude of the phase currents reaches this fraction (0 to 1) of the push's current.
 const BEGUN: f64 = 0.1;
-/// Longest time until an event appears in the telemetry.
+/// Longest time until an event appears in the telemetry, in processor cycles.
 const TOLD: u64 = 10 * MS;
-/// Waiting time in cycles after arming, by which the torque has faded in.
+/// Waiting time after arming until the torque has faded in, in processor cycles.
 const FADED_IN: u64 = 300 * MS;
 /// Times in seconds: the hand presses in for `PRESS_S`, holds for `HOLD_S`, and then lets go.
 const PRESS_S: f64 = 0.8;
@@ -107,7 +108,8 @@ fn name(source: Source) -> String {
     }
 }
 
-/// Some more than two periods, from where the counter is at 0 on.
+/// Records the levels of the bridge's pins for 110 µs, which is just over two PWM periods, from the bottom of the timer's counter
+/// on.
 fn pwm(bench: &mut Bench) -> Result<String, String> {
     bench.arm()?;
     bench.run(FADED_IN)?;
@@ -130,7 +132,7 @@ fn pwm(bench: &mut Bench) -> Result<String, String> {
             let (upper, lower) = pins.ok_or("a phase is not driven")?;
             let _ = write!(text, ",{},{}", u8::from(upper), u8::from(lower));
         }
-        // A sample stands in the row that follows its moment.
+        // A sample is written to the first row after the time of the sample.
         let samples = chip.samplings().into_iter().flatten();
         let new: Vec<_> = samples
             .filter(|(_, at)| (begin..=now).contains(at))
@@ -144,7 +146,7 @@ fn pwm(bench: &mut Bench) -> Result<String, String> {
     Ok(text)
 }
 
-/// The first push of a calibration that measures.
+/// Records the phase currents at the first current push of a calibration that measures the motor.
 fn step(bench: &mut Bench) -> Result<String, String> {
     let push_a: f64 = bench.settings()?.calibration.current_a.to_num::<f64>() / 4.0;
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
@@ -187,7 +189,7 @@ fn step(bench: &mut Bench) -> Result<String, String> {
     Ok(text)
 }
 
-/// Amplitude of three phases that are a third of a turn apart.
+/// Amplitude of three phase currents that are a third of a turn apart.
 fn amplitude(phases: &[f64; 3]) -> f64 {
     let squares: f64 = phases.iter().map(|it| it * it).sum();
     (squares * 2.0 / 3.0).sqrt()
@@ -215,7 +217,7 @@ fn calibration(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// Records a press, in the columns of `touchstone monitor --csv`.
+/// Records a hand's press on the wall, in the columns of `touchstone monitor --csv`.
 fn press(bench: &mut Bench) -> Result<String, String> {
     bench.arm()?;
     bench.run(FADED_IN)?;

@@ -11,8 +11,8 @@ use touchstone_drive::DacCode;
 /// Bit mask of the pin of port C that enables the amplifier; 0 where the board has no such output.
 static ENABLE: AtomicU32 = AtomicU32::new(0);
 
-/// Sets the converter up with its output in the middle, which means no torque. The DAC's pin is analogue after a reset and is not
-/// driven before the first command, because without such an amplifier the shield has a potentiometer there.
+/// Sets the converter up with its output in the middle, which means no torque. The DAC's pin is analogue after a reset. It is not
+/// driven before the first command, because on a shield used without a servo amplifier a potentiometer is connected to the pin.
 pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();

@@ -1,5 +1,5 @@
-//! Passes the automatic start, and the stored encoder alignment that it checks, from the thread to the control tick. Not on boards
-//! with an STM32G431.
+//! Passes the unattended start, and the stored encoder alignment that it checks, from the main thread to the control interrupt. Not
+//! on boards with an STM32G431.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -16,13 +16,13 @@ use crate::shared::InThread;
 
 const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
 
-/// Hands the stored encoder alignment to the control tick, if it fits the settings in use.
+/// Hands the stored encoder alignment to the control interrupt, if it fits the settings in use.
 pub fn give(control: &mut Control, session: &Session) {
     let kept = session.kept().usable(session.settings(), board::BOARD);
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Begins the automatic start before the first control tick, with the stored encoder alignment.
+/// Begins the unattended start before the first control period, with the stored encoder alignment.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);
@@ -33,7 +33,7 @@ pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     });
 }
 
-/// Runs one step of the automatic start. The supervisor calls it at each of its checks.
+/// Runs one step of the unattended start. The supervision task calls it at each of its checks, every 10 ms.
 pub fn step(here: InThread) {
     let desktop_spoke = SPOKEN.load(Relaxed);
     let is_stop_pressed = board::is_stop_pressed();

@@ -7,7 +7,7 @@ use embassy_stm32::Config;
 use embassy_stm32::interrupt::Priority;
 use embassy_stm32::rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
 
-/// Clock of processor, buses and timers, Hz.
+/// Clock frequency of processor, buses and timers, Hz.
 pub const CORE_HZ: u32 = 170_000_000;
 
 /// The clock configuration that `embassy_stm32::init` sets up.

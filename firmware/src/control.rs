@@ -1,4 +1,4 @@
-//! The wiring of the control tick: reads registers into a [`ControlInput`] and writes a [`ControlOutput`] to registers.
+//! The wiring of the control interrupt: reads registers into a [`ControlInput`] and writes a [`ControlOutput`] to registers.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -17,46 +17,47 @@ use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
 use crate::shared::Guarded;
 use crate::{analogue, board, pwm};
 
-/// Largest number of telemetry records that wait for the serial port: at 10 kHz those of one and a half rounds of the link's task.
+/// Largest number of telemetry records that wait for the serial port. At 10 kHz they arrive in one and a half rounds of the task
+/// that serves the port.
 pub const QUEUED: usize = 16;
 
-/// What the interrupt has read for a tick, except the encoder.
+/// The values, except the encoder's, that the interrupt has read for a control period.
 pub struct Readings {
     /// Whether the PWM timer's hardware break has switched the outputs off.
     pub hardware_break: bool,
     /// Whether the processor's supply has fallen below 2.9 V.
     pub brown_out: bool,
-    /// Processor cycles from when the tick was due to its first instruction.
+    /// Processor cycles from the time at which the control interrupt was due to its first instruction.
     pub lateness: u32,
 }
 
-/// The state of the control tick. The thread reads it and gives commands through [`CONTROL`].
+/// All data of the control interrupt. The main thread reads them and gives commands through [`CONTROL`].
 pub struct Control {
-    /// The device's logic, which makes all decisions.
+    /// The device's logic (crate `touchstone-drive`), which makes all decisions.
     pub device: Device,
-    /// Number of control ticks since the start.
+    /// Number of control periods since the start.
     pub tick: u32,
-    /// The device's state at the end of the last tick.
+    /// The device's state at the end of the last control period.
     pub state: State,
-    /// A command that waits for the next tick.
+    /// A command that waits for the next control period.
     pub command: Option<Command>,
-    /// Whether the last command had an effect; `None` until a tick has handled it.
+    /// Whether the last command had an effect; `None` until a control period has handled it.
     pub accepted: Option<bool>,
     /// Telemetry records that wait for the serial port, oldest first.
     pub telemetry: Deque<Telemetry, QUEUED>,
-    /// Number of control ticks per telemetry record; 0 for no telemetry.
+    /// Number of control periods per telemetry record; 0 for no telemetry.
     pub decimation: u16,
     /// Number of telemetry records dropped because the queue was full.
     pub dropped: u32,
-    /// Longest duration of a tick, in processor cycles.
+    /// Longest duration of a control interrupt, in processor cycles.
     pub cycles_max: u32,
-    /// Largest lateness of a tick, in processor cycles.
+    /// Largest lateness of a control interrupt, in processor cycles.
     pub lateness_max: u32,
-    /// State of the automatic start at power-on.
+    /// State of the unattended start at power-on.
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,
-    /// The last tick's record is not in the ring buffer yet.
+    /// Whether the last control period's record is not in the ring buffer yet.
     is_unkept: bool,
     duration: u32,
     encoder: EncoderKind,
@@ -65,8 +66,8 @@ pub struct Control {
     brown_out_told: bool,
 }
 
-/// Whether a frame from the desktop arrived since the last tick. The flag is read and cleared in two steps; the thread, which sets
-/// it, cannot run between them.
+/// Whether a frame from the computer arrived since the last control period. The flag is read and cleared in two steps; the main
+/// thread, which sets it, cannot run between them.
 #[inline(always)]
 fn heard() -> bool {
     let heard = HEARD.load(Relaxed);
@@ -76,17 +77,17 @@ fn heard() -> bool {
     heard
 }
 
-/// Runs the device's tick, once per control tick. A function of its own, so that the input is built in place and not copied.
+/// Runs one control period of the device. It is a function of its own, so that the input is built in place and not copied.
 #[inline(always)]
 fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
     return device.tick(input);
     #[cfg(feature = "g474re")]
-    // SAFETY: once in a tick, and the control interrupt runs it.
+    // SAFETY: this is called once per tick, and only in the control interrupt.
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
-/// The state of the control tick; `None` before the start.
+/// The data of the control interrupt; `None` before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
 /// The environment (further walls, end stops, detents) and the cogging map's table. It is large and must not be moved, like
 /// [`RING`].
@@ -97,7 +98,7 @@ pub static AROUND: Guarded<touchstone_drive::around::Around> =
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
-    /// The control tick's state before the first tick.
+    /// The data of the control interrupt before its first run.
     pub fn new(device: Device, settings: &DeviceSettings) -> Self {
         Self {
             device,
@@ -122,7 +123,7 @@ impl Control {
         }
     }
 
-    /// Runs one control tick.
+    /// Runs one control period: reads the encoder, lets the device decide, passes its command on.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
         if readings.brown_out && !self.brown_out_told {
@@ -159,7 +160,7 @@ impl Control {
             self.accepted = Some(output.accepted.unwrap_or(false));
         }
         self.drive(output.outputs, output.drive);
-        // SAFETY: nothing else holds it here, and the control interrupt runs it.
+        // SAFETY: this runs in the control interrupt, and no other reference exists here.
         let ring = unsafe { RING.mine() };
         if output.reconfigure {
             self.reconfigure();
@@ -173,7 +174,7 @@ impl Control {
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
-    /// Reads the encoder again between two ticks, when the commanded force changes.
+    /// Reads the encoder a second time, between two control periods, when the commanded force changes.
     #[inline]
     pub fn read_change(&mut self) {
         let last = magnetic::begin(self.encoder).and_then(|()| magnetic::go_on(self.encoder));
@@ -189,17 +190,17 @@ impl Control {
         }
     }
 
-    /// Adds the last tick's record to the ring buffer.
+    /// Adds the last control period's record to the ring buffer.
     #[inline(always)]
     fn keep(&mut self) {
         if core::mem::take(&mut self.is_unkept) {
-            // SAFETY: nothing else holds it here, and the control interrupt runs it.
+            // SAFETY: this runs in the control interrupt, and no other reference exists here.
             unsafe { RING.mine() }.push(self.device.record());
             self.since_sent = self.since_sent.saturating_add(1);
         }
     }
 
-    /// Queues the last tick's record for the serial port, in every `decimation`-th tick.
+    /// Queues the last control period's record for the serial port, once in `decimation` periods.
     #[inline(always)]
     fn send(&mut self) {
         if self.decimation == 0 || self.since_sent < self.decimation {
@@ -214,15 +215,15 @@ impl Control {
         }
     }
 
-    /// Stores the duration of the tick in processor cycles.
+    /// Stores the duration of the control interrupt, in processor cycles.
     #[inline]
     pub fn ended(&mut self, cycles: u32) {
         self.duration = cycles;
         self.cycles_max = self.cycles_max.max(cycles);
     }
 
-    /// Passes the tick's command to the current loop or the amplifier. The mailbox is written before the outputs are switched off:
-    /// a current loop that interrupts between the two must not find an old command and switch on again.
+    /// Passes the control period's command to the current loop or the amplifier. The mailbox is written before the outputs are
+    /// switched off: a current loop that interrupts between the two must not find an old command and switch on again.
     fn drive(&mut self, outputs: Outputs, drive: DriveCommand) {
         let command = match (outputs, drive) {
             (Outputs::On, DriveCommand::Current(command)) => command,
@@ -251,7 +252,7 @@ impl Control {
     }
 
     fn reconfigure(&mut self) {
-        // SAFETY: the control tick alone gives.
+        // SAFETY: only the control tick calls `give`.
         unsafe { CONFIG.give(self.device.current_config()) };
         self.encoder = self.next_encoder;
         board::magnetic::prepare(self.encoder);
@@ -266,8 +267,8 @@ impl Control {
     }
 
     /// Adds the values measured at the motor to the telemetry record that is already in the queue. Building the record elsewhere
-    /// would cost a copy in every tick. The current loop's report is read again for the same reason; it is at most one PWM period
-    /// newer.
+    /// would cost a copy in every control period. For the same reason the current loop's report is read again; it is at most one
+    /// PWM period newer than the record.
     #[cold]
     #[inline(never)]
     fn add_measuring(&mut self, part: MeasuringPart) {

@@ -1,11 +1,12 @@
 //! The memory copy functions that the compiler calls, here for whole words, four at a time.
 //!
-//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words, and the
-//! control tick that arms copies one. The linker uses these functions because the compiler's symbols are weak.
+//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words long, and the
+//! control period in which the device is armed copies one. The linker uses these functions because the compiler's symbols are weak.
 
 use core::arch::global_asm;
 
-// By the ARM run-time ABI: to r0, from r1, both whole words, r2 bytes; nothing is returned.
+// The ARM run-time ABI passes the destination in r0, the source in r1 and the number of bytes in r2. Both addresses are aligned to
+// words. Nothing is returned.
 global_asm!(
     ".syntax unified",
     ".section .text.__aeabi_memcpy4, \"ax\", %progbits",

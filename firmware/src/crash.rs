@@ -20,12 +20,12 @@ unsafe extern "C" {
     static mut RECORD: Record;
 }
 
-/// Value of the record's word `RUNNING` once the program runs. If a start finds it, the RAM kept its content since.
+/// Value of the crash record's word `RUNNING` once the program runs. If the next start finds it, the RAM kept its content.
 const RUNNING: u32 = 0x7045_5001;
-/// Value of the record's word `CRASHED` after a crash: the other words are valid.
+/// Value of the crash record's word `CRASHED` after a crash. It means that the other words are valid.
 const CRASHED: u32 = 0xDEAD_C0DE;
 
-/// Indices of the record's words.
+/// Indices of the crash record's words.
 mod word {
     pub const RUNNING: usize = 0;
     pub const CRASHED: usize = 1;
@@ -37,7 +37,7 @@ mod word {
     pub const SUM: usize = 7;
 }
 
-/// Kinds of crash: a panic, or one of the processor's exceptions.
+/// Numbers of the kinds of crash: a panic, or one of the processor's exceptions.
 const PANIC: u32 = 1;
 const FAULT: u32 = 2;
 const UNEXPECTED: u32 = 3;
@@ -56,7 +56,7 @@ fn sum() -> u32 {
     (word::CRASHED..word::SUM).fold(RUNNING, |sum, index| sum.rotate_left(5) ^ read(index))
 }
 
-/// Switches the outputs off, writes the crash record and resets. No code in it formats, waits, or can panic.
+/// Switches the outputs off, writes the crash record and resets the processor. The function does not format text, wait or panic.
 fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
     pwm::outputs_off();
     analogue::off();
@@ -80,14 +80,15 @@ fn panic(info: &PanicInfo) -> ! {
     }
 }
 
-/// The file name of a panic's location. The type does not say that its text is a constant of the program, but it is.
+/// The file name in a panic's location. It is a constant of the program, although its type does not say so.
 fn file_of(place: &core::panic::Location<'_>) -> &'static str {
     let file = place.file();
     // SAFETY: `Location`s that panics carry are constants in flash, and so are their texts.
     unsafe { core::mem::transmute::<&str, &'static str>(file) }
 }
 
-/// Crashes with the address at which the processor faulted as place, and with the fault status register.
+/// Handles the processor's hard fault as a crash. Its record holds the address at which the processor faulted, and the fault status
+/// register.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     pwm::outputs_off();
@@ -96,8 +97,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     die(FAULT, frame.pc(), "", status)
 }
 
-/// Handles two wrong bits in a double word of flash. In the settings' pages a write was interrupted, and the slot's CRC will reject
-/// it. Anywhere else the program is damaged.
+/// Handles a flash error of two wrong bits in a double word. In the settings' pages it comes from an interrupted write, and the CRC
+/// will reject that slot of the settings. Anywhere else the program is damaged.
 #[exception]
 unsafe fn NonMaskableInt() {
     let is_flash = FLASH.eccr().read().eccd();
@@ -110,7 +111,7 @@ unsafe fn NonMaskableInt() {
     pwm::clear_break();
 }
 
-/// Crashes: an enabled interrupt has no handler, which is a mistake in the program.
+/// Handles an enabled interrupt without a handler as a crash, since it is a mistake in the program.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     die(UNEXPECTED, number as u32, "", 0)

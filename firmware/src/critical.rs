@@ -1,5 +1,5 @@
 //! The critical section of embassy and defmt. It masks the interrupts of priorities 3 and below; the current loop, the timer's
-//! break and the control tick (priorities 0 to 2) still run.
+//! break and the control interrupt (priorities 0 to 2) still run.
 //!
 //! Priorities 0 to 2 share only atomics with the rest of the program and never enter a critical section; `cargo xtask firmware`
 //! checks it on the program. So a long critical section, such as a line of the log, does not delay them.
@@ -15,8 +15,9 @@ struct Masking;
 
 critical_section::set_impl!(Masking);
 
-// SAFETY: on the one core, code that runs at priority 3 or below, or in the thread, excludes all other such code by raising
-// BASEPRI, and nesting restores what was. Code at priorities 0 to 2 never takes a critical section (checked on the program).
+// SAFETY: there is one core. Code in the thread or at priority 3 or below excludes all other such code by raising BASEPRI. Nested
+// sections restore the earlier value. Code at priorities 0 to 2 never enters a critical section (a check of the finished program
+// makes sure).
 unsafe impl critical_section::Impl for Masking {
     unsafe fn acquire() -> critical_section::RawRestoreState {
         let before = basepri::read();
@@ -29,7 +30,7 @@ unsafe impl critical_section::Impl for Masking {
 
     unsafe fn release(before: critical_section::RawRestoreState) {
         compiler_fence(Ordering::SeqCst);
-        // SAFETY: `before` is what `acquire` found, so this only undoes it.
+        // SAFETY: `before` is the value that `acquire` has read, so this only restores it.
         unsafe { basepri::write(before) };
     }
 }

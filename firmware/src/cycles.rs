@@ -8,7 +8,7 @@ pub fn start(core: &mut cortex_m::Peripherals) {
     core.DWT.enable_cycle_counter();
 }
 
-/// The cycle counter's value; it wraps after 25 s.
+/// The value of the processor's cycle counter; it wraps after 25 s.
 #[inline(always)]
 pub fn now() -> u32 {
     DWT::cycle_count()

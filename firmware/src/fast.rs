@@ -1,4 +1,5 @@
-//! Copies the interrupts' code at start-up, before other code runs, to the memory without wait states that `fast.x` names.
+//! Copies the interrupts' code at start-up, before other code runs, to a memory without wait states. The linker script `fast.x`
+//! names that memory.
 
 use core::arch::global_asm;
 

@@ -1,8 +1,8 @@
-//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or
+//! The interrupts of current loop, timer break, supply and control period. They contain no code that could wait without bound or
 //! panic.
 //!
 //! ```text
-//! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control tick
+//! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control interrupt
 //! ```
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
@@ -20,21 +20,23 @@ use crate::exchange::{
 use crate::shared::{Owned, raise};
 use crate::{analogue, board, cycles, pwm, supply, window};
 
-/// Whether the current loop has switched the outputs on and not off since. When other code switches the outputs off, the current
-/// loop gets a reason to do so too, in the same or the next PWM period.
+/// Whether the current loop has switched the outputs on and not off since. When other code switches the outputs off, it also gives
+/// the current loop a reason to do so, in the same or the next PWM period.
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
-/// The cycle counter's value at which the control tick became due.
+/// The cycle counter's value at which the control interrupt became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// A control tick is due and has not begun. If none is due, the same interrupt only reads the encoder again at the change of force.
+/// Whether a control period is due and has not begun. If none is due, the control interrupt only reads the encoder a second time,
+/// when the force changes.
 static TICK_DUE: AtomicBool = AtomicBool::new(false);
-/// Largest lateness, in processor cycles, of an encoder reading at the change of force. A later reading would be of another moment
-/// and is left out.
+/// Largest allowed lateness, in processor cycles, of the second encoder reading, which is made when the force changes. A later
+/// reading would belong to another moment and is left out.
 const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
-/// In the last PWM period the new compare values came after the counter's turn, so they take effect a period later.
+/// Whether the last PWM period's new compare values were written after the counter's turn at the bottom, so that they take effect a
+/// period later.
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
-/// Hands the current loop its state, sets the interrupts' priorities and enables the interrupts.
+/// Gives the current loop to its interrupt, sets the interrupts' priorities and enables the interrupts.
 ///
 /// # Safety
 /// Call it once, after [`CONTROL`] was filled.
@@ -62,11 +64,11 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
 fn ADC1_2() {
     let begun = cycles::now();
     let readings = board::readings();
-    // SAFETY: this is the handler that it belongs to, and calls it once.
+    // SAFETY: only this handler uses the value, and it calls `mine` once per run.
     let Some(current) = (unsafe { CURRENT.mine() }) else {
         return;
     };
-    // SAFETY: this priority alone takes.
+    // SAFETY: only code of this interrupt priority calls `take`.
     if let Some(config) = unsafe { CONFIG.take() } {
         current.reconfigure(config);
     }
@@ -124,15 +126,15 @@ fn ADC1_2() {
     window::refresh();
 }
 
-/// Priority 1: the hardware break has switched the outputs off. A break input that stays active would raise this interrupt for
-/// ever, so it is disabled until the control tick clears the break.
+/// Priority 1, after the hardware break has switched the outputs off. A break input that stays active would raise this interrupt
+/// for ever, so the interrupt is disabled until the control interrupt clears the break.
 #[interrupt]
 fn TIM1_BRK_TIM15() {
     pwm::silence_break();
     BREAK.store(true, Relaxed);
 }
 
-/// Priority 1: the processor's supply has fallen below 2.9 V.
+/// Priority 1, when the processor's supply has fallen below 2.9 V.
 #[interrupt]
 fn PVD_PVM() {
     BROWN_OUT.store(true, Relaxed);
@@ -141,14 +143,14 @@ fn PVD_PVM() {
     supply::take();
 }
 
-/// Priority 2: runs one control tick, or between two ticks a reading of the encoder. The current loop pends this interrupt; no
-/// timer does.
+/// Priority 2: runs one control period, or between two of them the second reading of the encoder. The current loop pends this
+/// interrupt; no timer does.
 #[interrupt]
 fn LPTIM1() {
     // Read first: a tick that becomes due after this line belongs to the next run of the interrupt.
     let is_tick = TICK_DUE.load(Relaxed);
     let begun = cycles::now();
-    // SAFETY: this is the handler that it belongs to, and calls it once.
+    // SAFETY: only this handler uses the value, and it calls `mine` once per run.
     let Some(control) = (unsafe { CONTROL.mine() }) else {
         return;
     };

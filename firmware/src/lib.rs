@@ -1,7 +1,7 @@
 //! Touchstone's program for microcontrollers: access to registers, and wiring.
 //!
-//! It makes no decisions. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and writes
-//! the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
+//! The program makes no decisions. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and
+//! writes the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
 #![no_std]
 
 // The log goes to a debug probe; without one it is dropped.
@@ -16,7 +16,7 @@ use defmt_rtt as _;
 )))]
 compile_error!("which board? --no-default-features --features <board>");
 
-// Two boards in one build would define the module twice.
+// If two boards were selected, this module would be defined twice and the build would fail.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
 pub mod board;

@@ -1,5 +1,5 @@
-//! A magnetic encoder at the SPI port SPI3. The code uses the registers and every wait is bounded, because embassy-stm32's driver
-//! waits without a time limit.
+//! Reads a magnetic encoder at the SPI port SPI3. The code uses the registers itself and bounds every wait, because embassy-stm32's
+//! driver waits without a time limit.
 
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 
@@ -16,10 +16,10 @@ use crate::cycles;
 const SELECT: usize = 2;
 /// The AS5047P's shortest time between chip select and clock and between two frames: 350 ns, in processor cycles.
 const SETTLE: u32 = 60;
-/// Number of polls of a flag before the encoder counts as silent. A frame takes 512 cycles, a poll at least 8.
+/// Number of polls of a flag before the encoder counts as silent. A frame takes 512 processor cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Switches the port's clock on and resets the port.
+/// Switches the clock of the SPI port on and resets the port.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }
@@ -49,12 +49,12 @@ pub fn prepare(kind: EncoderKind) {
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
-/// The extra question that the previous tick sent to the AS5047P beside the angle, as its frame; 0 for none.
+/// The frame with which the previous control period requested a further register from the AS5047P, beside the angle; 0 for none.
 static ASKED: AtomicU16 = AtomicU16::new(0);
 
-/// A started reading whose last frame is on the bus.
+/// An encoder reading in progress, whose last frame is on the bus.
 pub enum Last {
-    /// AS5047P: the question in the last frame, and the answer to the previous tick's question.
+    /// AS5047P: the register that the last frame requests, and the answer to the previous control period's request.
     As5047p(Question, Option<Asked>),
     /// MT6701: the bytes received up to now.
     Mt6701(u32),
@@ -77,8 +77,9 @@ pub fn begin(kind: EncoderKind) -> Option<()> {
 
 /// Waits for the first frame and sends the last one.
 ///
-/// The AS5047P answers each frame in the next one. The first frame requests the angle and brings the answer to the previous tick's
-/// question. The second frame brings the present angle and sends a question: the magnet's field, or what was wrong with a frame.
+/// The AS5047P answers each frame in the next one. The first frame requests the angle and brings the answer to the previous control
+/// period's request. The second frame brings the present angle and requests a further register: the magnet's field, or the errors
+/// of earlier frames.
 #[inline]
 pub fn go_on(kind: EncoderKind) -> Option<Last> {
     match kind {
@@ -127,20 +128,20 @@ fn select() {
     settle(cycles::now());
 }
 
-/// Ends a frame and returns the time. Chip select must stay inactive for [`SETTLE`] before the next frame; between two ticks it
-/// does.
+/// Ends a frame and returns the cycle counter's value. Chip select must stay inactive for [`SETTLE`] cycles before the next frame.
+/// Between two control periods it always does.
 fn deselect() -> u32 {
     GPIOD.bsrr().write(|w| w.set_bs(SELECT, true));
     cycles::now()
 }
 
-/// Waits until [`SETTLE`] cycles have passed since `since`. It reads the cycle counter, because a loop that only counts takes five
-/// times as long. The number of polls is bounded in case a debugger has stopped the cycle counter.
+/// Waits until [`SETTLE`] cycles have passed since the counter's value `since`. The wait reads the cycle counter, because a loop
+/// that only counts takes five times as long. The number of polls is bounded in case a debugger has stopped the cycle counter.
 fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }
 
-/// Empties the receive queue of what an abandoned frame left, at most four bytes.
+/// Empties the receive queue: an abandoned frame may have left up to four bytes.
 fn drain() {
     for _ in 0..4 {
         if !SPI3.sr().read().rxne() {

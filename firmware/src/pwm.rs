@@ -18,13 +18,13 @@ use crate::clock::CORE_HZ;
 /// Rate of the PWM and of the current loop, Hz.
 pub const PWM_HZ: u32 = 20_000;
 
-/// Compare value of full duty. In a PWM period the timer counts up to it and down again.
+/// Compare value of full duty, and the counter's top. In a PWM period the timer counts up to it and down again.
 pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
 
 /// Half a PWM period in processor cycles; the timer runs at the processor's clock.
 pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
 
-/// Timer counts by which the injected conversions begin before the middle of the time in which all lower transistors conduct. So
+/// The injected conversions begin this many timer counts before the middle of the time in which all lower transistors conduct. So
 /// the middle lies within the sampling time.
 const SAMPLE_LEAD: u16 = 20;
 
@@ -56,8 +56,8 @@ pub enum Complement {
 pub enum BreakInput {
     /// The pin BKIN, active low, which comparators on the board pull.
     Pin,
-    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They see the shunts' voltage without a filter, so also the
-    /// spikes of switching. The break therefore acts only after 1.5 us without a gap.
+    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They get the shunts' voltage without a filter, including the
+    /// spikes of switching. So the break acts only after an over-current of 1.5 us without a gap.
     Comparators(u8),
 }
 
@@ -79,9 +79,9 @@ const fn dead_time_code(ns: u32) -> u8 {
 
 const _: () = {
     assert!(dead_time_code(500) == 85);
-    // 136 counts: 68 steps of two.
+    // 800 ns are 136 timer counts: 68 steps of two counts.
     assert!(dead_time_code(800) == 0x80 | 4);
-    // 340 counts: 43 steps of eight.
+    // 2 µs are 340 timer counts: 43 steps of eight counts.
     assert!(dead_time_code(2_000) == 0xc0 | 11);
     assert!(dead_time_code(5_000) == 0xe0 | 22);
 };
@@ -131,7 +131,8 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     for channel in 0..4 {
         TIM1.ccmr_output(channel / 2).modify(|w| {
             w.set_ocpe(channel % 2, true);
-            // Channel 4 rises while the counter goes up, just before the top, where all lower transistors conduct.
+            // Channel 4 triggers the converters. It rises while the counter counts up, just before the top, where all lower
+            // transistors conduct.
             w.set_ocm(
                 channel % 2,
                 if channel == 3 {
@@ -180,9 +181,9 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_bkf(
             0,
             match bridge.break_input {
-                // 8 cycles, 47 ns.
+                // A break must last 8 timer cycles, which are 47 ns.
                 BreakInput::Pin => FilterValue::FCK_INT_N8,
-                // 8 times 32 cycles, 1.5 us.
+                // A break must last 8 times 32 timer cycles, which are 1.5 µs.
                 BreakInput::Comparators(_) => FilterValue::FDTS_DIV32_N8,
             },
         );
@@ -211,7 +212,8 @@ pub fn outputs_on() {
     TIM1.bdtr().modify(|w| w.set_moe(true));
 }
 
-/// Sets the compare values of the three phases, which apply from the counter's next turn on; at most [`FULL_SCALE`].
+/// Sets the compare values of the three phases, each at most [`FULL_SCALE`]. They apply from the counter's next turn at the bottom
+/// on.
 #[inline(always)]
 pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(0).write(|w| w.set_ccr(duty[0]));
@@ -226,15 +228,15 @@ pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether a break has acted since breaks were last cleared: that of the input, or the system's (supply, lockup, flash error that
-/// cannot be corrected), which has a flag of its own.
+/// Whether a break has acted since breaks were last cleared: that of the break input, or the system break. The system break comes
+/// from low supply, a processor lockup or a flash error that cannot be corrected, and has a flag of its own.
 #[inline(always)]
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
     status.bif(0) || status.sbif()
 }
 
-/// Whether the break input has acted since it was last cleared. The system's break does not count.
+/// Whether the break input has acted since it was last cleared. The system break (supply, lockup, flash error) does not count.
 #[inline(always)]
 pub fn is_input_broken() -> bool {
     TIM1.sr().read().bif(0)
@@ -246,10 +248,10 @@ pub fn silence_break() {
     TIM1.dier().write(|_| ());
 }
 
-/// Clears the flags of the input's and the system's break and enables the break's interrupt. A flag returns at once if its cause is
-/// still there. While the system's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
+/// Clears the flags of input break and system break, and enables the break's interrupt. A flag returns at once if its cause is
+/// still there. While the system break's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
-    // Written and not modified: a zero clears a flag, a one has no effect.
+    // The register is written without reading it first, because a zero clears a flag and a one has no effect.
     TIM1.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);

@@ -1,4 +1,4 @@
-//! The thread's part of the device: carries out the requests of a protocol session.
+//! The main thread's part of the device: carries out the requests of a protocol session.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -17,18 +17,18 @@ use crate::shared::InThread;
 use crate::storage::{self, Storage};
 use crate::{analogue, board, pwm};
 
-/// The thread's side of the device.
+/// Access to the device from the main thread, which runs beside the control interrupt.
 pub struct Thread {
-    /// The flash pages of the settings.
+    /// The flash pages in which the settings are stored.
     storage: Storage,
     /// Why the processor started.
     reset_reason: ResetReason,
     here: InThread,
-    /// Whether the protocol session has new settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control interrupt does not have yet.
     new_settings: bool,
 }
 
-/// Calls `look` with the control tick's state, while the control tick is masked. The state exists from before the first request on.
+/// Calls `look` with the control interrupt's data, while that interrupt is masked. The data exist from before the first request on.
 pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     CONTROL.in_thread(here, |control| {
         control.as_mut().map(|control| look(control))
@@ -36,7 +36,7 @@ pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Optio
 }
 
 impl Thread {
-    /// The thread's side of the device at the start.
+    /// Makes the main thread's access to the device, at the start.
     pub const fn new(storage: Storage, reset_reason: ResetReason, here: InThread) -> Self {
         Self {
             storage,
@@ -46,18 +46,18 @@ impl Thread {
         }
     }
 
-    /// The token that proves that the code runs in the thread.
+    /// The token that proves that the code runs in the main thread and in no interrupt.
     pub const fn here(&self) -> InThread {
         self.here
     }
 
-    /// Whether the protocol session has new settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control interrupt does not have yet.
     pub fn has_new_settings(&self) -> bool {
         self.new_settings
     }
 
-    /// Computes the coefficients of the settings and hands them to the control tick. The thread does it, where time does not
-    /// matter, and after the answer was sent, when the answer's messages are off the stack.
+    /// Computes the coefficients of the settings and hands them to the control interrupt. The main thread does it, where time does
+    /// not matter, and only after the answer was sent, when the answer's messages are off the stack.
     #[inline(never)]
     pub fn apply(&mut self, session: &Session) {
         self.new_settings = false;
@@ -84,7 +84,7 @@ impl Thread {
         }
     }
 
-    /// Hands a command to the next control tick; [`Self::accepted`] then has its result.
+    /// Hands a command to the next control period; [`Self::accepted`] then has its result.
     fn give(&mut self, command: Command) {
         control(self.here, |control| {
             control.accepted = None;
@@ -92,12 +92,12 @@ impl Thread {
         });
     }
 
-    /// Whether the last command had an effect; `None` until a control tick has handled it.
+    /// Whether the last command had an effect; `None` until a control period has handled it.
     pub fn accepted(&self) -> Option<bool> {
         control(self.here, |control| control.accepted.take()).flatten()
     }
 
-    /// Withdraws a command that no control tick handled in time, so that none acts on it later.
+    /// Withdraws a command that no control period handled in time, so that none acts on it later.
     pub fn withdraw(&self) {
         control(self.here, |control| control.command = None);
     }
@@ -253,7 +253,7 @@ impl Backend for Thread {
     }
 }
 
-/// Hash of the source files, calculated by `build.rs`.
+/// Hash of the program's source files, calculated by `build.rs`.
 const BUILD_HASH: u64 = match u64::from_str_radix(env!("TOUCHSTONE_BUILD_HASH"), 16) {
     Ok(hash) => hash,
     Err(_) => 0,

@@ -23,22 +23,23 @@ static SESSION: StaticCell<Session> = StaticCell::new();
 static CONTROLLER: StaticCell<Control> = StaticCell::new();
 static CURRENT_LOOP: StaticCell<CurrentLoop> = StaticCell::new();
 
-/// Time between two checks of the supervisor.
+/// Time between two checks by the supervision task, which feeds the watchdog.
 pub const SUPERVISION: Duration = Duration::from_millis(10);
 
-/// Runs the program after the board's set-up, with the serial port to the desktop and the flash pages of the settings. It never
+/// Runs the program after the board's set-up, with the serial port to the computer and the flash pages of the settings. It never
 /// returns.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
-    // SAFETY: this is the executor's, in the thread.
+    // SAFETY: this function runs in the executor, which runs in the thread and not in an interrupt.
     let here = unsafe { InThread::new() };
     let current = start(spawner, serial, storage, here);
-    // SAFETY: once, and the control tick has its state. Only here: `start` needs the stack for itself.
+    // SAFETY: this is called once, after the control tick has received its state. It is called only here, because `start` needs the
+    // stack for itself.
     unsafe { interrupts::start(current) };
     supervise(here).await
 }
 
-/// Does all that comes before the first interrupt. It is not part of the async function [`run`], so that data that are needed once
-/// lie on the stack and not in a static.
+/// Does everything that comes before the first interrupt. It is not part of the async function [`run`], so that data that are
+/// needed only once lie on the stack and not in a static.
 #[inline(never)]
 fn start(
     spawner: Spawner,
@@ -48,7 +49,7 @@ fn start(
 ) -> &'static mut CurrentLoop {
     watchdog::start();
     supply::start();
-    // SAFETY: once, at the start; nobody else uses the processor's own peripherals.
+    // SAFETY: this is called once, at the start. No other code uses the processor's own peripherals.
     cycles::start(&mut unsafe { cortex_m::Peripherals::steal() });
     let reason = ResetReason::of(&crash::take_reset_flags());
     defmt::info!(
@@ -94,7 +95,7 @@ fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     (SESSION.init(session), are_refused)
 }
 
-/// Makes the control tick's state and the current loop.
+/// Makes the control interrupt's data and the current loop.
 #[inline(never)]
 fn control(
     settings: &DeviceSettings,
@@ -116,8 +117,8 @@ fn control(
     current
 }
 
-/// Logs the device's state when it has changed, for a person with a debug probe. The control tick does not log, because a log takes
-/// time.
+/// Logs the device's state when it has changed, for a person with a debug probe. The control interrupt does not log, because
+/// logging takes time.
 fn tell_state(here: InThread, told: &mut Option<State>) {
     let state = CONTROL.in_thread(here, |control| {
         control.as_ref().map(|control| control.state)
@@ -138,7 +139,7 @@ fn tell_state(here: InThread, told: &mut Option<State>) {
     }
 }
 
-/// Feeds the independent watchdog only when current loop, control tick and serial link have all run since the last feeding.
+/// Feeds the independent watchdog only when current loop, control interrupt and serial link have all run since the last feeding.
 async fn supervise(here: InThread) -> ! {
     let mut ticker = Ticker::every(SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];

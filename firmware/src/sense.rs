@@ -1,4 +1,4 @@
-//! The injected conversions of ADC1 and ADC2, which TIM1 triggers at the same time.
+//! The injected conversions of the converters ADC1 and ADC2, which the timer TIM1 triggers at the same time.
 
 use embassy_stm32::adc::{Adc, AnyAdcChannel, Exten, SampleTime};
 use embassy_stm32::pac::{ADC1, ADC2};
@@ -8,17 +8,17 @@ use embassy_stm32::triggers::TIM1_TRGO2;
 /// The converters' readings for the current loop and the supervisor, in 12-bit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Readings {
-    /// Current of phase A.
+    /// Code for the current of phase A.
     pub phase_a: u16,
-    /// Current of phase B.
+    /// Code for the current of phase B.
     pub phase_b: u16,
-    /// Bus voltage.
+    /// Code for the bus voltage.
     pub bus: u16,
-    /// Temperature of the power stage.
+    /// Code for the temperature of the power stage.
     pub temperature: u16,
 }
 
-/// The results of one set of conversions, in the order of the board's channels. Each converter makes `RANKS` conversions.
+/// The results of one set of conversions, in the order of the board's channels. `RANKS` is the number of conversions per converter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Raw<const RANKS: usize> {
     /// Results of ADC1, 0 to 4095.
@@ -27,12 +27,12 @@ pub struct Raw<const RANKS: usize> {
     pub second: [u16; RANKS],
 }
 
-/// Sample time for a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. Slower signals come later in the
-/// sequence.
+/// Sample time for a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. In the sequence the currents come before
+/// the slower signals.
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
 /// Sample time for a current behind one of the chip's own amplifiers: 0.29 us of sampling.
 pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;
-/// Sample time for bus voltage and temperature, which come from dividers of some 10 kohm.
+/// Sample time for bus voltage and temperature: long, because they come from voltage dividers of some 10 kohm.
 pub const SLOW: SampleTime = SampleTime::CYCLES47_5;
 
 /// Starts ADC1 and ADC2. They run until the next reset: the function gives up their handles, because dropping a handle would stop

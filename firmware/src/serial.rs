@@ -1,4 +1,4 @@
-//! The serial port to the desktop: the ST-LINK's virtual port, 921,600 baud, 8N1. Requests in, answers and telemetry out.
+//! The serial port to the computer: the ST-LINK's virtual port, 921,600 baud, 8N1. Requests in, answers and telemetry out.
 
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -19,24 +19,24 @@ use crate::shared::InThread;
 /// Rate of the serial port, baud. 115,200 is too slow for the telemetry.
 pub const BAUD: u32 = 921_600;
 
-/// Most telemetry records that are sent before the task looks at received bytes again; they take the port 4 ms.
+/// Largest number of telemetry records that are sent before the task handles received bytes again; sending them takes 4 ms.
 const RECORDS_A_ROUND: usize = 8;
 
-/// Longest wait for the result of a command. The next control tick handles a command, at most 2 ms later at the slowest rate.
-/// [`LOOK`] is the time between two checks.
+/// Longest wait for the result of a command. The next control period handles a command, at most 2 ms later at the slowest rate.
+/// [`LOOK`] is the time between two checks for the result.
 const PATIENCE: Duration = Duration::from_millis(20);
 const LOOK: Duration = Duration::from_micros(250);
 
-/// Buffer of bytes that wait to be sent: 8 ms of the port.
+/// Buffer of bytes that wait to be sent; the port sends them in 8 ms.
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
-/// Buffer of received bytes that the task has not read yet: 5 ms of the port.
+/// Buffer of received bytes that the task has not read yet; the port receives as many in 5 ms.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
-/// Buffer in which frames are encoded.
+/// Buffer in which the frame to be sent next is encoded.
 static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
 /// Decoder of received frames, with its buffer.
 static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
 
-/// Whether the link's task has run since the supervisor last checked.
+/// Whether the task that serves the serial port has run since the supervision task last checked.
 pub static LINK_LIVES: AtomicBool = AtomicBool::new(false);
 
 /// Settings of the serial port.
@@ -46,7 +46,7 @@ pub fn config() -> usart::Config {
     config
 }
 
-/// The link's task: handles requests and sends answers and telemetry over the serial port.
+/// The task that serves the serial port: handles requests, and sends answers and telemetry.
 #[embassy_executor::task]
 pub async fn link(
     mut port: BufferedUart<'static>,
@@ -88,17 +88,17 @@ pub async fn link(
     }
 }
 
-/// What a received byte completed.
+/// The message that a received byte completed.
 enum Taken {
     /// No message is complete yet.
     Nothing,
     /// A request; the value is the length of its answer's frame in bytes.
     Answer(usize),
-    /// A command, which the next control tick will handle.
+    /// A command, which the next control period will handle.
     Command,
 }
 
-/// Waits until a control tick has handled the command or [`PATIENCE`] is over; the thread does other work meanwhile. Returns
+/// Waits until a control period has handled the command or [`PATIENCE`] is over; the main thread does other work meanwhile. Returns
 /// whether the command had an effect.
 async fn looked_at(device: &Thread) -> bool {
     let begun = Instant::now();
@@ -114,7 +114,8 @@ async fn looked_at(device: &Thread) -> bool {
     }
 }
 
-/// Handles a received byte. A function of its own, not a part of the task, so that its messages are on the stack only while needed.
+/// Handles a received byte. It is a function of its own, not a part of the task, so that decoded messages are on the stack only
+/// while they are needed.
 #[inline(never)]
 fn take(
     byte: u8,

@@ -1,7 +1,8 @@
 //! Cells for data that code of different interrupt priorities shares.
 //!
-//! `touchstone_drive::exchange` has the data that the current loop (priority 0) and the control tick (priority 2) exchange in every
-//! tick. All other shared data are in a [`Guarded`] cell: the thread masks the control tick for a few microseconds to access it.
+//! `touchstone_drive::exchange` has the data that the current loop (priority 0) and the control interrupt (priority 2) exchange in
+//! every control period. All other shared data are in a [`Guarded`] cell: the main thread masks the control interrupt for a few
+//! microseconds to access it.
 
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
@@ -12,7 +13,7 @@ use cortex_m::register::{basepri, basepri_max};
 /// BASEPRI value that masks the control interrupt (priority 2) and all priorities below it.
 const CONTROL_MASK: u8 = 2 << 4;
 
-/// A token that proves that the code that holds it runs in the thread and in no interrupt. It cannot be sent to other threads.
+/// A token that proves that the code that holds it runs in the main thread and in no interrupt. It cannot be sent to other threads.
 #[derive(Debug, Clone, Copy)]
 pub struct InThread(PhantomData<*const ()>);
 
@@ -20,16 +21,16 @@ impl InThread {
     /// Makes the token.
     ///
     /// # Safety
-    /// Only code that runs in the thread calls this, no interrupt.
+    /// Only code that runs in the main thread calls this, no interrupt.
     pub const unsafe fn new() -> Self {
         Self(PhantomData)
     }
 }
 
-/// A value that belongs to the control tick. The thread can access it by masking the control tick meanwhile.
+/// A value that belongs to the control interrupt. The main thread can access it by masking that interrupt meanwhile.
 pub struct Guarded<T> {
     value: UnsafeCell<T>,
-    /// Whether the thread has a reference to the value.
+    /// Whether the main thread has a reference to the value.
     taken: AtomicBool,
 }
 
@@ -45,7 +46,7 @@ impl<T> Guarded<T> {
         }
     }
 
-    /// The value, for the control interrupt.
+    /// Access to the value for the control interrupt.
     ///
     /// # Safety
     /// Called once in each run of the control interrupt's handler and nowhere else.
@@ -56,7 +57,7 @@ impl<T> Guarded<T> {
         unsafe { &mut *self.value.get() }
     }
 
-    /// Calls `look` with the value, in the thread. Keep `look` short: it delays the control tick by its duration.
+    /// Calls `look` with the value, in the main thread. Keep `look` short: it delays the control interrupt by its duration.
     ///
     /// # Panics
     /// `look` calls this function for the same value, which would make a second reference.
@@ -72,7 +73,7 @@ impl<T> Guarded<T> {
         let result = look(unsafe { &mut *self.value.get() });
         compiler_fence(Ordering::SeqCst);
         self.taken.store(false, Ordering::Relaxed);
-        // SAFETY: back to what was.
+        // SAFETY: this restores the earlier value.
         unsafe { basepri::write(before) };
         result
     }
@@ -81,22 +82,22 @@ impl<T> Guarded<T> {
 /// Index that marks an empty box; the indices 0 and 1 name the place of the last value.
 const NOTHING: u8 = 2;
 
-/// A box that passes the newest value from a lower priority to a higher one, which takes each value once. A new value replaces one
-/// that was not taken yet.
+/// A box that passes the newest value from a lower interrupt priority to a higher one, which takes each value once. A new value
+/// replaces one that was not taken yet.
 pub struct Latest<T> {
     places: [UnsafeCell<Option<T>>; 2],
-    /// Index of the value that was not taken yet.
+    /// Index of the value that the reader has not taken yet; [`NOTHING`] if there is none.
     waiting: AtomicU8,
     /// Index of the place that was written last.
     written: AtomicU8,
 }
 
-// SAFETY: the giver writes the place that was not published last, so that the taker, which may interrupt it but is not interrupted
-// by it, finds the other one whole.
+// SAFETY: the giver writes to the place that was not published last. The taker may interrupt the giver, but the giver cannot
+// interrupt the taker. So the taker always finds the other place complete.
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// A box without a value.
+    /// A box that holds no value yet.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],
@@ -108,10 +109,10 @@ impl<T: Copy> Latest<T> {
     /// Puts a new value into the box.
     ///
     /// # Safety
-    /// Only code of one priority calls this.
+    /// Only code of one interrupt priority calls this.
     pub unsafe fn give(&self, value: T) {
         let place = self.written.load(Ordering::Relaxed) ^ 1;
-        // SAFETY: the taker has no business with this place before it is published below, and there is one giver.
+        // SAFETY: the taker does not read this place before it is published below, and there is only one giver.
         unsafe { *self.places[usize::from(place & 1)].get() = Some(value) };
         compiler_fence(Ordering::SeqCst);
         self.written.store(place, Ordering::Relaxed);
@@ -121,7 +122,7 @@ impl<T: Copy> Latest<T> {
     /// Takes the newest value; `None` if it was already taken.
     ///
     /// # Safety
-    /// Only code of one priority calls this, which is higher than that of [`Self::give`].
+    /// Only code of one interrupt priority calls this, which is higher than that of [`Self::give`].
     #[inline]
     pub unsafe fn take(&self) -> Option<T> {
         let place = self.waiting.load(Ordering::Acquire);
@@ -129,7 +130,7 @@ impl<T: Copy> Latest<T> {
             return None;
         }
         self.waiting.store(NOTHING, Ordering::Relaxed);
-        // SAFETY: the giver is interrupted by this and at most writes the other place.
+        // SAFETY: the taker interrupts the giver, which at most was writing to the other place.
         unsafe { *self.places[usize::from(place & 1)].get() }
     }
 }
@@ -161,7 +162,7 @@ impl<T> Owned<T> {
         unsafe { *self.0.get() = Some(value) };
     }
 
-    /// The value, for the interrupt that owns it; `None` if the cell is empty.
+    /// Access to the value for the interrupt that owns it; `None` if the cell is empty.
     ///
     /// # Safety
     /// Called once in each run of one interrupt handler and nowhere else.
@@ -173,7 +174,7 @@ impl<T> Owned<T> {
     }
 }
 
-/// Raises `most` to `value` if `value` is larger. Only code of one priority may call this for the same `most`.
+/// Raises `most` to `value` if `value` is larger. Only code of one interrupt priority may call this for the same `most`.
 #[inline]
 pub fn raise(most: &AtomicU32, value: u32) {
     if value > most.load(Ordering::Relaxed) {

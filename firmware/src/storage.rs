@@ -1,7 +1,7 @@
 //! The 16 KiB of flash for the settings, accessed page by page.
 //!
-//! Reading and writing stall the processor; an erase stalls it for some 22 ms. So the session saves only while the outputs are off
-//! (`touchstone_protocol::session`). The control tick does not run meanwhile, so no command can switch the outputs on.
+//! Reading and writing stall the processor; an erase stalls it for some 22 ms. So the protocol session saves only while the outputs
+//! are off (`touchstone_protocol::session`). The control interrupt does not run meanwhile, so no command can switch the outputs on.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -25,23 +25,23 @@ unsafe extern "C" {
     static _settings_end: u8;
 }
 
-/// The settings' pages as offsets in bytes from the start of the flash, from the board's memory map.
+/// Where the settings' pages are, as offsets in bytes from the start of the flash. The board's memory map gives them.
 pub fn pages() -> Range<u32> {
     let offset = |place: *const u8| place as u32 - FLASH;
     offset(&raw const _settings_start)..offset(&raw const _settings_end)
 }
 
-/// Whether settings are being read. Meanwhile a flash word that fails its hardware check (ECC) is an interrupted write and does not
-/// stop the program.
+/// Whether settings are being read from flash. While true, a flash word that fails its hardware check (ECC) counts as an
+/// interrupted write and does not stop the program.
 pub static READING: AtomicBool = AtomicBool::new(false);
 
-/// The flash pages of the settings.
+/// The flash pages in which the settings are stored; `None` if they cannot be used.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
 /// Why the flash of the settings cannot be accessed.
 #[derive(Debug, Clone, Copy)]
 pub enum StorageError {
-    /// By the option bytes the chip's pages have another size than [`PAGE`].
+    /// The chip's option bytes configure pages of another size than [`PAGE`].
     OtherPages,
     /// The flash reported an error.
     Refused(Error),
@@ -57,8 +57,8 @@ impl NorFlashError for StorageError {
 }
 
 impl Storage {
-    /// Takes the flash. A chip with two banks must be configured for two banks, as it is delivered: with one bank its pages are
-    /// twice as large.
+    /// Takes the flash controller. A chip with two flash banks must be configured for two banks, as it is delivered: with one bank
+    /// its pages are twice as large.
     pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
         #[cfg(feature = "g474re")]
         if !embassy_stm32::pac::FLASH.optr().read().dbank() {

@@ -26,7 +26,7 @@ pub fn start() {
     EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
     EXTI.imr(0).modify(|w| w.set_line(LINE, true));
     interrupt::PVD_PVM.set_priority(Priority::P1);
-    // SAFETY: its handler shares nothing but atomics with other code.
+    // SAFETY: the handler of this interrupt shares only atomics with other code.
     unsafe { interrupt::PVD_PVM.enable() };
     // When a debugger halts the processor, the timer stops with its outputs inactive, and the watchdogs wait.
     DBGMCU.apb2fzr().modify(|w| w.set_tim1(true));
@@ -36,7 +36,7 @@ pub fn start() {
     });
 }
 
-/// Clears the interrupt's flag.
+/// Clears the flag of the interrupt for low supply.
 #[inline]
 pub fn take() {
     EXTI.pr(0).write(|w| w.set_line(LINE, true));

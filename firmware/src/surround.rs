@@ -1,4 +1,4 @@
-//! Passes the environment (further walls, end stops, detents) and the cogging map from the thread to the control tick.
+//! Passes the environment (further walls, end stops, detents) and the cogging map from the main thread to the control interrupt.
 
 use touchstone_drive::around::Surrounding;
 use touchstone_drive::cogging::Played;
@@ -11,12 +11,12 @@ use crate::requests::control;
 use crate::shared::InThread;
 use crate::{board, cycles};
 
-/// Longest wait for the tick's second encoder reading, in processor cycles: two ticks at the slowest rate, 500 Hz. The limit keeps
-/// a missing reading from blocking the thread.
+/// Longest wait for a control period's second encoder reading, in processor cycles: two control periods at the slowest rate, 500
+/// Hz. The limit keeps a missing reading from blocking the main thread.
 const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
 
-/// Same as [`control`], for a copy that delays the control tick by more than the allowed lateness of its second encoder reading. In
-/// a tick with a second reading, `look` is called after that reading.
+/// Same as [`control`], for a copy that would delay the second encoder reading of a control period by more than its allowed
+/// lateness. In a period with a second reading, `look` is called after that reading.
 fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     let begun = cycles::now();
     let mut look = Some(look);
@@ -35,9 +35,9 @@ fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R
     }
 }
 
-/// Checks and computes an environment, and hands it to the control tick. Returns the time from which it applies. The computation
-/// runs before the control tick is masked. Only the copy of some kilobytes is made while it is masked, after the tick's second
-/// reading.
+/// Checks and computes an environment (walls, end stops, detents), and hands it to the control interrupt. Returns from when on it
+/// is rendered. The computation runs before that interrupt is masked. Only the copy of some kilobytes is made while it is masked,
+/// after the control period's second encoder reading.
 #[inline(never)]
 pub fn give(
     here: InThread,
@@ -50,7 +50,7 @@ pub fn give(
     }))
 }
 
-/// Computes the table of the cogging map and hands it to the control tick; with `None` nothing is compensated.
+/// Computes the table of the cogging map and hands it to the control interrupt. With `None` no cogging is compensated.
 #[inline(never)]
 pub fn play(here: InThread, settings: &DeviceSettings, map: Option<&CoggingMap>) {
     let played = map.map(|map| Played::new(map, settings, &board::HARDWARE));

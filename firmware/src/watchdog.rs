@@ -1,8 +1,8 @@
-//! The independent watchdog: resets the chip when the supervisor does not feed it.
+//! The independent watchdog: resets the chip when the supervision task does not feed it.
 //!
 //! Its clock, the LSI, is nominally 32 kHz, and 29.5 to 34 kHz over temperature and supply (data sheet DS12288, table 47). Even
-//! with the slowest clock the reset must come in time. Even with the fastest clock it must not come while the supervisor feeds the
-//! watchdog in time.
+//! with the slowest clock the reset must come in time. Even with the fastest clock it must not come while the supervision task
+//! feeds the watchdog in time.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
@@ -14,10 +14,10 @@ const LSI_HZ: (u32, u32) = (29_500, 34_000);
 const PRESCALER: u32 = 16;
 
 /// Longest time from the last feeding to the reset, ms. An erase of a flash page stalls the processor for up to 25 ms on the
-/// single-bank chip; the supervisor feeds every 10 ms.
+/// single-bank chip; the supervision task feeds the watchdog every 10 ms.
 const LONGEST_MS: u32 = 100;
 
-/// Counts of the watchdog from a feeding to the reset.
+/// Number of watchdog counts from a feeding to the reset.
 const RELOAD: u32 = LONGEST_MS * LSI_HZ.0 / 1_000 / PRESCALER;
 
 const _: () = {

@@ -2,12 +2,13 @@
 //!
 //! A current loop that hangs leaves its last duty at the bridge: the field stands still while the shaft turns, and no code checks
 //! the currents. No interrupt can end the hang, because the current loop has the highest priority. The independent watchdog
-//! ([`crate::watchdog`]) resets only after 100 ms. This one resets after five PWM periods, a quarter of a control tick at 1 kHz.
-//! Each run of the current loop refreshes it at its end, so it also acts when timer or converters stop calling the current loop.
+//! ([`crate::watchdog`]) resets only after 100 ms. The window watchdog resets after five PWM periods, a quarter of a control period
+//! at 1 kHz. Each run of the current loop refreshes it at its end, so it also acts when timer or converters stop calling the
+//! current loop.
 //!
-//! It counts the bus clock, as the current loop does; the independent watchdog covers a failure of that clock. The window against
-//! too early refreshes is not used: only a wrongly configured timer would call the current loop too often, and no code configures
-//! it again.
+//! The watchdog counts the bus clock, as the current loop does; the independent watchdog covers a failure of that clock. The window
+//! against too early refreshes is not used: only a wrongly configured timer would call the current loop too often, and no code
+//! configures the timer again.
 
 use embassy_stm32::pac::WWDG;
 use embassy_stm32::pac::wwdg::vals::Wdgtb;
@@ -17,7 +18,8 @@ use crate::clock::CORE_HZ;
 
 /// Cycles of the bus clock, which equals the processor's clock, per count of the watchdog (reference manual RM0440, 43.3.4).
 const CYCLES_PER_COUNT: u32 = 4_096;
-/// Least number of counts to the reset. It can be one count more, because the phase of a refresh between two counts is unknown.
+/// Least number of the watchdog's counts to the reset. It can be one count more, because the phase of a refresh between two counts
+/// is unknown.
 ///
 /// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while it drives,
 /// 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the time is 128 times
@@ -62,7 +64,7 @@ pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Sets the divider of the watchdog's clock, without a closed window.
+/// Sets the divider of the watchdog's clock, and allows a refresh at any time.
 fn set_share(share: Wdgtb) {
     WWDG.cfr().write(|w| {
         w.set_w(0x7f);

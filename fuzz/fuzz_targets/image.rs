@@ -1,6 +1,6 @@
 #![no_main]
-//! Fuzzes images of settings in flash: the input as an image, also with a correct checksum, and the input as choices for a damaged
-//! image.
+//! Fuzzes the reading of settings images from flash. The input serves as an image, as an image with a correct checksum, and as
+//! choices for a damaged image.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

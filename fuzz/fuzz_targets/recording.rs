@@ -1,5 +1,5 @@
 #![no_main]
-//! Fuzzes recordings of a hand: the input as CSV text, and the input as choices for header and rows.
+//! Fuzzes the reading of recorded hand motions. The input serves as CSV text, and as choices for the header and rows of a CSV text.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

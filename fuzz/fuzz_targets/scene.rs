@@ -1,5 +1,5 @@
 #![no_main]
-//! Fuzzes scene files: the input as TOML text, and the input as choices among all fields and values.
+//! Fuzzes the reading of scene files. The input serves as TOML text, and as choices among all fields and values.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

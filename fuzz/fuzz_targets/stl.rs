@@ -1,5 +1,5 @@
 #![no_main]
-//! Fuzzes STL meshes: the input as a file, and the input as choices for damaged text and binary files.
+//! Fuzzes the reading of STL meshes. The input serves as a file, and as choices for damaged text and binary files.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

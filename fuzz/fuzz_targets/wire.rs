@@ -1,5 +1,5 @@
 #![no_main]
-//! Fuzzes the serial protocol: the input as bytes from the wire, and the input as choices for damaged frames.
+//! Fuzzes the decoding of the serial protocol. The input serves as bytes from the serial line, and as choices for damaged frames.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

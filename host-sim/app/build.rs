@@ -1,5 +1,5 @@
-//! Compiles into the program the commit and the compiler that it was built from. Outside a checkout of this repository
-//! there is no commit, and the program says so.
+//! Build script. Compiles into the program the Git commit and the compiler from which it was built. Outside a checkout of this
+//! repository there is no commit, and the program says so.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,7 +12,7 @@ fn main() {
     println!("cargo::rustc-env=TOUCHSTONE_MODIFIED={modified}");
 }
 
-/// The compiler's own name for itself.
+/// Name and version of the Rust compiler, as the compiler prints them.
 fn compiler() -> String {
     std::env::var_os("RUSTC")
         .and_then(|rustc| Command::new(rustc).arg("--version").output().ok())
@@ -26,7 +26,7 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
-/// Commit of the checkout, and whether the program's sources differ from it.
+/// Commit of the Git checkout, and whether the program's sources differ from that commit; `None` outside a checkout.
 fn checkout() -> Option<(String, bool)> {
     // A package that was unpacked inside somebody else's checkout is no part of it.
     git(&["ls-files", "--error-unmatch", "build.rs"])?;
@@ -63,7 +63,7 @@ fn checkout() -> Option<(String, bool)> {
     Some((commit, modified))
 }
 
-/// What `cargo package` wrote down.
+/// Commit that `cargo package` stored in the package, and whether the sources were modified; `None` outside a package.
 fn packaged() -> Option<(String, bool)> {
     let text = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
     let commit = text.split("\"sha1\"").nth(1)?.split('"').nth(1)?;

@@ -1,8 +1,8 @@
-//! Build script. Compiles the documentation pages of the faults into the crate.
+//! Build script: compiles the documentation pages of the device's faults (`docs/faults`) into the crate.
 
 use std::path::Path;
 
-/// Writes a table of the fault pages, number and text of each, ordered by number.
+/// Writes the file `faults.rs` with number and text of each fault page, ordered by number.
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let folder = Path::new("../../docs/faults");

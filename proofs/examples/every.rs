@@ -1,8 +1,9 @@
-//! Tries all inputs of properties that have few enough: `every [NAME]`, `every --list`.
+//! Tries all inputs of properties (statements about the code) that have few enough inputs: `every [NAME]`, `every --list`.
 //!
 //! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
-//! 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled
-//! with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
+//! 2^24 inputs, solvers take longer than trying each input. The property's body that runs here is the one that the tests run on
+//! samples. It is compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs
+//! no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -15,7 +16,7 @@ use touchstone_proofs::{
     contact, edges, heart, objects, planes, shells, space, vector_guard, vectors,
 };
 
-/// A row of the table of properties: name, a first input, and body.
+/// A row of the table of properties: the property's name, and the function that tries its inputs.
 type Row = (&'static str, fn(&mut Every));
 
 macro_rules! every {
@@ -75,25 +76,25 @@ const PROPERTIES: &[Row] = &[
     every!(vector_guard::w8::p4_vector_commanded),
 ];
 
-/// Largest number of numbers that one input of a property has.
+/// Most numbers that one input of a property consists of.
 const DIGITS: usize = 16;
 
-/// Source that gives all inputs, one after the other: each number of an input is a digit of one large number that counts up. There
-/// are some thousand million inputs, so the work for each input is kept small.
+/// A source that gives a property all inputs, one after the other: each number of an input is a digit of one large number that
+/// counts up. There are some thousand million inputs, so the work for each input is kept small.
 struct Every {
     /// Value and width in bits of each digit.
     digits: [(u64, u32); DIGITS],
-    /// Number of digits that the property has asked for.
+    /// Number of digits that the property has drawn so far.
     known: usize,
     at: usize,
     rejected: bool,
     covers: Vec<(&'static str, u64)>,
-    /// Index of the cover that comes next if this input meets the same covers as the last one.
+    /// Index of the cover (a situation to be reached) that comes next if this input meets the same covers as the last one.
     cover_at: usize,
 }
 
 impl Every {
-    /// The first of the inputs whose first digit (8 bits, or cut to fewer) is `first`.
+    /// The first of all inputs that begin with the number `first` (8 bits, or cut to fewer).
     fn beginning_with(first: u64) -> Self {
         let mut digits = [(0, 8); DIGITS];
         digits[0].0 = first;
@@ -107,7 +108,7 @@ impl Every {
         }
     }
 
-    /// Goes to the next input; `false` if there is none with the same first digit.
+    /// Goes to the next input that begins with the same number; `false` if there is none.
     #[inline(always)]
     fn advance(&mut self) -> bool {
         // Numbers that the property no longer asked for after a refused assumption do not count.
@@ -123,7 +124,7 @@ impl Every {
         false
     }
 
-    /// Counts a cover that does not come at the same place as for the input before.
+    /// Counts a cover (a situation to be reached) that does not come at the same place as for the input before.
     #[cold]
     fn other_cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {
@@ -171,7 +172,8 @@ impl Source for Every {
     }
 }
 
-/// Result for the inputs with one first digit: how many were tried and accepted, and how often each cover was reached.
+/// Result for all inputs that begin with one number: how many were tried and accepted, and how often each cover (situation) was
+/// reached.
 #[derive(Default)]
 struct Found {
     tried: u64,

@@ -1,6 +1,6 @@
-//! Prints ticks of the shipped code; the extracted specification of `proofs/coq/` must reproduce them. For the guard, TDPA, FBA and
-//! the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output. It also prints the guard's
-//! coefficients for settings, invalid ones included, and integer roots.
+//! Prints control periods (ticks) computed by the shipped code, which the specification extracted from Coq (`proofs/coq/`) must
+//! reproduce. For the guard and the laws TDPA, FBA and enhanced it prints the coefficients, and for each tick the inputs, the
+//! memory and the output. It also prints the guard's coefficients for settings, invalid ones included, and integer roots.
 //!
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
@@ -32,7 +32,7 @@ fn main() -> Result<()> {
     out.flush()
 }
 
-/// Prints roots of integers of every length, and of squares and their neighbours, where the root changes.
+/// Prints integer square roots of numbers of every length, and of squares and their neighbours, where the root changes.
 fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(9);
     for _ in 0..draws {
@@ -59,7 +59,7 @@ fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// Prints ticks of TDPA or FBA over contacts of every type.
+/// Prints ticks of the laws TDPA or FBA (time-domain passivity, force bounding) over contacts of every type.
 fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(5);
     let mut ticks = 0;
@@ -106,7 +106,7 @@ fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     Ok(())
 }
 
-/// Prints ticks of the enhanced law over contacts of every type, with its whole memory.
+/// Prints ticks of the enhanced law over contacts of every type, each with the law's whole memory.
 fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(6);
     let mut ticks = 0;
@@ -206,7 +206,7 @@ fn coefficients(out: &mut impl Write, law: &Guard<Fixed32>) -> Result<()> {
     writeln!(out)
 }
 
-/// Prints settings of the guard, and its coefficients or that it is refused.
+/// Prints settings of the guard, and the coefficients that follow from them or that the settings are refused.
 fn guard_of(
     out: &mut impl Write,
     settings: &GuardSettings,
@@ -238,7 +238,7 @@ fn guard_of(
     Ok(law)
 }
 
-/// Prints guards for settings around every end of the accepted ranges, without ticks.
+/// Prints settings around every end of the accepted ranges, with the coefficients of the guard, but without ticks.
 fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(8);
     for _ in 0..draws {
@@ -251,7 +251,7 @@ fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// Moves one setting to an end of its range, a little beyond it, or to a size that does not fit the format.
+/// Moves one setting of the guard to an end of its range, a little beyond it, or to a size that does not fit the format.
 fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
     let whole = Si::const_from_int;
     let end = |random: &mut Random, most: Si| {

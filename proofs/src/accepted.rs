@@ -1,5 +1,5 @@
 //! P8 (settings): settings that `AnyLaw::new` accepts satisfy what the properties of the laws assume. This holds for all settings,
-//! by the code that builds the law.
+//! by the code that computes the law's coefficients.
 //!
 //! The code multiplies and divides settings in 128 bits, which no solver follows to the end. The assumptions need only signs, sums
 //! and shifts. Solvers follow those, whatever the products are. That every setting is in its range is checked once
@@ -19,7 +19,8 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any setting. A sampled setting is mostly the thesis' value or a fraction of it; otherwise hardly any settings would be accepted.
+/// Any number as a setting. In random tests it is mostly the thesis' value `base` or a fraction of it; otherwise hardly any
+/// settings would be accepted.
 fn value<S: Source>(s: &mut S, base: Si) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -41,7 +42,7 @@ pub(crate) fn any_law<S: Source>(s: &mut S) -> LawKind {
     }
 }
 
-/// Any settings of a law; guard and estimator are off.
+/// Any settings of one control law; energy guard and state estimator are off.
 pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     let base = Settings::thesis();
     let rate_hz = s.u32();
@@ -97,7 +98,7 @@ pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     }
 }
 
-/// The conditions that accepted settings satisfy (`Settings::validate`) and that the laws' coefficients need.
+/// The ranges that `Settings::validate` guarantees and that the laws' coefficients need.
 pub(crate) fn in_ranges(settings: &Settings) -> bool {
     let filter = &settings.filter;
     let not_negative = |value: Si| value >= Si::ZERO;
@@ -122,8 +123,8 @@ pub(crate) fn in_ranges(settings: &Settings) -> bool {
         && (!compensated || settings.k_desired < filter.stiffness)
 }
 
-/// Replaces `Settings::validate` under the model checker. It may refuse anything, and accepts only settings that satisfy the
-/// conditions of `p8_validated`.
+/// Replaces `Settings::validate` when the model checker runs. It may refuse any settings, and accepts only settings that satisfy
+/// the conditions which `p8_validated` proves.
 #[cfg(kani)]
 pub fn validated(settings: &Settings) -> Result<(), SettingsError> {
     if kani::any() && in_ranges(settings) {
@@ -137,8 +138,8 @@ pub fn validated(settings: &Settings) -> Result<(), SettingsError> {
 }
 
 property! {
-    /// P8 (settings): settings that validation accepts are in the ranges that the laws' coefficients need. With a compensated mass,
-    /// the wall is softer than the coupling.
+    /// P8 (settings): settings that validation accepts are in the ranges that the laws' coefficients need. If the law compensates
+    /// for its virtual mass, the desired stiffness is also below the coupling stiffness.
     equation "accepted  =>  k, c, b, shares, mass, credit >= 0, k_v, k_f, rate > 0, limit >= 2^-24, k_de < k_f"
     over "setting of any law"
     by cadical fn p8_validated(s) {
@@ -180,8 +181,8 @@ property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a spring with damping whose coefficients and memory satisfy what its properties
-    /// assume.
+    /// P8 (settings): settings that validation accepts give a spring with damping whose coefficients and memory satisfy what the
+    /// spring's properties assume.
     equation "accepted  =>  k, b >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_spring_accepted32(s) {
@@ -197,7 +198,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a TDPA law whose coefficients and memory satisfy what its properties assume.
+    /// P8 (settings): settings that validation accepts give a TDPA law (time-domain passivity) whose coefficients and memory
+    /// satisfy what the law's properties assume.
     equation "accepted  =>  k, c >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_tdpa_accepted32(s) {
@@ -214,7 +216,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a force bounding law whose coefficients and memory satisfy what its properties assume.
+    /// P8 (settings): settings that validation accepts give a force bounding law whose coefficients and memory satisfy what the
+    /// law's properties assume.
     equation "accepted  =>  k, c, bound >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_fba_accepted32(s) {
@@ -229,8 +232,8 @@ settings_property! {
         cover!(s, true, "accepted");
     }
 }
-/// Checks that accepted settings give an SFA law that satisfies what its properties assume. The variant of the law is fixed, so
-/// that the model checker follows no other law.
+/// Checks that settings that validation accepts give an SFA law (successive force augmentation) that satisfies what its properties
+/// assume. The variant of the law is fixed, so that the model checker follows no other law.
 fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     let settings = any_settings(s, kind);
     let accepted = AnyLaw::<N>::new(&settings);
@@ -252,7 +255,8 @@ fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     cover!(s, true, "accepted");
 }
 settings_property! {
-    /// P8 (settings): accepted settings give an original SFA law that satisfies what its properties assume.
+    /// P8 (settings): settings that validation accepts give an original SFA law (successive force augmentation) that satisfies what
+    /// the law's properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_accepted32(s) {
@@ -260,7 +264,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a continuous SFA law that satisfies what its properties assume.
+    /// P8 (settings): settings that validation accepts give a continuous SFA law (successive force augmentation) that satisfies
+    /// what the law's properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_continuous_accepted32(s) {
@@ -268,8 +273,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings), enhanced law: the virtual mass' gains are together at most their stored sum, and twice that sum fits. The
-    /// loan is at most the energy cap.
+    /// P8 (settings), enhanced law: inertia, stiffness and damping of the virtual mass are together at most their stored sum, and
+    /// twice that sum fits the number format. The energy lent to a contact is at most the energy cap.
     equation "accepted  =>  k, k_v as set, M + k_f + C <= D <= 2^30, k_f > 0, 0 <= credit <= cap, shares >= 0"
     over "setting of the law"
     by cadical fn p8_enhanced_accepted32(s) {

@@ -1,5 +1,5 @@
-//! Tables of answers that replace arithmetic under the model checker. Each question (of settings, of the estimator's 56-bit
-//! numbers, of predictions of a device) gets any answer, and an equal question gets the same answer.
+//! Arithmetic for the model checker, replaced by tables of answers. An operation (on settings, on the estimator's 56-bit numbers,
+//! or a prediction of a device) returns any result, and the same result for equal arguments.
 
 use crate::spec::estimator_settings::Device;
 use crate::spec::settings::MOST;
@@ -17,7 +17,7 @@ pub fn of_specification() {
     SPECIFIES.store(1, Relaxed);
 }
 
-/// Defines the record of one replaced operation: the arguments of each call, and the result. The model checker must know the next
+/// Defines the table of one replaced operation: the arguments of each call, and the result. The model checker must know the next
 /// free row at every point that the code can reach. So a call may not depend on a branch, unless that branch returns.
 macro_rules! table {
     ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
@@ -31,7 +31,7 @@ macro_rules! table {
             static RIGHT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
             static ANSWER: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
 
-            /// The result of a replaced operation: the one that the code got for equal arguments, otherwise any.
+            /// The result of a replaced operation: the recorded one if the code has called it with equal arguments, otherwise any.
             pub fn ask(a: i64, b: i64) -> i64 {
                 let answer: i64 = kani::any();
                 let specifies = SPECIFIES.load(Relaxed) == 1;
@@ -79,39 +79,48 @@ macro_rules! table {
     };
 }
 table!(
-    /// Table of recorded answers for products of settings.
+    /// The table that replaces products of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     products, 16, any
 );
 table!(
-    /// Table of recorded answers for quotients of settings.
+    /// The table that replaces quotients of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     quotients, 12, any
 );
 table!(
-    /// Table of recorded answers for products of numbers with 56 fractional bits.
+    /// The table that replaces products of numbers with 56 fractional bits when the model checker runs. It records the results that
+    /// the code got, so that the specification gets the same.
     long_products, 12, nth
 );
 table!(
-    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
+    /// The table that replaces quotients of numbers with 56 fractional bits when the model checker runs. It records the results
+    /// that the code got, so that the specification gets the same.
     long_quotients, 3, nth
 );
 table!(
-    /// Table of recorded answers for ratios of two settings.
+    /// The table that replaces ratios of two settings when the model checker runs. It records the results that the code got, so
+    /// that the specification gets the same.
     ratios, 4, nth
 );
 table!(
-    /// Table of recorded answers for `V`: how far a displacement per tick moves the device in a time.
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a displacement per
+    /// tick of 1 (`V`). It records the results that the code got, so that the specification gets the same.
     reaches, 5, nth
 );
 table!(
-    /// Table of recorded answers for `X`: how far the hand's push moves the device in a time.
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a push (acceleration)
+    /// of 1 per tick² (`X`). It records the results that the code got, so that the specification gets the same.
     drifts, 5, nth
 );
 table!(
-    /// Table of recorded answers for products of a weight and a part of a state.
+    /// The table that replaces products of a weight (coefficient) and a part (the leading digits) of a state when the model checker
+    /// runs. It records the results that the code got, so that the specification gets the same.
     weights, 10, any
 );
 table!(
-    /// Table of recorded answers for square roots.
+    /// The table that replaces square roots when the model checker runs. It records the results that the code got, so that the
+    /// specification gets the same.
     roots, 1, nth
 );
 
@@ -123,7 +132,7 @@ pub(crate) fn double(x: Int) -> i64 {
     x as i64
 }
 
-/// Assumes the known fact of a product or quotient of settings: if both arguments are not negative, it is not negative.
+/// Assumes of the result of a replaced product or quotient of settings: if both arguments are not negative, it is not negative.
 fn signed(a: i64, b: i64, answer: i64) -> i64 {
     kani::assume(a < 0 || b < 0 || answer >= 0);
     answer
@@ -135,7 +144,8 @@ fn quotient(a: i64, b: i64) -> i64 {
     signed(a, b, quotients::ask(a, b))
 }
 
-/// Replaces `saturating_mul` under the model checker, for settings and for 56-bit numbers.
+/// Replaces `saturating_mul` of settings and of 56-bit numbers when the model checker runs: any result, and the same one for equal
+/// arguments.
 pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     let (a, b) = (a.to_bits(), b.to_bits());
     FixedI64::from_bits(if Frac::U32 == 32 {
@@ -144,18 +154,18 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
         long_products::ask(a, b)
     })
 }
-/// Replaces [`crate::spec::settings::times`] under the model checker: the specification gets the result that the code got for equal
-/// arguments.
+/// Replaces [`crate::spec::settings::times`] when the model checker runs the specification: returns the value that the code got for
+/// equal arguments.
 pub fn times(a: Int, b: Int) -> Int {
     product(double(a), double(b)).into()
 }
-/// Replaces [`crate::spec::estimator_settings::long_times`] under the model checker: the specification gets the result that the
-/// code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::long_times`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
 
-/// Quotient of settings by a divisor that is positive wherever the result is used.
+/// Replaces the quotient of settings when the model checker runs. The divisor is positive wherever the result is used.
 pub fn over(a: Si, b: Si) -> Si {
     let answer = quotient(a.to_bits(), b.to_bits());
     if b <= Si::ZERO {
@@ -164,45 +174,47 @@ pub fn over(a: Si, b: Si) -> Si {
         Si::from_bits(answer)
     }
 }
-/// Replaces [`crate::spec::settings::over`] under the model checker: the specification gets the result that the code got for equal
-/// arguments.
+/// Replaces [`crate::spec::settings::over`] when the model checker runs the specification: returns the value that the code got for
+/// equal arguments.
 pub fn specified_over(a: Int, b: Int) -> Int {
     let answer = quotient(double(a), double(b));
     if b <= 0 { MOST } else { answer.into() }
 }
-/// Replaces `saturating_div` of settings under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces `saturating_div` of settings when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
 }
-/// Replaces `checked_div` under the model checker. Its callers replace a missing answer by 0, so 0 is among the answers.
+/// Replaces `checked_div` when the model checker runs: any result, which may be 0, as the code uses 0 for a missing result.
 pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Option<FixedI64<Frac>> {
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
 }
-/// Replaces [`crate::spec::estimator_settings::long_over`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::long_over`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn long_over(a: Int, b: Int) -> Int {
     let answer = long_quotients::ask(double(a), double(b));
     if b == 0 { 0 } else { answer.into() }
 }
-/// Replaces the ratio of two settings under the model checker.
+/// Replaces the ratio of two settings when the model checker runs the code: any value, and the same value for equal arguments.
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     Exact::from_bits(ratios::ask(a, b))
 }
-/// Replaces [`crate::spec::estimator_settings::ratio`] under the model checker: the specification gets the result that the code got
-/// for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::ratio`] when the model checker runs the specification: returns the value that the
+/// code got for equal arguments.
 pub fn specified_ratio(a: Int, b: Int) -> Int {
     ratios::ask(double(a), double(b)).into()
 }
-/// Replaces [`DeviceInTicks::integrals`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::integrals`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn integrals(device: &DeviceInTicks, time: Exact) -> (Exact, Exact) {
     let (loss, time) = (device.loss.to_bits(), time.to_bits());
     let (reach, drift) = (reaches::ask(loss, time), drifts::ask(loss, time));
     (Exact::from_bits(reach), Exact::from_bits(drift))
 }
-/// Replaces [`crate::spec::estimator_settings::integrals`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::integrals`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
     let (loss, time) = (double(loss), double(time));
     (
@@ -210,8 +222,8 @@ pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
         drifts::ask(loss, time).into(),
     )
 }
-/// Defines answers for a prediction of a device or for its correction: any words, or `None`. For an equal device, the specification
-/// gets the code's answer.
+/// Defines the replacement of a prediction of a device's motion, or of the estimator's gains: any numbers, or `None`. The
+/// specification gets the code's answer if it passes an equal device.
 macro_rules! flows {
     ($(#[doc = $doc:literal])* $module:ident, $words:literal) => {
         $(#[doc = $doc])*
@@ -250,16 +262,18 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
+    /// The table that replaces the estimator's predictions (state transitions) over one tick when the model checker runs. It
+    /// records the results that the code got, so that the specification gets the same.
     over_ticks, 9
 );
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
-    /// command acts.
+    /// The table that replaces the estimator's predictions (state transitions) from a sample to the time when the next command acts
+    /// when the model checker runs. It records the results that the code got, so that the specification gets the same.
     aheads, 7
 );
 flows!(
-    /// Table of recorded answers for the estimator's correction gains.
+    /// The table that replaces the estimator's correction gains when the model checker runs. It records the results that the code
+    /// got, so that the specification gets the same.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
@@ -268,7 +282,7 @@ fn told_of(device: &DeviceInTicks) -> [i64; 3] {
 fn specified_of(device: &Device) -> [i64; 3] {
     [device.loss, device.per_torque, device.delay].map(double)
 }
-/// The coefficients of a prediction (state transition), made of the low half of each given number.
+/// The coefficients of a prediction (state transition), made of the low half of each given number. It stands for a computed one.
 fn of_words<N: Number, const COMMANDS: usize>(words: &[i64]) -> Flow<N, COMMANDS> {
     let weight = |i: usize| {
         let long = Exact::from_bits(i64::from(words[i] as i32) << 30);
@@ -294,25 +308,28 @@ fn specified_of_words<const COMMANDS: usize>(words: &[i64]) -> estimator::Flow<C
         commands: core::array::from_fn(|i| [word(3 + 2 * i), word(4 + 2 * i)]),
     }
 }
-/// Replaces [`DeviceInTicks::tick`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::tick`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn over_a_tick<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, TAPS>> {
     over_ticks::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::over_a_tick`] under the model checker: the specification gets the result that the
-/// code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::over_a_tick`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn specified_over_a_tick(device: &Device) -> Option<estimator::Flow<3>> {
     over_ticks::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// Replaces [`DeviceInTicks::ahead`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::ahead`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
     aheads::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::ahead`] under the model checker: the specification gets the result that the code got
-/// for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::ahead`] when the model checker runs the specification: returns the value that the
+/// code got for equal arguments.
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// Replaces [`DeviceInTicks::correction`] under the model checker. The correction does not depend on torques and delays.
+/// Replaces [`DeviceInTicks::correction`] when the model checker runs: any gains. Torques and delays are no part of the arguments,
+/// as the gains do not depend on them.
 pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
     let told = [device.loss.to_bits(), angle.to_bits(), 0];
     corrections::ask(told).map(|words| {
@@ -320,34 +337,35 @@ pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[We
         [flow.reach, flow.drift, flow.loss]
     })
 }
-/// Replaces [`crate::spec::estimator_settings::Device::correction`] under the model checker: the specification gets the result that
-/// the code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::Device::correction`] when the model checker runs the specification: returns the
+/// value that the code got for equal arguments.
 pub fn specified_correction(device: &Device, angle: Int) -> Option<[Int; 3]> {
     let told = [double(device.loss), double(angle), 0];
     corrections::ask(told).map(|words| words.map(|word| Int::from(word as i32)))
 }
-/// Replaces [`EstimatorSettings::validate`] under the model checker: it accepts all settings.
+/// Replaces [`EstimatorSettings::validate`] when the model checker runs: it accepts all settings.
 pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Replaces the code's product of weight and part, two words, under the model checker.
+/// Replaces the code's product of a weight and a part of a state (two 32-bit words) when the model checker runs.
 pub fn weighed(weight: i32, part: i32) -> Wide64 {
     Wide64(at_limit(weight, part.into()))
 }
-/// Replaces [`crate::estimator::times`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`crate::estimator::times`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn at_limit(weight: i32, limit: i64) -> i64 {
     let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
     // The product of two words is at most this.
     kani::assume(answer.unsigned_abs() <= 1 << 62);
     answer
 }
-/// Replaces [`Estimator::is_bounded`] under the model checker: always `true`. `estimator::p8_estimator_bounded32` is about the real
-/// function.
+/// Replaces [`Estimator::is_bounded`] when the model checker runs: always `true`. `estimator::p8_estimator_bounded32` proves what
+/// the real function checks.
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }
-/// Replaces [`crate::spec::estimator_settings::bounded`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::bounded`] when the model checker runs the specification: always `true`, as in the
+/// code.
 pub fn specified_bounded(_: &crate::spec::estimator::Estimator) -> bool {
     true
 }

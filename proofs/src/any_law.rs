@@ -1,8 +1,9 @@
-//! `AnyLaw` calls the law of its variant in its tick, in its view and when it forgets its memory.
+//! Proves that `AnyLaw`, the law chosen at run time, calls the law of its variant in its tick, in its view and when it forgets its
+//! memory.
 //!
-//! Which law's tick is called does not depend on the values of products, quotients and roots. The model checker replaces these, and
-//! the parts of a tick, by small functions of their arguments and memory, the same on both sides. `refines.rs` and
-//! `refines_enhanced.rs` prove how a law uses the real operations.
+//! Which law's tick is called does not depend on the values of products, quotients and roots. So the model checker replaces these,
+//! and the parts of a tick, by small functions of their arguments and memory, the same for both sides of the comparison.
+//! `refines.rs` and `refines_enhanced.rs` prove how a law uses the real operations.
 //!
 //! ```text
 //! any law = the law      p11_any_law_*
@@ -21,8 +22,8 @@ use touchstone_control::{AnyLaw, Fixed8, Force, Number as _};
 
 type N = Fixed8;
 
-/// Defines a property of `AnyLaw` in which small functions replace products, quotients and roots; `and [..]` names further replaced
-/// pairs.
+/// Defines a property of `AnyLaw` in which small functions replace products, quotients and roots; `and [..]` lists further pairs of
+/// a function and its replacement.
 macro_rules! any_law_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
         $crate::replaced_property! {
@@ -44,7 +45,8 @@ macro_rules! any_law_property {
     };
 }
 
-/// Replacements of operations: functions of the operands, small enough that sums of their results do not overflow.
+/// Functions that replace products, quotients and roots: cheap functions of the operands, so small that sums of their results do
+/// not overflow.
 #[cfg(kani)]
 pub mod small {
     use touchstone_control::estimator::EstimatedMotion;
@@ -63,7 +65,7 @@ pub mod small {
     fn long(a: i8, b: i8) -> i16 {
         of(a, b).to_bits().into()
     }
-    /// Combines the lower half of a double word with its upper half.
+    /// The exclusive OR of a double word's lower and upper half.
     fn folded(wide: i16) -> i8 {
         wide as i8 ^ (wide >> 8) as i8
     }
@@ -98,7 +100,7 @@ pub mod small {
             of(f.to_bits(), d.to_bits()),
         )
     }
-    /// Replaces `Velocity::tick` under the model checker by a small function.
+    /// Replaces `Velocity::tick` by a cheaper function when the model checker runs.
     pub fn velocity<N: Number>(
         _: &Velocity<N>,
         state: &mut VelocityState<N>,
@@ -115,12 +117,12 @@ pub mod small {
         }));
         at - before
     }
-    /// Replaces `EnhancedSfa::hand_over` under the model checker by a small function.
+    /// Replaces `EnhancedSfa::hand_over` by a cheaper function when the model checker runs.
     pub fn hand_over<N: Number>(_: &EnhancedSfa<N>, state: &mut EnhancedState<N>) {
         state.contact = Contact::Augmenting;
         (state.augmented.mass.position, state.augmented.at_mass) = (state.last, state.force);
     }
-    /// Replaces `EnhancedSfa::offset` under the model checker by a small function.
+    /// Replaces `EnhancedSfa::offset` by a cheaper function when the model checker runs.
     pub fn offset<N: Number>(
         _: &EnhancedSfa<N>,
         state: &EnhancedState<N>,
@@ -128,7 +130,7 @@ pub mod small {
     ) -> Position<N> {
         e - state.augmented.offset
     }
-    /// Replaces `EnhancedSfa::affordable_move` under the model checker by a small function.
+    /// Replaces `EnhancedSfa::affordable_move` by a cheaper function when the model checker runs.
     pub fn affordable_move<N: Number>(
         _: &EnhancedSfa<N>,
         from: Position<N>,
@@ -141,7 +143,7 @@ pub mod small {
     }
 }
 
-/// Compares `AnyLaw` with the law of its variant: tick, view and forgetting. Returns the force.
+/// Asserts that `AnyLaw` does in a tick, a view and a forgetting what the law of its variant does. Returns the force.
 fn dispatched<L, S: Source>(
     s: &mut S,
     any_law: fn(L, L::State) -> AnyLaw<N>,
@@ -166,7 +168,7 @@ where
 }
 
 any_law_property! {
-    /// P11 (refinement): `AnyLaw` of a spring does the same as the spring.
+    /// P11 (refinement): `AnyLaw` that holds a spring does the same as that spring.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_spring(s) {
@@ -176,7 +178,7 @@ any_law_property! {
         cover!(s, force != Force::zero(), "a force");
     }
 }
-/// Any state of a velocity filter that is used here: at rest at any position, or as it is before the first sample.
+/// Any state of the velocity filter of a spring: at rest at any position, or as before the first sample.
 fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
     let position = N::widen(N::any_position(s).0);
     let motion = EstimatedMotion {
@@ -187,7 +189,7 @@ fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
 }
 any_law_property! {
     and [(touchstone_control::velocity::Velocity::tick, crate::any_law::small::velocity)]
-    /// P11 (refinement): `AnyLaw` of a spring with its own velocity filter does the same as that spring.
+    /// P11 (refinement): `AnyLaw` that holds a spring with a velocity filter does the same as that spring.
     equation "tick, view, forget = the law's"
     over "valid spring, filter of any share, memory of the spring and of a position or none, sample; under the checker small functions in the place of the filter, products and roundings"
     by minisat fn p11_any_law_damped(s) {
@@ -200,7 +202,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11 (refinement): `AnyLaw` of a TDPA law does the same as the TDPA law.
+    /// P11 (refinement): `AnyLaw` that holds a TDPA law (time-domain passivity) does the same as that law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_tdpa(s) {
@@ -211,7 +213,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11 (refinement): `AnyLaw` of a force bounding law does the same as the force bounding law.
+    /// P11 (refinement): `AnyLaw` that holds a force bounding law does the same as that law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_fba(s) {
@@ -222,7 +224,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11 (refinement): `AnyLaw` of an SFA law does the same as the SFA law.
+    /// P11 (refinement): `AnyLaw` that holds an SFA law (successive force augmentation) does the same as that law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_sfa(s) {
@@ -236,7 +238,7 @@ any_law_property! {
     and [(touchstone_control::law::EnhancedSfa::hand_over, crate::any_law::small::hand_over)
     (touchstone_control::law::EnhancedSfa::offset, crate::any_law::small::offset)
     (touchstone_control::law::EnhancedSfa::affordable_move, crate::any_law::small::affordable_move)]
-    /// P11 (refinement): `AnyLaw` of an enhanced law does the same as the enhanced law.
+    /// P11 (refinement): `AnyLaw` that holds an enhanced law does the same as that law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, hand-over, offset and paid move"
     by minisat fn p11_any_law_enhanced(s) {

@@ -1,6 +1,8 @@
-//! The parts between a virtual object and a law at 8 bits: displacement along a normal, surface point, friction.
+//! Properties at 8 bits of the steps between a virtual object and a law on three axes: displacement along a normal, surface point,
+//! friction.
 //!
-//! All inputs of each part are tried (`cargo xtask prove --every contact`).
+//! All inputs of each step are tried (`cargo xtask prove --every contact`). `m` is a displacement, `n` a normal, `x` a position,
+//! `e` a penetration and `z` a stretch; `'` marks the last tick.
 //!
 //! ```text
 //! m = -n'·(x - x'), rounded down, or e - e' where n = n'    p4_displacement
@@ -34,7 +36,7 @@ pub(crate) fn force_bits(v: Vector<Force<N>>) -> [i64; 3] {
 pub(crate) fn place_bits(v: Vector<Position<N>>) -> [i64; 3] {
     v.0.map(bits)
 }
-/// The scalar product `floor(u·v)`.
+/// The scalar product of a direction and a vector, rounded down.
 pub(crate) fn along(u: &Direction<N>, v: [i64; 3]) -> i64 {
     let ([a, b, c], [x, y, z]) = (parts(u), v);
     (a * x + b * y + c * z).div_euclid(ONE)
@@ -52,9 +54,9 @@ pub(crate) fn touch(at: [i64; 3], normal: Direction<N>, depth: i64) -> Touch<N> 
 }
 
 property! {
-    /// P4 (geometry): the displacement that a law gets is the part of the HIP's displacement along the normal of the last tick,
-    /// rounded down. On a surface that did not turn it is the change of penetration; the two differ only by rounding. An estimated
-    /// displacement is projected on the same normal.
+    /// P4 (geometry): the displacement that a law gets is the hand's displacement along the normal of the last tick, rounded down.
+    /// On a surface that did not turn it is the change of penetration; the two differ only by rounding. An estimated displacement
+    /// is projected on the same normal.
     equation "m = floor(-n'·(x - x')); e - e' where n = n' and |e - e' - m| <= 2"
     over "normals of 3 bits along two axes, places of 3 bits along two axes, depths of 3 bits; turned or not, estimated or not"
     by sampled fn p4_displacement(s) {
@@ -90,7 +92,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the closest surface point is the object's own, on the side where the HIP was in the last tick.
+    /// P4 (geometry): with the rule "closest", the surface point is the one that the object gives for the side where the hand was
+    /// in the last tick.
     equation "closest: nearest(x, side of the last tick)"
     over "a box, two places of 4 bits along two axes"
     by sampled fn p4_point_closest(s) {
@@ -108,7 +111,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): with the rule "point of penetration" the way out leads to where the HIP came in, until the HIP has left.
+    /// P4 (geometry): with the rule "point of penetration", the way out leads back to where the hand came in, until the hand has
+    /// left.
     equation "depth u = entry - x"
     over "a box, three places of 4 bits along two axes"
     by sampled fn p4_point_of_penetration(s) {
@@ -143,8 +147,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the restricted surface point is the closest one if that lies in the cone. Otherwise the direction turns by at
-    /// most the cone's angle, to the precision of 8 bits, and leads out of the object.
+    /// P4 (geometry): with the rule "restricted", the surface point is the closest one if that lies in the cone. Otherwise the
+    /// direction turns by at most the cone's angle, to the precision of 8 bits, and leads out of the object.
     equation "u·u' >= cos a less 6 quanta; u' = nearest where u·nearest >= cos a"
     over "box or ball, two places inside of 4 bits along two axes, cones of 27 to 45 degrees"
     by sampled fn p4_point_restricted(s) {
@@ -227,7 +231,7 @@ property! {
             assert!(squares(stretch) <= reach(kinetic) * reach(kinetic) && state.sliding);
             let shorter = stretch.iter().zip(z).all(|(cut, z)| cut.abs() <= z.abs() && cut * z >= 0);
             assert!(shorter);
-            // At most three quanta per axis are lost, and the stretch keeps its direction.
+            // At most three steps of the format are lost per axis, and the stretch keeps its direction.
             let lost = (reach(kinetic) - 5).max(0);
             let turned = stretch[0] * z[1] - stretch[1] * z[0];
             assert!(turned.abs() <= 3 * (z[0].abs() + z[1].abs()));
@@ -282,7 +286,7 @@ property! {
             panic!("nothing is held");
         };
         let left = less(at, anchor);
-        // The anchor is turned into the plane, and so is the stretch: two quanta per axis each.
+        // The anchor is turned into the plane, and so is the stretch: each loses up to two steps of the format per axis.
         assert!(of == normal && less(left, after).iter().all(|x| x.abs() <= 3));
         // On a surface that does not turn, the anchor stays bit for bit.
         let aside = [at[0] + 1, at[1], 0];

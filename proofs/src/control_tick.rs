@@ -1,11 +1,12 @@
-//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same
-//! questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law,
+//! limits, drive) may answer anything. The code calls them with the same arguments as the specification and calculates the same
+//! from the answers. Random tests run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
+//! Many of the parts have proofs of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
 //! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
@@ -32,16 +33,18 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 
 #[cfg(kani)]
 use crate::device_parts::{end, of_specification};
-/// Number of ticks in a row.
+/// Number of control ticks that the comparison runs in a row: one under the model checker, six in random tests.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Does nothing: without the model checker it is not recorded which side (code or specification) calls.
+/// Does nothing in random tests. Under the model checker, the function of this name in `device_parts` marks that from now on the
+/// specification makes the calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
 fn end() -> bool {
     true
 }
-/// Gives the specification the code's law. Under the model checker the law has no memory, as its answers are recorded.
+/// Asserts in random tests that code and specification have the same law with the same memory. The model checker replaces the law,
+/// so there is no memory to compare.
 #[cfg(not(kani))]
 fn same_law(device: &Device, own: &Own) {
     assert!(*device.law() == own.law, "the law remembers the same");
@@ -49,14 +52,15 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The device's parts for the specification: the real parts in random tests, the recorded answers under the model checker.
+/// The device's parts as the specification calls them: the real parts in random tests, the recorded answers under the model
+/// checker.
 struct Own {
     config: Config,
     supervisor: Supervisor,
     law: Controller<Fixed32>,
     calibration: Option<Calibration>,
     input: ControlInput,
-    /// Whether new settings are waiting.
+    /// Whether new settings are waiting to be put in force.
     waits: bool,
     next: Config,
     found: Option<Verdict>,
@@ -173,7 +177,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
+/// A value that is sometimes `None` in random tests. Under the model checker it is always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -181,7 +185,7 @@ fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     s.bool().then(|| any(s))
 }
 
-/// Any settings that change how a tick runs, and the configuration calculated from them.
+/// Any device settings that change how a tick runs, and the configuration calculated from them. `None` if they are refused.
 fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
@@ -204,7 +208,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // In tests on random samples the displacement is mostly short, since there the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -250,7 +254,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// The contact phase that a byte stands for.
+/// The contact phase that a byte stands for, to make any phase from an arbitrary byte.
 pub(crate) const fn contact_of(byte: u8) -> Contact {
     match byte % 3 {
         0 => Contact::Free,
@@ -258,7 +262,7 @@ pub(crate) const fn contact_of(byte: u8) -> Contact {
         _ => Contact::Augmenting,
     }
 }
-/// Any input of a tick, with the supply and temperature either fixed or arbitrary.
+/// Any input of a control tick. Supply and temperature are either fixed or arbitrary.
 fn any_input<S: Source>(s: &mut S) -> ControlInput {
     let is_quiet = s.shortcut();
     ControlInput {
@@ -341,8 +345,8 @@ replaced_property! {
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
     /// P11 (refinement): a control tick equals its specification, from the reading to the drive's command, with the whole memory.
-    /// Code and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same
-    /// order.
+    /// Code and specification call the device's parts with the same arguments, whatever the parts answer. Calls that change law or
+    /// supervisor are in the same order.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by minisat fn p11_control_tick(s) {

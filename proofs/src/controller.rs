@@ -1,5 +1,8 @@
-//! The controller around its law. A tick is the law and then the guard, for any law. The controller keeps the force that later
+//! The controller around a law: a tick is the law and then the energy guard, for any law. The controller keeps the force that later
 //! stages report to it.
+//!
+//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
+//! value.
 //!
 //! ```text
 //! f = guard(law(e, e - e(n-1)))                p11_controller_tick
@@ -25,7 +28,7 @@ use touchstone_control::{
 
 type N = Fixed8;
 
-/// A controller of a spring with zero stiffness.
+/// A controller with a spring of zero stiffness, measured positions and no guard.
 pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
@@ -37,7 +40,7 @@ pub(crate) fn plain<N: Number>() -> Controller<N> {
     Controller::of_parts(law, States::default(), None)
 }
 
-/// Defines a property of a spring's controller that holds for any guard and any result of products.
+/// Defines a property of a controller with a spring that holds whatever the guard and the products return.
 macro_rules! controller_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
@@ -49,14 +52,14 @@ macro_rules! controller_property {
     };
 }
 
-/// Replaces the product of `Fixed8`. The result depends on every digit of both factors, lies above the rounding by a gain's
-/// fractional bits, and leaves room for a sum of two.
+/// Replaces the product of a gain and a signal of `Fixed8`. The result depends on every digit of both factors, lies above the
+/// rounding by a gain's fractional bits, and leaves room for a sum of two.
 #[cfg(kani)]
 pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i16 {
     (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
 }
 
-/// Replaces `Guarded::tick`: it records its arguments, and returns a force that differs from them.
+/// Replaces `Guarded::tick`: records the arguments in the guard's memory, and returns a force that differs from all of them.
 #[cfg(kani)]
 pub fn kept<N: Number>(
     guarded: &mut Guarded<N>,
@@ -72,7 +75,7 @@ pub fn kept<N: Number>(
     -wanted
 }
 
-/// Replaces `Guard::switched_off`: it changes the guard's memory recognisably.
+/// Replaces `Guard::switched_off`: changes the guard's memory so that the call can be recognised.
 #[cfg(kani)]
 pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
@@ -94,7 +97,7 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
 }
 
 controller_property! {
-    /// P11 (refinement): a tick is the law, with the penetration and its change, and then the guard, with what was measured and the
+    /// P11 (refinement): a tick runs the law on the penetration and its change, and then the guard on what was measured and on the
     /// force that the law requests.
     equation "f = guard(e, at_change, law(e, e - e(n-1)))"
     over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
@@ -128,8 +131,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11 (refinement): a reported force that a later stage commanded reaches the guard, and is the controller's last force from
-    /// then on.
+    /// P11 (refinement): a force that a later stage commanded and reported reaches the guard, and is the controller's last force
+    /// from then on.
     equation "told f: f(n-1) = f, guard(f)"
     over "guard or none, memories, force told"
     by cadical fn p11_controller_told(s) {
@@ -147,8 +150,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11 (refinement): when the controller is switched off, its guard is switched off and the last force is 0; the law's memory
-    /// is not touched.
+    /// P11 (refinement): when the controller is told that the force is switched off, so is its guard, and the last force is 0. The
+    /// law's memory stays.
     equation "guard = switched_off(guard), f = 0"
     over "guard or none, memories"
     by cadical fn p11_controller_switched_off(s) {
@@ -165,7 +168,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P7 (end of contact): a resumed controller is as new, except for the energy that is left in its guard's account.
+    /// P7 (end of contact): a controller that is resumed at arming is as new, except for the energy that is left in its guard's
+    /// account.
     equation "memory = new; B' = min(B, C'), f = 0"
     over "guard or none before and after, memories"
     by cadical fn p7_controller_resumes(s) {
@@ -189,7 +193,7 @@ controller_property! {
     }
 }
 
-/// Replaces `AnyLaw::new`: a spring with zero stiffness and the given limit; an error for a negative stiffness.
+/// Replaces `AnyLaw::new`: returns a spring with zero stiffness and the given force limit, or an error for a negative stiffness.
 #[cfg(kani)]
 pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
     let (count, coarsest) = (settings.k_desired, Si::ZERO);
@@ -205,7 +209,7 @@ pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsErr
     Ok(AnyLaw::Spring(spring, SpringState::default()))
 }
 
-/// Replaces `Guard::new`: a guard that holds its arguments, with a full account; an error for a negative capacity.
+/// Replaces `Guard::new`: returns a guard that holds the arguments, with a full account, or an error for a negative capacity.
 #[cfg(kani)]
 pub fn guard_made<N: Number>(
     settings: &GuardSettings,
@@ -234,8 +238,8 @@ pub fn guard_made<N: Number>(
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8 (settings): with measured states, a controller consists of the law of its settings and, if switched on, the guard of its
-    /// settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
+    /// P8 (settings): with measured positions, a new controller consists of the law of its settings and, if switched on, the guard
+    /// of its settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
     equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
     over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
     by cadical fn p8_controller_made(s) {

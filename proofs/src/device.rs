@@ -1,4 +1,4 @@
-//! P9, the encoder's counter, and P10, the device's fault machine.
+//! Properties of the encoder's counter (P9) and of the device's fault machine (P10).
 
 use crate::source::Source;
 use crate::{assume, cover, property};
@@ -7,8 +7,8 @@ use touchstone_protocol::{
 };
 
 property! {
-    /// P9 (counters): counting from a 16-bit counter follows the true count exactly, wherever the counter wraps, if a tick moves by
-    /// less than half its range.
+    /// P9 (counters): the count made from a 16-bit counter follows the true count exactly, wherever the counter wraps, if a tick
+    /// moves by less than half of the counter's range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 16 bits"
     fn p9_unwrap16(s) {
@@ -25,7 +25,8 @@ property! {
     }
 }
 property! {
-    /// P9 (counters): counting from a 32-bit counter follows the true count exactly, if a tick moves by less than half its range.
+    /// P9 (counters): the count made from a 32-bit counter follows the true count exactly, wherever the counter wraps, if a tick
+    /// moves by less than half of the counter's range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 32 bits"
     fn p9_unwrap32(s) {
@@ -40,7 +41,7 @@ property! {
     }
 }
 property! {
-    /// P9 (counters): at the end of its range the count stays there, without panic.
+    /// P9 (counters): a count at the end of the 64-bit range stays there, without panic.
     equation "count' = min(max(count + moved, lowest), highest)"
     over "count, last and new reading"
     fn p9_ends32(s) {
@@ -56,8 +57,8 @@ property! {
 }
 
 property! {
-    /// P10 (fault machine): a fault's number on the wire identifies the fault, and other numbers are rejected. A new fault machine
-    /// is in its first state.
+    /// P10 (fault machine): a fault's number on the serial link identifies the fault, and other numbers are rejected. A new fault
+    /// machine is in its first state.
     equation "from_wire(to_wire(code)) = code; new: Boot, off"
     over "byte"
     fn p10_wire(s) {
@@ -73,7 +74,7 @@ property! {
     }
 }
 
-/// The fault code that a byte stands for.
+/// The fault code that a byte stands for, to make any fault from an arbitrary byte.
 pub(crate) fn code_of(byte: u8) -> FaultCode {
     FaultCode::ALL[usize::from(byte) % FaultCode::ALL.len()]
 }
@@ -115,7 +116,7 @@ fn any_event<S: Source>(s: &mut S) -> Event {
 }
 
 property! {
-    /// P10 (fault machine): outputs are on in `Armed` and `Calibrating` only, and never in the tick of a fault.
+    /// P10 (fault machine): the outputs may be on in the states `Armed` and `Calibrating` only, and never in the tick of a fault.
     equation "outputs = on  =>  state in {Armed, Calibrating} and no fault"
     over "state, fault, command, end of calibration"
     fn p10_outputs(s) {
@@ -134,8 +135,8 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): in every state a fault is latched with its first context. Only a stop ends it, and only towards
-    /// `Stopped`.
+    /// P10 (fault machine): in every state, the first fault is kept with its context. Only the command to stop ends it, and the
+    /// state is then `Stopped`.
     equation "state = Fault(c)  =>  state' in {Fault(c), Stopped}"
     over "state and event, with any context"
     fn p10_fault_is_latched(s) {

@@ -1,9 +1,9 @@
-//! Replacements of a device's parts under the model checker. The code gets any answer, and the specification gets the same answer;
-//! it must ask the same question.
+//! Replacements of a device's parts (law, limits, drive) when the model checker runs. The code gets any answer, and the
+//! specification gets the same answer; it must call with the same arguments.
 //!
-//! A part is asked at most once in a tick. Some questions change law or supervisor, or read what may have changed in the law. They
-//! are also distinguished by the questions before them. The part itself and its coefficients are not recorded in a question: the
-//! harness's samples cover those.
+//! A part is called at most once in a tick. Some calls change law or supervisor, or read what may have changed in the law. Such
+//! calls are also distinguished by the calls before them. The part itself and its coefficients are not recorded with the arguments:
+//! the property's random tests cover those.
 
 use crate::control_tick::contact_of;
 use crate::controller::plain;
@@ -30,19 +30,19 @@ use touchstone_drive::{
 use touchstone_protocol::Limits;
 
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-/// Record of which calls changed law or supervisor in this tick, in order: one digit per call.
+/// Record of which calls changed law or supervisor in this tick, in order: one octal digit per call.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// Set if the specification calls a part with other arguments than the code, or calls it twice.
+/// Set to 1 if the specification calls a part with other arguments than the code did, or calls it twice.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the calls of parts from now on come from the specification, not from the code.
+/// Marks that the specification makes the calls of parts from now on, and no longer the code.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has called the parts with exactly the arguments of the code, and made the same changes in the same
-/// order.
+/// Whether the specification has called the parts with exactly the arguments of the code, and in the same order where a call
+/// changes law or supervisor.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -74,7 +74,7 @@ fn so_far() -> i64 {
     HISTORY.load(Relaxed) as i64
 }
 
-/// Defines the replacement of one part of a device: number of words in its arguments, and in its result.
+/// Defines the replacement of one part of a device. The two numbers are the words in its arguments and in its result.
 macro_rules! part {
     ($module:ident, $words:literal, $answers:literal) => {
         mod $module {
@@ -84,7 +84,7 @@ macro_rules! part {
             static QUESTION: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
             static ANSWER: [AtomicI64; $answers] = [const { AtomicI64::new(0) }; $answers];
 
-            /// The result of a replaced part: any for the code, and the same one for the specification.
+            /// The result of a replaced part: any words for the code, and the same words for the specification.
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);
@@ -134,29 +134,31 @@ part!(beyond, 2, 1);
 part!(faded, 3, 1);
 part!(driven, 6, 10);
 
-/// Replaces `settings::validate` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `settings::validate` when the model checker runs: it accepts all settings.
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Replaces `quotient`: a coefficient that fits every format. Parts that are replaced do not use it.
+/// Replaces `quotient` when the model checker runs: returns a coefficient that fits every format. The parts that are replaced do
+/// not use it.
 pub fn some_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(1 << 31)
 }
-/// Replaces `law_settings` under the model checker: settings that have no effect.
+/// Replaces `law_settings` when the model checker runs: returns settings that have no effect, as the law is replaced as well.
 pub fn law_settings(
     _: &DeviceSettings,
     _: &Hardware,
 ) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
     Ok((Settings::default(), None))
 }
-/// Replaces `Controller::new`: a law whose ticks are replaced.
+/// Replaces `Controller::new` when the model checker runs: returns a controller whose ticks are replaced.
 pub fn law_made<N: Number>(
     _: &Settings,
 ) -> Result<Controller<N>, touchstone_control::SettingsError> {
     Ok(plain())
 }
 
-/// Replaces `Supervisor::inspect` under the model checker: the specification gets the result that the code got for equal arguments.
+/// Replaces `Supervisor::inspect` when the model checker runs the specification: returns the value that the code got for equal
+/// arguments.
 pub fn inspect(
     _: &mut Supervisor,
     _: &SupervisorConfig,
@@ -195,19 +197,20 @@ pub fn inspect(
         derating: derating as u32,
     }
 }
-/// Replaces `Supervisor::restart` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Supervisor::restart` when the model checker runs: it only records the call in the history of this tick.
 pub fn restart(_: &mut Supervisor) {
     done(1);
 }
-/// Replaces `Shaft::speed` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Shaft::speed` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn speed(_: &Shaft, _: &ShaftConfig) -> Amps {
     Amps::from_bits(sped::ask([so_far()])[0] as i32)
 }
-/// Replaces `Shaft::advance` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Shaft::advance` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn advance(_: &Shaft, _: &ShaftConfig) -> i32 {
     advanced::ask([0])[0] as i32
 }
-/// Replaces `Power::temperature` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Power::temperature` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
     let [is_some, bits] = warm::ask([report.temperature.into()]);
     (is_some & 1 == 1).then(|| Celsius::from_bits(bits as i32))
@@ -215,7 +218,7 @@ pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
 fn pair(a: u32, b: u32) -> i64 {
     (i64::from(a) << 32) | i64::from(b)
 }
-/// The fields of a current report that the harness varies under the model checker.
+/// The fields of a current report that the property varies under the model checker, as integers.
 fn words_of(report: &CurrentReport) -> [i64; 4] {
     let two = |dq: Dq| {
         pair(
@@ -230,7 +233,8 @@ fn words_of(report: &CurrentReport) -> [i64; 4] {
     let rest = pair(report.periods, report.bus.to_bits().cast_unsigned());
     [two(report.current), two(report.voltage), counts, rest]
 }
-/// Replaces `Calibration::tick` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Calibration::tick` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, report: &CurrentReport) -> Progress {
     let [a, b, c, d] = words_of(report);
     let answer = calibrated::ask([a, b, c, d, tick.into(), count]);
@@ -261,11 +265,13 @@ fn command_of(words: &[i64; 8]) -> CurrentCommand {
         },
     }
 }
-/// Replaces `ElectricalScale::angle` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `ElectricalScale::angle` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn angle(_: &ElectricalScale, count: i64) -> Angle {
     Angle(turned::ask([count])[0] as u16)
 }
-/// Replaces `CountScale::penetration` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `CountScale::penetration` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn penetration<N: Format>(_: &CountScale, count: i64) -> Position<N> {
     position(behind::ask([count])[0])
 }
@@ -274,7 +280,8 @@ fn position<N: Format>(bits: i64) -> Position<N> {
     kani::assume(N::of_signal(found.0) == i64::from(bits as i32));
     found
 }
-/// Replaces `ChangeConfig::since_change` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `ChangeConfig::since_change` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn since_change(
     _: &ChangeConfig,
     until: Position<Fixed32>,
@@ -283,11 +290,12 @@ pub fn since_change(
     let question = [until, from].map(|way| i64::from(way.0.to_bits()));
     Position(I8F24::from_bits(since::ask(question)[0] as i32))
 }
-/// Replaces `Controller::resume` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::resume` when the model checker runs: it only records the call in the history of this tick.
 pub fn resume<N: Number>(_: &mut Controller<N>, _: &Controller<N>) {
     done(2);
 }
-/// Replaces `Controller::tick_with_change` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::tick_with_change` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn law<N: Format>(
     _: &mut Controller<N>,
     e: Position<N>,
@@ -297,7 +305,7 @@ pub fn law<N: Format>(
     let answer = pushed::ask([done(3), N::of_signal(e.0), at_change.is_some().into(), at]);
     Force(position::<N>(answer[0]).0)
 }
-/// Replaces `Controller::view` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::view` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
     let [contact, has_energy, energy, offset] = viewed::ask([so_far()]);
     let found = N::any_energy(&mut Symbolic);
@@ -309,23 +317,26 @@ pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
         mass: None,
     }
 }
-/// Replaces `Controller::commanded` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::commanded` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
     told::ask([done(4), N::of_signal(force.0)]);
 }
-/// Replaces `Controller::switched_off` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::switched_off` when the model checker runs: it only records the call in the history of this tick.
 pub fn switched_off<N: Number>(_: &mut Controller<N>) {
     done(5);
 }
-/// Replaces `Controller::tripped` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::tripped` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn is_tripped<N: Number>(_: &Controller<N>) -> bool {
     tripped::ask([so_far()])[0] & 1 == 1
 }
-/// Replaces `Controller::is_beyond_reach` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::is_beyond_reach` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn is_beyond_reach<N: Format>(_: &Controller<N>, e: Position<N>) -> bool {
     beyond::ask([so_far(), N::of_signal(e.0)])[0] & 1 == 1
 }
-/// Replaces `torque_of` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `torque_of` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     let question = [
         i64::from(force.0.to_bits()),
@@ -334,7 +345,8 @@ pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     ];
     Force(I8F24::from_bits(faded::ask(question)[0] as i32))
 }
-/// Replaces `AnyDrive::command` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `AnyDrive::command` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn command(_: &AnyDrive, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
     let question = [
         torque.0.to_bits().into(),

@@ -1,10 +1,10 @@
-//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same
-//! question.
+//! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
+//! arguments.
 //!
 //! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
-//! next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a
-//! product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
-//! functions of this file, and products by those of [`crate::multiplied`].
+//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient
+//! times divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and
+//! specification by the functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
@@ -21,8 +21,8 @@ use fixed::{FixedI64, types::extra::LeEqU64};
 #[cfg(kani)]
 use touchstone_control::Si;
 
-/// Defines a property under which the model checker replaces functions by others, listed in pairs in front; otherwise as
-/// `property!`.
+/// Defines a property for whose proof the model checker replaces functions by others. The pairs of a function and its replacement
+/// come first; the rest is as in `property!`.
 #[macro_export]
 macro_rules! replaced_property {
     ([$($pair:tt)*] $(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
@@ -56,8 +56,9 @@ macro_rules! replaced_property {
     };
 }
 
-/// Defines a property of code and specification that both divide. At 32 bits they use the divisions and roots of this file and the
-/// products of [`crate::multiplied`] (`multiplied`), at 8 bits their own (`plain`). `and [..]` names further replaced pairs.
+/// Defines a property of code and specification that both divide. At 32 bits (`multiplied`) they use the divisions and roots of
+/// this file and the products of [`crate::multiplied`], at 8 bits (`plain`) their own. `and [..]` lists further pairs of a function
+/// and its replacement.
 #[macro_export]
 macro_rules! divided_property {
     (plain and [$($pair:tt)*] $($property:tt)*) => {
@@ -90,8 +91,8 @@ macro_rules! divided_property {
     };
 }
 
-/// Defines a property of a law's settings, in which only three facts of products and quotients are known. They are not negative if
-/// their arguments are not; twice a number is its sum with itself; accepted settings are in their ranges.
+/// Defines a property of a law's settings, for which only three facts of the arithmetic are known. Products and quotients are not
+/// negative if their arguments are not; twice a number is its sum with itself; accepted settings are in their ranges.
 #[macro_export]
 macro_rules! settings_property {
     ($($property:tt)*) => {
@@ -108,8 +109,8 @@ macro_rules! settings_property {
 #[cfg(kani)]
 pub use by_one_quotient::*;
 
-/// Replaces `quotient` of settings under the model checker: any number with the right sign. `p8_quotient_sign64` proves that the
-/// code's own quotient has it.
+/// Replaces `quotient` of settings when the model checker runs: any number with the right sign. `p8_quotient_sign64` proves that
+/// the code's own quotient has that sign.
 #[cfg(kani)]
 pub fn quotient(a: Si, b: Si) -> Si {
     let any = Si::from_bits(kani::any());
@@ -117,8 +118,8 @@ pub fn quotient(a: Si, b: Si) -> Si {
     any
 }
 
-/// Replaces `saturating_mul` of settings under the model checker: any number with the right sign, and for twice a number the sum.
-/// `p8_product64` proves it of the library's own product.
+/// Replaces `saturating_mul` of settings when the model checker runs: any number with the right sign, and for twice a number the
+/// sum. `p8_product64` proves both facts of the library's own product.
 #[cfg(kani)]
 pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     let any: i64 = kani::any();
@@ -128,9 +129,9 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The facts of quotients and roots that the model checker assumes.
+/// The facts that the model checker assumes of quotients and roots.
 pub mod facts {
-    /// The facts of a quotient, and of the part of the dividend that it accounts for. A quotient beyond a signed word has no such
+    /// Whether a result has the facts of a quotient; `part` is quotient times divisor. A quotient beyond a signed word has no such
     /// part.
     #[must_use]
     pub fn is_quotient(dividend: u64, divisor: u32, quotient: u64, part: u64) -> bool {
@@ -146,8 +147,8 @@ pub mod facts {
 }
 
 property! {
-    /// P3 (arithmetic): the rounded-down quotient has the facts of [`facts`]. Two solvers show it over the integers in
-    /// `obligations/check.py`.
+    /// P3 (arithmetic): the rounded-down quotient has the facts that the model checker assumes of quotients ([`facts`]). Two
+    /// solvers show it over the integers in `obligations/check.py`.
     equation "q = floor(a / b): q b <= a < q b + b, and q < 2^31 where a < 2^31 b"
     over "double word, word above 0"
     by sampled fn p3_quotient(s) {
@@ -159,8 +160,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): the rounded-down root has the facts of [`facts`]. Two solvers show it over the integers in
-    /// `obligations/check.py`.
+    /// P3 (arithmetic): the rounded-down root has the facts that the model checker assumes of roots ([`facts`]). Two solvers show
+    /// it over the integers in `obligations/check.py`.
     equation "r = floor(sqrt(x)) < 2^31 where x < 2^62"
     over "double word"
     by sampled fn p3_root(s) {
@@ -187,11 +188,11 @@ mod by_one_quotient {
     type Gain = <Fixed32 as Number>::Gain;
     type Energy = <Fixed32 as Number>::Energy;
 
-    /// Number of rows of the table: more than a law's tick has divisions or roots.
+    /// Number of rows of the table of recorded quotients: more than a law's tick has divisions or roots.
     const ROWS: usize = 3;
     const HIGHEST: u64 = (1 << 31) - 1;
 
-    /// The code's next row of the table, and the specification's.
+    /// Row of the table of quotients for the code's next division; the next variable is the row for the specification's.
     static DIVIDED: AtomicUsize = AtomicUsize::new(0);
     static AGAIN: AtomicUsize = AtomicUsize::new(0);
     static DIVIDEND: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
@@ -199,7 +200,7 @@ mod by_one_quotient {
     static QUOTIENT: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
     static PART: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
 
-    /// The code's quotient, with the part of the dividend that it accounts for.
+    /// A quotient for the code, with the part of the dividend that it accounts for (quotient times divisor).
     fn quotient(dividend: u64, divisor: u32) -> (u64, u64) {
         let (quotient, part): (u64, u64) = (kani::any(), kani::any());
         if divisor == 0 {
@@ -226,18 +227,19 @@ mod by_one_quotient {
         Signal::from_bits(if negative { -size } else { size })
     }
 
-    /// Replaces [`touchstone_control::magnitude::divide_u32`] under the model checker: the code gets any result, and the same one
-    /// for equal arguments.
+    /// Replaces [`touchstone_control::magnitude::divide_u32`] when the model checker runs the code: returns any value, and the same
+    /// value for equal arguments.
     pub fn divide(wide: u64, by: u32) -> (u64, u64) {
         quotient(wide, by)
     }
-    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] under the model checker: the code gets any result, and the
-    /// same one for equal arguments.
+    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] when the model checker runs the code: returns any value,
+    /// and the same value for equal arguments.
     pub fn divides_within(by: u32, wide: u64) -> Option<(u32, u64)> {
         let (quotient, part) = quotient(wide, by);
         (quotient <= HIGHEST).then_some((quotient as u32, part))
     }
-    /// Replaces [`Number::divisor`] under the model checker: only the reciprocal uses its fields.
+    /// Replaces [`Number::divisor`] when the model checker runs. It fills no inverse, since only the replaced division would use
+    /// it.
     pub fn divisor(k: Gain) -> Reciprocal32 {
         let divisor = k.to_bits().unsigned_abs();
         Reciprocal32 {
@@ -246,12 +248,13 @@ mod by_one_quotient {
             inverse: 0,
         }
     }
-    /// Replaces [`Number::divide_by`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::divide_by`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
         signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
-    /// Replaces [`Number::affordable`] under the model checker. If the retreat is beyond the format, the energy that is left is
-    /// unknown.
+    /// Replaces [`Number::affordable`] when the model checker runs. If the outward displacement is beyond the format, the energy
+    /// that is left is unknown.
     pub fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
         let energy = e.to_bits().max(0);
         let (moved, part) = quotient(energy.unsigned_abs(), f.to_bits().unsigned_abs());
@@ -262,7 +265,7 @@ mod by_one_quotient {
         };
         (signed(moved, false), Energy::from_bits(rest))
     }
-    /// Replaces [`crate::spec::over`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`crate::spec::over`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn over(a: i128, b: i128) -> i128 {
         assert!(
@@ -284,7 +287,7 @@ mod by_one_quotient {
         .into()
     }
 
-    /// The specification's product, consistent with the parts that belong to the code's quotients.
+    /// The specification's product, which agrees with the products (quotient times divisor) that belong to the code's quotients.
     fn beside(a: u32, b: u32) -> u64 {
         let product = magnitude(a, b);
         let mut at = 0;
@@ -302,7 +305,7 @@ mod by_one_quotient {
         }
         product
     }
-    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`crate::spec::times`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         let (a, b) = (word(a), word(b));
@@ -328,14 +331,15 @@ mod by_one_quotient {
         ROOT[made].store(any, Relaxed);
         any
     }
-    /// Replaces [`Number::root`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::root`] when the model checker runs the code: returns any value, and the same value for equal arguments.
     pub fn root(e: Energy) -> Signal {
         if e.to_bits() <= 0 {
             return Signal::ZERO;
         }
         signed(root_of(e.to_bits() as u64).into(), false)
     }
-    /// Replaces [`Number::root_of_four`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::root_of_four`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn root_of_four(k: Gain) -> Gain {
         if k.to_bits() <= 0 {
             return Gain::ZERO;
@@ -343,8 +347,8 @@ mod by_one_quotient {
         let radicand = u64::from(k.to_bits() as u32) << (Gain::FRAC_NBITS + 2);
         Gain::from_bits(root_of(radicand).min(HIGHEST as u32) as i32)
     }
-    /// Replaces [`crate::spec::fba::root`] under the model checker: the specification gets the result that the code got for equal
-    /// arguments.
+    /// Replaces [`crate::spec::fba::root`] when the model checker runs the specification: returns the value that the code got for
+    /// equal arguments.
     pub fn specified_root(x: i128) -> i128 {
         if x <= 0 {
             return 0;

@@ -1,5 +1,5 @@
-//! The drive's arithmetic from a force to the power stage: the torque that fades in, its current, the current's voltage, compare
-//! values, angles, and the mailbox of commands.
+//! Properties of the drive's arithmetic between a force and the power stage: the torque that fades in, its current, the current's
+//! voltage, compare values of the PWM timer, angles, and the mailbox of commands.
 
 use crate::source::Source;
 use crate::{assume, cover, property, replaced_property, such};
@@ -25,8 +25,8 @@ fn any_value<S: Source>(s: &mut S) -> I16F16 {
 }
 
 property! {
-    /// P4 (limits): for every requested and every bus voltage, each compare value of the timer leaves enough time to sample the
-    /// shunts; no overflow, no panic.
+    /// P4 (limits): for every requested voltage and every bus voltage, each compare value of the PWM timer leaves enough time to
+    /// sample the shunts; no overflow, no panic.
     equation "top - longest <= duty <= longest"
     over "timer, voltage vector, bus voltage"
     by minisat fn p4_duties32(s) {
@@ -43,11 +43,11 @@ property! {
         cover!(s, bus < 0, "no bus");
     }
 }
-/// The product `f s 2^-31`, rounded down.
+/// The product of a force and a fraction in units of 2^-31, rounded down.
 fn part_of(force: i32, share: u32) -> i64 {
     (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
 }
-/// Whether a product is 0 or has the sign of its factors' product.
+/// Whether a result is 0 or has the sign of the product of `a` and `b`.
 fn has_sign(found: i32, a: i32, b: i32) -> bool {
     found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0))
 }
@@ -57,7 +57,7 @@ fn is_part(part: i64, whole: i64) -> bool {
 }
 
 property! {
-    /// P3 (arithmetic): the drive's product is the exact product, rounded down and limited to a word.
+    /// P3 (arithmetic): the drive's fixed-point product is the exact product, rounded down and limited to a word.
     equation "p = floor(x y 2^-k), not beyond the format, k = 16, 24, 31"
     over "two words"
     by kissat fn p3_product32(s) {
@@ -78,7 +78,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a fraction of the difference between two words, as the integrator uses it, is rounded to the nearest.
+    /// P3 (arithmetic): a fraction of the difference between two words, which the current controller's integrator uses, is rounded
+    /// to the nearest.
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
@@ -93,8 +94,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): the rounded products have the facts that the model checker assumes of them. Two solvers show it over the
-    /// integers in `obligations/check.py`.
+    /// P3 (arithmetic): the rounded products have the facts that the model checker assumes of them: they have the right sign and
+    /// lie between 0 and the factor. Two solvers show it over the integers in `obligations/check.py`.
     equation "p = 0 or x y p > 0; p between 0 and x for y < 2^31 from 0 on; of a way the same"
     over "two words; two words, share"
     by sampled fn p3_parts_of_words(s) {
@@ -109,7 +110,7 @@ property! {
     }
 }
 
-/// Replaces [`product`] under the model checker: any result that has the facts of [`p3_parts_of_words`].
+/// Replaces [`product`] when the model checker runs: any result that has the facts of [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     let found = kani::any();
@@ -122,14 +123,14 @@ pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     }
     found
 }
-/// Replaces [`part_of`]: the code's answer, if the code has asked for the same product.
+/// Replaces [`part_of`] when the model checker runs: the code's product, if the code has multiplied the same numbers.
 #[cfg(kani)]
 pub fn same_part(force: i32, share: u32) -> i64 {
     let any: i32 = kani::any();
     let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
     i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
 }
-/// Replaces [`share_of`]: any value that has the facts of [`p3_parts_of_words`].
+/// Replaces [`share_of`] when the model checker runs: any value that has the facts of [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_share(way: i64, _: u16) -> i64 {
     let found = kani::any();
@@ -144,7 +145,7 @@ replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (crate::drive::part_of, crate::drive::same_part)]
     /// P4 (limits): the torque is the negative of the force. While it fades in, it is a fraction of that, never larger and never of
-    /// the force's sign.
+    /// the force's own sign.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
     over "force, share or none; under the checker a part of which p3_parts_of_words holds"
     by cadical fn p4_fade_in32(s) {
@@ -158,7 +159,7 @@ replaced_property! {
         cover!(s, torque == highest, "the lowest force");
     }
 }
-/// Replaces the quotient that gives a motor's coefficient, under the model checker: any value.
+/// Replaces the quotient that gives a motor's coefficient, when the model checker runs: any value.
 #[cfg(kani)]
 pub fn any_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(kani::any())
@@ -166,8 +167,9 @@ pub fn any_quotient(_: Si, _: Si) -> Si {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
-    /// P4 (limits): for every requested torque, a motor's current is along `q` alone, turns the motor that way, and is within what
-    /// the temperature leaves of its limit. The torque that remains is not larger, and is the same if nothing was cut.
+    /// P4 (limits): for every requested torque, the motor's current is along the q-axis alone, turns the motor the right way, and
+    /// is within what the temperature leaves of its limit. The torque that remains is not larger, and is the same if nothing was
+    /// cut.
     equation "|i_q| <= i_max min(θ, 1), ±i_q τ >= 0, i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
@@ -203,8 +205,8 @@ replaced_property! {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_drive::units::share_of, crate::drive::any_share)]
-    /// P4 (limits): a current controller's voltage is within the limit, for every error and every memory. Its memory is at most the
-    /// limit or its former size.
+    /// P4 (limits): a current controller's voltage is within its limit, for every error and every memory. The integrator is at most
+    /// the limit or its former size.
     equation "|v| <= v_max, |s'| <= max(|s|, v_max)"
     over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_parts_of_words holds"
     by cadical fn p4_current_loop32(s) {
@@ -220,7 +222,7 @@ replaced_property! {
     }
 }
 property! {
-    /// P9 (angles): angles wrap: adding an angle and subtracting again gives the distance, the short way round, wherever the turn
+    /// P9 (angles): angles wrap. Adding an angle and subtracting again gives the distance, the short way round, wherever the turn
     /// ends.
     equation "(a + b) - a = b"
     over "pair of angles"
@@ -234,7 +236,7 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): sine and cosine stay within ±1, and no index leaves the table.
+    /// P3 (arithmetic): sine and cosine stay within ±1, and no index leaves the table of sines.
     equation "|sin a| <= 1, |cos a| <= 1"
     over "angle"
     fn p3_sine16(s) {
@@ -245,8 +247,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): the conversion from counts to the electrical angle does not panic for any motor and encoder, and count 0 is
-    /// angle 0.
+    /// P3 (arithmetic): the conversion from encoder counts to the motor's electrical angle does not panic for any motor and
+    /// encoder, and count 0 is angle 0.
     equation "angle(0) = 0"
     over "pole pairs, counts of a turn, count"
     by kissat fn p3_electrical_angle64(s) {
@@ -257,7 +259,8 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): a drive command is decoded as it was sent, through the words that two interrupts share.
+    /// P10 (fault machine): a drive command is decoded as it was sent, through the words that the control and the current interrupt
+    /// share.
     equation "decode(encode(c)) = c"
     over "command"
     fn p10_command_arrives32(s) {
@@ -277,8 +280,8 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): for every bit pattern in the mailbox, the bridge is on for one pattern of the mode only, and off for
-    /// unknown ones.
+    /// P10 (fault machine): whatever bits are in the mailbox of commands, the bridge is on for one pattern of the mode only, and
+    /// off for unknown ones.
     equation "mode /= 2  =>  not Drive"
     over "five words"
     fn p10_unknown_is_off32(s) {
@@ -295,7 +298,7 @@ property! {
 mod tests {
     use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 
-    /// Checks that the boards' timers are as `p4_duties32` assumes; a zero voltage is within their range as well.
+    /// Checks that the boards' PWM timers are as the property `p4_duties32` assumes; a zero voltage is within their range as well.
     #[test]
     fn p4_the_boards_are_as_assumed() {
         for board in [IHM08M1, B_G431B_ESC1, IHM16M1, SIMPLEFOC_MINI] {

@@ -1,5 +1,5 @@
-//! The signed functions of `Number`: each is total (P3). Those that the proofs build on equal the unsigned functions of
-//! `control::magnitude` ([`crate::heart`]) on the magnitudes, with the sign restored.
+//! Properties of the signed functions of `Number`: each has a result for every input (P3). Those that other proofs build on equal
+//! the unsigned functions of `control::magnitude` ([`crate::heart`]) on the absolute values, with the sign restored.
 
 use crate::format::Format;
 use crate::{assume, cover, property};
@@ -14,8 +14,8 @@ macro_rules! edges {
             type N = $number;
 
             property! {
-                /// P1 (energy): the signed passivity step is the unsigned step in [`crate::heart`] of the magnitudes; negative
-                /// energies and forces count as 0.
+                /// P1 (energy): the signed passivity step is the unsigned step of the absolute values, which [`crate::heart`]
+                /// proves; negative energies and forces count as 0.
                 equation "(E', f') = heart(max(E, 0), max(f, 0), |d|, d >= 0)"
                 over "energy, force, displacement"
                 by $products fn p1_edge_step(s) {
@@ -36,7 +36,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the signed retreat is the unsigned one in [`crate::heart`]; negative energies count as 0.
+                /// P1 (energy): the distance that energy pays for, and the energy left, are those of the unsigned function that
+                /// [`crate::heart`] proves; negative energies count as 0.
                 equation "(m, r) = heart(max(E, 0), |f|)"
                 over "force and stored energy"
                 by $quotients fn p1_edge_affordable(s) {
@@ -53,7 +54,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): force times displacement is the exact energy: its magnitude is the product of the magnitudes.
+                /// P1 (energy): force times displacement is the exact energy: its absolute value is the product of the absolute
+                /// values.
                 equation "W = f d"
                 over "force and displacement"
                 by $bits fn p1_edge_work(s) {
@@ -67,7 +69,7 @@ macro_rules! edges {
             }
             property! {
                 /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
-                /// function in [`crate::heart`].
+                /// function that [`crate::heart`] proves.
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -84,8 +86,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2 (rounding): a scaled signal (position or force) keeps its sign; its magnitude is the unsigned `scale` in
-                /// [`crate::heart`] of the magnitudes.
+                /// P2 (rounding): a ratio times a position or force keeps the sign; its absolute value is that of the unsigned
+                /// `scale`, which [`crate::heart`] proves.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
                 by $bits fn p2_edge_scale(s) {
@@ -105,8 +107,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient in
-                /// [`crate::heart`].
+                /// P6 (rounding): the quotient of a tension (stiffness times position) keeps the sign; its absolute value is the
+                /// unsigned quotient, which [`crate::heart`] proves.
                 equation "|p / k| = heart(|p|, |k|), sign of p"
                 over "stiffness above 0 and tension"
                 by $quotients fn p6_edge_divide(s) {
@@ -120,7 +122,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2/P4: rounding a tension to a force towards zero removes less than a quantum and never makes it larger.
+                /// P2/P4: rounding a tension (stiffness times position) to a force towards zero removes less than a step of the
+                /// number format and never makes it larger.
                 equation "0 <= |p| - |f 2^b| < 2^b"
                 over "tension"
                 fn p2_edge_round_to_zero(s) {
@@ -135,8 +138,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6 (rounding): rounding a tension up never gives less than the tension, unless it saturates, and adds less than
-                /// a quantum.
+                /// P6 (rounding): rounding a tension (stiffness times position) up never gives less than the tension, unless it
+                /// saturates, and adds less than a step of the number format.
                 equation "0 <= f 2^b - p < 2^b"
                 over "tension"
                 fn p6_edge_round_up(s) {
@@ -151,7 +154,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3 (arithmetic): all other functions of `Number` are total: no panic and no overflow for any input.
+                /// P3 (arithmetic): all other functions of `Number` have a result for any input: no panic and no overflow.
                 equation "no panic, no overflow"
                 over "argument of every operation, all bits"
                 by $bits fn p3_total(s) {
@@ -169,8 +172,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3 (arithmetic): a sum of signals (positions and forces) is exact or at the end of the range; calculating it in
-                /// a wider word loses nothing.
+                /// P3 (arithmetic): a sum of two positions or forces is exact or at the end of the range; calculating it in a wider
+                /// word loses nothing.
                 equation "a + b = min(max(a + b, lowest), highest)"
                 over "pair of signals"
                 fn p3_sums_saturate(s) {
@@ -189,11 +192,11 @@ macro_rules! edges {
 }
 
 edges!(
-    /// At 32 bits, the width of the firmware.
+    /// The properties of this file at 32 bits, the width of the firmware.
     w32, Fixed32, u32, i64, products cvc5, quotients cvc5, bits kissat
 );
 edges!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. Quotients are tried on all inputs
-    /// (`examples/every.rs`).
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly. Quotients are
+    /// tried on all inputs (`examples/every.rs`).
     w8, Fixed8, u8, i16, products kissat, quotients sampled, bits cadical
 );

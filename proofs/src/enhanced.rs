@@ -1,4 +1,4 @@
-//! The enhanced SFA law and its virtual mass.
+//! Properties of the enhanced law (successive force augmentation) and its virtual mass.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -20,8 +20,8 @@ macro_rules! enhanced {
             type F = $functions;
 
             property! {
-                /// P1 (energy) at the virtual mass: for every drive and every position of the mass, the energy stays between 0 and
-                /// its cap, and the force between 0 and the requested one.
+                /// P1 (energy) at the virtual mass: for every driving force and every position of the mass, the stored energy stays
+                /// between 0 and its cap, and the force between 0 and the requested one.
                 equation "0 <= E' <= cap, 0 <= f <= f_wanted"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p1_energy_stays(s) {
@@ -44,9 +44,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1 (energy) at the virtual mass: the mass moves by exactly the displacement that is booked. The booked energy is
-                /// `E + f·d`, at most the cap; if the retreat is limited, it is the rest of the division plus what the smaller
-                /// force saves.
+                /// P1 (energy) at the virtual mass: the mass moves by exactly the displacement whose energy is counted. The new
+                /// energy is that before plus force times displacement, at most the cap. If the outward motion is limited, it is
+                /// the remainder of the division plus what the smaller force saves.
                 equation "E' = E + f d', at most the cap, or E' = rest + (f_wanted - f) m with d' = -m"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $books fn p1_books_are_right(s) {
@@ -66,8 +66,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1 (energy) at the virtual mass: it moves by exactly the displacement that was booked, also at the end of the
-                /// range of positions.
+                /// P1 (energy) at the virtual mass: it moves by exactly the displacement whose energy was counted, also at the end
+                /// of the range of positions.
                 equation "x + d' = x + d' without saturation"
                 over "valid mass, position, drive, force"
                 by $solver fn p1_displacement_is_real(s) {
@@ -80,8 +80,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6 (virtual mass): rounding only dissipates: the displacement has the sign of the net force and never exceeds
-                /// the exact quotient. With `heart::p6_quotient` and the reciprocal's exactness: `|D d'| <= |N0 - f|`.
+                /// P6 (virtual mass): rounding only dissipates. The displacement has the sign of the net force and never exceeds
+                /// the exact quotient of net force and stored sum of coefficients. This uses `heart::p6_quotient` and that the
+                /// reciprocal is exact.
                 equation "|d'| <= |(N0 - f) / D|, sign of N0 - f"
                 over "valid mass, position, drive, force"
                 by $sums fn p6_rounding_dissipates(s) {
@@ -98,7 +99,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6 (virtual mass): the sum of products that drives the virtual mass cannot saturate: it is the exact sum.
+                /// P6 (virtual mass): the sum of products that drives the virtual mass (inertia, coupling spring, coupling damper)
+                /// cannot saturate: it is the exact sum.
                 equation "|M d + k_f s + C Δe| <= D 2^31 (2^7 at 8 bits)"
                 over "valid mass, its state, position, displacement"
                 by $solver fn p6_drive_is_exact(s) {
@@ -111,8 +113,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6 (virtual mass): under the force for a retreat, the virtual mass retreats no further than the forces on it
-                /// demand.
+                /// P6 (virtual mass): under the force that allows an outward displacement, the virtual mass moves out no further
+                /// than the forces on it demand.
                 equation "f 2^b >= N0 + D m, or f is the largest"
                 over "valid mass, drive, retreat >= 0"
                 by $sums fn p6_retreat_dissipates(s) {
@@ -126,8 +128,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6 (virtual mass): the stored energy of the coupling is never understated: the force from which it is calculated
-                /// is at least `k_f s`.
+                /// P6 (virtual mass): the stored energy of the coupling spring is never understated: the force from which it is
+                /// calculated is at least stiffness times stretch.
                 equation "2 E_s >= (k_f s rounded up) s"
                 over "valid mass, stretch"
                 by $sums fn p6_stored_is_enough(s) {
@@ -149,7 +151,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P2 (offset): the offset is never negative. It changes by at most the step, towards the target stiffness.
+                /// P2 (offset): the offset of the soft spring is never negative. It changes by at most the step, towards the target
+                /// stiffness.
                 equation "O' >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p2_offset(s) {
@@ -169,9 +172,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1 (energy), hand-over: the virtual mass starts with no more energy than the contact has. The coupling's stored
-                /// energy is subtracted; if the energy does not cover the coupling's stretch, the mass starts without a stretch.
-                /// The energy is not negative.
+                /// P1 (energy), hand-over at the first reversal of motion: the virtual mass starts with no more energy than the
+                /// contact has. The coupling's stored energy is subtracted; if the energy does not cover the coupling's stretch,
+                /// the mass starts without a stretch. The energy is not negative.
                 equation "0 <= E' <= max(E, 0)"
                 over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {
@@ -193,8 +196,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, before the first reversal: no panic, the force never pulls and is at most the limit,
-                /// the invariant is kept. Without a damper the result is the wall's force.
+                /// P3, P4 and the invariant, before the first reversal of motion: no panic, the force never pulls and is at most
+                /// the limit, the invariant is kept. Without a damper the result is the wall's force.
                 equation "0 <= f <= limit, 0 <= E <= cap, B = 0 => f = f_wall"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_first_contact(s) {
@@ -222,8 +225,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, while the law augments: no panic, the force never pulls and is at most the limit, and
-                /// `E >= 0` is kept.
+                /// P3, P4 and the invariant, after the first reversal of motion: no panic, the force never pulls and is at most the
+                /// limit, and the stored energy stays at least 0.
                 equation "0 <= f <= limit, 0 <= E <= cap, O >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_augmenting(s) {
@@ -247,7 +250,7 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P7 (end of contact): whenever the contact ends, the force is 0 and only the position is kept.
+                /// P7 (end of contact): whenever the contact ends, the force is 0 and the law keeps only the position.
                 equation "contact' = none  =>  f = 0, memory cleared"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_leaves(s) {
@@ -276,10 +279,11 @@ macro_rules! enhanced {
 }
 
 enhanced!(
-    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only the facts of
+    /// [`crate::facts`] are used.
     w32, Facts32, functions Functions32, by cadical, sums cadical, books cadical
 );
 enhanced!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums cadical, books sampled
 );

@@ -1,8 +1,10 @@
 //! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole
 //! memory.
 //!
-//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties
-//! hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
+//! Each product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
+//! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the
+//! weights that settings give. `x`, `d`, `g` are position, displacement per tick and push, `f` the commands, `e` the measured
+//! position.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -41,7 +43,7 @@ pub fn specified(law: &Estimator<N>) -> spec::Estimator {
         limit: law.limit.0.to_bits().into(),
     }
 }
-/// Converts a motion to the specification's type.
+/// Converts an estimated motion to the specification's type.
 #[must_use]
 pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
     spec::Motion {
@@ -60,7 +62,7 @@ pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
 }
 
 weighed_property! {
-    /// P11 (refinement): the motion predicted from one sample to the next, with three commands, equals the specification's.
+    /// P11 (refinement): the estimator's prediction from one sample to the next, with three commands, equals the specification's.
     equation "(x⁻, d⁻) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_flow(s) {
@@ -75,7 +77,7 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): the motion predicted from a sample to when the next command acts, with two commands, equals the
+    /// P11 (refinement): the estimator's prediction from a sample to when the next command acts, with two commands, equals the
     /// specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
@@ -91,8 +93,8 @@ weighed_property! {
     }
 }
 flowed_property! {
-    /// P11 (refinement): the correction of a motion by a measured position equals the specification's; both restart on the same
-    /// inputs.
+    /// P11 (refinement): the correction of an estimated motion by a measured position equals the specification's; both restart on
+    /// the same inputs.
     equation "(x', d', g') = spec(x, d, g, f, e)"
     over "weights, motion in the invariant, commands, measured position"
     by minisat fn p11_estimator_corrected(s) {
@@ -109,7 +111,7 @@ flowed_property! {
     }
 }
 corrected_property! {
-    /// P11 (refinement): a tick of the estimator equals the specification's, with results and memory.
+    /// P11 (refinement): a tick of the state estimator equals the specification's, with results and memory.
     equation "(memory', e', Δe') = spec(memory, e)"
     over "weights, memory in the invariant or before the first sample, measured position"
     by minisat fn p11_estimator_tick(s) {
@@ -130,7 +132,7 @@ corrected_property! {
     }
 }
 property! {
-    /// P11 (refinement): a commanded force, limited, becomes the latest of the remembered commands.
+    /// P11 (refinement): a commanded force, limited to the largest, becomes the latest of the estimator's remembered commands.
     equation "f' = (min(max(f, -limit), limit), f_1, f_2)"
     over "limit not negative, memory, force"
     by cadical fn p11_estimator_commanded(s) {

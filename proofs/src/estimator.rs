@@ -1,7 +1,7 @@
-//! The state estimator: no sum overflows, no state leaves its range, and at rest nothing moves.
+//! Properties of the state estimator: no sum overflows, no state leaves its range, and at rest nothing moves.
 //!
-//! All properties are at 32 bits. They hold for every estimator whose weights are within what settings allow ([`ok`]), not only for
-//! those of one device. A correction is proved for any gain up to its bound.
+//! All properties are at 32 bits. They hold for every estimator whose weights (coefficients) are within what settings allow
+//! ([`ok`]), not only for those of one device. A correction is proved for any gain up to its bound.
 
 use crate::source::Source;
 use crate::{bounded_property, cover, limited_property, property, reckoned, such};
@@ -12,12 +12,13 @@ use touchstone_control::{Estimator, Fixed32, Force, Number, Position};
 
 type N = Fixed32;
 
-/// The value 1 as a weight of motion, with 26 fractional bits.
+/// The value 1 as a weight (coefficient) of motion, with 26 fractional bits.
 const ONE: i32 = 1 << 26;
 const ONE_TORQUE: i64 = 1 << 30;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word under the model checker. Otherwise one in `0..=most`, as hardly any other sample would be what settings give.
+/// A weight (coefficient) with any bits under the model checker. In random tests it is from 0 to `most`, as hardly any other sample
+/// would be what settings give.
 fn weight<S: Source>(s: &mut S, most: i64) -> i32 {
     let x = s.i32();
     if s.shortcut() {
@@ -48,14 +49,14 @@ fn any_flow<S: Source, const COMMANDS: usize>(
     }
 }
 
-/// Product of a weight and the force limit; [`crate::reckoned`] says what replaces it under the model checker, here and in the
-/// code.
+/// Product of a weight (coefficient) and the force limit. When the model checker runs, [`crate::reckoned`] replaces it here and in
+/// the code.
 fn times(weight: i32, limit: i64) -> i64 {
     i64::from(weight) * limit
 }
 
-/// The bounds of a prediction of up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`. All commands at the limit together reduce position
-/// or displacement by less than 2 rad per tick.
+/// Whether a prediction over up to `ticks` ticks is bounded: its weights of displacement and push are at most the time, and damping
+/// takes at most all of the motion. All commands at the limit together change position or displacement by less than 2 rad per tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
     let most = 2 * RAD * i64::from(ticks);
@@ -72,7 +73,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Estimator with any weights; in random tests mostly weights that settings can give.
+/// An estimator with any weights (coefficients); in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -87,8 +88,8 @@ pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     }
 }
 
-/// Whether the weights are within what settings can give. The code checks it with [`Estimator::is_bounded`] when it calculates the
-/// coefficients (`p8_estimator_bounded32`).
+/// Whether the weights (coefficients) are within what settings can give. The code checks it with [`Estimator::is_bounded`] when it
+/// calculates the coefficients (`p8_estimator_bounded32`).
 pub fn ok(estimator: &Estimator<N>) -> bool {
     let limit = i64::from(estimator.limit.0.to_bits());
     let [position, moved, pushed] = estimator.correction;
@@ -100,7 +101,7 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any motion; in random tests one within the invariant.
+/// Any estimated motion; in random tests one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
@@ -114,20 +115,21 @@ pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     }
 }
 
-/// The invariant of a motion: `|x| <= 136 rad`, `|d| < 4 rad` per tick, `|g| < 4 rad` per tick².
+/// The invariant of an estimated motion: position within 136 rad, displacement below 4 rad per tick, push below 4 rad per tick².
 pub fn holds(motion: &EstimatedMotion<N>) -> bool {
     motion.position.0.unsigned_abs() <= 136 * RAD.unsigned_abs()
         && motion.moved.within(2)
         && motion.pushed.within(2)
 }
 
-/// A list of past commands, each with any value within the limit.
+/// A list of past commands, each with any value within the force limit.
 pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     let most = limit.0.to_bits().max(0);
     core::array::from_fn(|_| s.i32().clamp(-most, most))
 }
 
-/// Any measured position; on some samples one near the expected position, as otherwise hardly any would be corrected.
+/// Any measured position. Some samples are near the expected position, as otherwise the estimator would hardly ever correct and
+/// mostly restart.
 pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Position<N> {
     if !s.bool() {
         return Position(fixed::types::I8F24::from_bits(s.i32()));
@@ -137,7 +139,8 @@ pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Positi
 }
 
 limited_property! {
-    /// P8 (settings): the code's check of new coefficients (`is_bounded`) is the same as the assumption of these properties.
+    /// P8 (settings): the code's check of new coefficients (`is_bounded`) is the same condition as these properties assume of an
+    /// estimator.
     equation "is_bounded = (V, X <= t, βV <= 1, Σ q f < 2 t, 0 <= α <= 1, 0 <= β, γ <= 2)"
     over "weights and limit"
     by minisat fn p8_estimator_bounded32(s) {
@@ -151,7 +154,7 @@ limited_property! {
 }
 property! {
     /// P3 (no overflow): no sum of a prediction overflows, from any motion in the invariant and under any commands within the
-    /// limit. The result is below 160 rad and 21 rad per tick.
+    /// limit. The predicted position is below 160 rad, the displacement below 21 rad per tick.
     equation "|x + V d + X g - Σ q f| < 160 rad"
     over "weights as settings give them, motion in the invariant, commands"
     by minisat fn p3_flow_fits32(s) {
@@ -191,8 +194,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P2 (rounding): at rest, with the expected position and without push and command, the state does not change, and the result
-    /// is the measured position.
+    /// P2 (rounding): at rest the state does not change, and the result is the measured position. At rest means: measured as
+    /// expected, and no push or command.
     equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
     over "weights as settings give them, measured position"
     by minisat fn p2_rest_stays32(s) {
@@ -207,8 +210,8 @@ property! {
     }
 }
 property! {
-    /// P2 (rounding): a signal (position or force) that becomes a state and a signal again is unchanged. A state becomes the
-    /// nearest signal, or the end of the range.
+    /// P2 (rounding): a position that becomes a wide state and a position again is unchanged. A state becomes the nearest position,
+    /// or the end of the range.
     equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
     over "signal, state"
     by cadical fn p2_narrow32(s) {

@@ -1,13 +1,13 @@
-//! Numbers of which only proved facts are known; with them the laws can be proved at 32 bits.
+//! A number type of whose products, quotients and roots only proved facts are known; with it the laws can be proved at 32 bits.
 //!
 //! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over [`Number`], so
 //! they can run on one more type. [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and roundings. Of each
 //! product, quotient and root it knows only the facts below: any result that has them may come back. What holds for all such
-//! results holds for those of `Fixed32`, provided that `Fixed32` has the facts. The harnesses of `facts::fixed32` prove that at 32
+//! results holds for those of `Fixed32`, provided that `Fixed32` has the facts. The properties of `facts::fixed32` prove that at 32
 //! bits; the size of a product is shown by two solvers over the integers. The law's source is the shipped one; no function is
 //! replaced.
 //!
-//! Without the model checker, `Facts32` calls `Fixed32` and asserts the facts, so every sampled test checks them too.
+//! Without the model checker, `Facts32` calls `Fixed32` and asserts the facts, so every random test checks them too.
 
 use touchstone_control::number::Wide64;
 use touchstone_control::{Fixed32, Number, Si};
@@ -20,17 +20,18 @@ type Energy = <Fixed32 as Number>::Energy;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Facts32;
 
-/// The facts, one function each, so that assumption and proof use the same text.
+/// The facts that are assumed of products, quotients and roots. Each is one function, so that assumption and proof use the same
+/// text.
 pub mod fact {
     /// Whether a result is 0 or has the sign of `x`.
     pub fn sign_of(result: i64, x: i64) -> bool {
         (x != 0 || result == 0) && (x <= 0 || result >= 0) && (x >= 0 || result <= 0)
     }
-    /// Facts of force times displacement: its sign, and a size that leaves room for one addition.
+    /// Facts of force times displacement: the result has the right sign, and a size that leaves room for one addition.
     pub fn work(result: i64, f: i64, d: i64) -> bool {
         result.unsigned_abs() <= 1 << 62 && sign_of(result, sign(f, d))
     }
-    /// The sign of a product, found without a multiplication, which the solvers cannot follow.
+    /// The sign of the product of `f` and `d`, found without a multiplication, which the solvers cannot follow.
     pub fn sign(f: i64, d: i64) -> i64 {
         if f == 0 || d == 0 {
             0
@@ -40,12 +41,13 @@ pub mod fact {
             -1
         }
     }
-    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal (position or force).
+    /// Fact of a product of a gain and a signal: its size is at most the gain times the largest absolute value of a signal
+    /// (position or force).
     pub fn product_size(result: i64, gain: i64) -> bool {
         gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
     }
-    /// Facts of a passivity step: energy and force stay non-negative, and the force never grows. Inward the force stays and the
-    /// energy does not shrink; outward the energy does not grow.
+    /// Facts of a passivity step (a force bounded by stored energy). Energy and force stay non-negative, and the force never grows.
+    /// Inward the force stays and the energy does not shrink; outward the energy does not grow.
     pub fn step(after: i64, shown: i64, e: i64, f: i64, d: i64) -> bool {
         after >= 0
             && shown >= 0
@@ -56,18 +58,19 @@ pub mod fact {
                 after <= e
             }
     }
-    /// Facts of a retreat: it is not negative, and the energy that is left is at most the energy before.
+    /// Facts of the outward displacement that energy pays for: it is not negative, and the energy left is between 0 and the energy
+    /// before.
     pub fn affordable(moved: i64, rest: i64, e: i64) -> bool {
         moved >= 0 && rest >= 0 && rest <= e
     }
-    /// Facts of a root: it is not negative, and it is 0 if its argument is not positive.
+    /// Facts of a square root: it is not negative, and it is 0 if its argument is not positive.
     pub fn root(result: i64, e: i64) -> bool {
         result >= 0 && (e > 0 || result == 0)
     }
 }
 
-/// Defines one operation. Under the model checker the result is unknown except for its fact; otherwise it is calculated, and its
-/// fact is checked.
+/// Defines one operation of [`Facts32`]. Under the model checker the result is any number with the given fact; otherwise it is
+/// calculated, and the fact is asserted.
 #[cfg(kani)]
 macro_rules! known {
     ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{
@@ -91,7 +94,7 @@ fn bits(x: Signal) -> i64 {
 fn signal(bits: i64) -> Signal {
     Signal::from_bits(bits as i32)
 }
-/// Whether a result fits a word.
+/// Whether a result fits a 32-bit word.
 fn word(bits: i64) -> bool {
     i32::try_from(bits).is_ok()
 }
@@ -156,7 +159,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -204,7 +207,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }
@@ -272,13 +275,13 @@ impl Number for Facts32 {
     }
 }
 
-/// Proofs that the operations of `Fixed32` have the facts.
+/// Proofs that the operations of `Fixed32` have the facts that are assumed of [`Facts32`].
 pub mod fixed32 {
     use super::{Energy, Fixed32, Gain, Number, Signal, bits, fact};
     use crate::{assume, cover, property};
 
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal (position or force) is 0 or keeps its sign.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `scale`: a ratio times a position or force is 0 or keeps the sign.
         equation "sign(|r| x) = sign(x) or 0"
         over "pair of words"
         by kissat fn p3_fact_scale(s) {
@@ -289,8 +292,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product`: a product has the sign of its factors' product. It holds for all
-        /// gains, although `validate` keeps them non-negative.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `product`: gain times signal has the sign of the factors' product. It
+        /// holds for all gains, although `validate` keeps them non-negative.
         equation "sign(k x) = sign(k) sign(x)"
         over "pair of words"
         by kissat fn p3_fact_product_sign(s) {
@@ -301,8 +304,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size: at most the gain times 2^31. The product is exact
-        /// (`multiplied::p1_products_are_exact`); two solvers show its size over the integers in `obligations/check.py`.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact on the size of a product: at most the gain times 2^31. The product is
+        /// exact (`multiplied::p1_products_are_exact`); two solvers show its size over the integers in `obligations/check.py`.
         equation "|k x| <= k 2^31"
         over "pair of words"
         by sampled fn p3_fact_product_size(s) {
@@ -313,8 +316,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size: a product of two words is at most 2^62,
-        /// whatever the words stand for.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact on the size of products and of work: a product of two words is at most
+        /// 2^62, whatever the words stand for.
         equation "|f d| <= 2^62"
         over "pair of words"
         by kissat fn p3_fact_work_size(s) {
@@ -325,7 +328,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Work`: force times displacement has the sign of the product.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `work`: force times displacement has the sign of the product.
         equation "sign(f d) = sign(f) sign(d)"
         over "pair of words"
         by kissat fn p3_fact_work_sign(s) {
@@ -336,7 +339,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Divide`: a quotient is 0 or has the dividend's sign.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `divide`: a quotient is 0 or has the dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide(s) {
@@ -347,8 +350,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor (stored reciprocal) is 0 or has the
-        /// dividend's sign.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `divide_by`: a quotient by a prepared divisor (stored reciprocal) is
+        /// 0 or has the dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide_by(s) {
@@ -359,8 +362,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Per`: energy divided by displacement has a size, of which nothing else is
-        /// known.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `energy_per`: energy divided by displacement is an absolute value, so
+        /// it is not negative. Nothing else is known of it.
         equation "|E / d| >= 0"
         over "double word and word"
         by kissat fn p3_fact_per(s) {
@@ -370,8 +373,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Root`: the root of an energy that is not positive is 0. By its type a root fits
-        /// a word.
+        /// P3 (arithmetic): `Fixed32` has the assumed fact of `root`: the root of an energy that is not positive is 0. By its type
+        /// a root fits a word.
         equation "E <= 0  =>  root(E) = 0"
         over "double word"
         by kissat fn p3_fact_root(s) {
@@ -383,8 +386,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest`: a retreat is not negative, and the energy that is left is
-        /// between 0 and the energy before.
+        /// P3 (arithmetic): `Fixed32` has the assumed facts of `affordable`: the outward displacement is not negative, and the
+        /// energy that is left is between 0 and the energy before.
         equation "m >= 0, 0 <= r <= E"
         over "stored energy, force above 0"
         by minisat fn p3_fact_affordable(s) {
@@ -396,8 +399,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an outward passivity step neither energy nor
-        /// force grows or gets negative.
+        /// P3 (arithmetic): `Fixed32` has the assumed facts of `passivity_step`, outward: neither energy nor force grows or gets
+        /// negative.
         equation "0 <= E' <= E, 0 <= f' <= f"
         over "stored energy, force, displacement below 0"
         by minisat fn p3_fact_step_outward(s) {
@@ -409,8 +412,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an inward passivity step the energy does not
-        /// shrink, and the force stays.
+        /// P3 (arithmetic): `Fixed32` has the assumed facts of `passivity_step`, inward: the energy does not shrink, and the force
+        /// stays.
         equation "E' >= E, f' = f"
         over "stored energy, force, displacement from 0"
         by kissat fn p3_fact_step_inward(s) {

@@ -1,6 +1,8 @@
-//! Force bounding (FBA): `f <= sqrt(4 E c_i/T)`, so that no next displacement can make the energy negative.
+//! Properties of force bounding (FBA): the force is at most `sqrt(4 E c_i/T)`, so that no next displacement can make the energy
+//! negative. `E` is the energy, `c_i` the device's damping and `T` the control period.
 //!
-//! Let `b` be the number of fractional bits of a gain. In quanta, three facts about the code give one fact of arithmetic:
+//! Let `b` be the number of fractional bits of a gain. In steps of the number formats, with `c = c_i/T`, three facts about the code
+//! give one fact of arithmetic:
 //!
 //! ```text
 //! f 2^b <= bound root      p5_force_below_bound
@@ -27,8 +29,8 @@ macro_rules! fba {
             type F = $functions;
 
             property! {
-                /// P5 (force bounding): the largest force is the bound times the root of the energy, rounded towards zero; with an
-                /// energy deficit it is 0.
+                /// P5 (force bounding): the largest force is the law's bound times the root of the energy, rounded towards zero.
+                /// With an energy deficit it is 0.
                 equation "f 2^b <= bound root(E); E <= 0  =>  f = 0"
                 over "valid configuration, energy"
                 by $sums fn p5_force_below_bound(s) {
@@ -44,8 +46,9 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P1, P3, P4 and the invariant: one tick does not panic, its force is at most the limit and never pulls, and it
-                /// keeps the invariant. The law's energy is the port's with the counted damping, limited from above only.
+                /// P1, P3, P4 and the invariant, force bounding: one tick does not panic, its force is at most the limit and never
+                /// pulls, and it keeps the invariant. The law's energy is the port's with the counted damping, limited from above
+                /// only.
                 equation "0 <= f <= limit, E <= cap, (E >= 0 or f = 0)"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -67,7 +70,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5 (force bounding): the force of a tick is at most the largest that its energy allows.
+                /// P5 (force bounding): the force of a tick is at most the largest that the law's energy allows.
                 equation "f <= largest(E')"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p5_tick_is_bounded(s) {
@@ -89,8 +92,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P1 (energy): the energy after a tick is the energy before, plus the work of the force that acted, plus what the
-                /// damper dissipated.
+                /// P1 (energy): the energy of force bounding after a tick is the energy before, plus the work of the force that
+                /// acted, plus what the damper dissipated.
                 equation "E' = min(E + f Δe + c Δe², cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_energy_is_the_sum(s) {
@@ -118,8 +121,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5 (force bounding): rounding makes the counted damping too small by less than a quantum of force over the
-                /// displacement. So an energy deficit can never be larger than that.
+                /// P5 (force bounding): rounding makes the counted damping force too small by less than a step of the number
+                /// format. So the energy can become negative by at most that step times the displacement.
                 equation "|f_c 2^b| <= |c Δe|, loss >= 0"
                 over "valid configuration, displacement"
                 by $sums fn p5_damping_rounds_down(s) {
@@ -134,7 +137,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5 (force bounding): the bound that a new controller stores is at most what its stored damping allows.
+                /// P5 (force bounding): the factor of the force bound that a new controller stores is at most what its stored
+                /// damping allows.
                 equation "bound² <= c 2^(b+2)"
                 over "damping"
                 by $bound fn p5_bound_of_damping(s) {
@@ -147,7 +151,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P7 (end of contact): outside the wall the force is 0 and nothing is remembered.
+                /// P7 (end of contact), force bounding: outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
@@ -166,10 +170,11 @@ macro_rules! fba {
 }
 
 fba!(
-    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only the facts of
+    /// [`crate::facts`] are used.
     w32, Facts32, functions Functions32, by cadical, sums cadical, bound sampled
 );
 fba!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums kissat, bound cadical
 );

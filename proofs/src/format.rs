@@ -1,4 +1,4 @@
-//! Number formats for properties: values with any bits, and the bits of a value as an `i64`.
+//! Number formats as the proofs use them: values with any bits, and the bits of a value as an `i64`.
 
 use core::ops::{Add, Mul, Neg, Shl, Shr, Sub};
 
@@ -31,18 +31,18 @@ pub trait Format: Number {
     const BITS: u32;
     /// Number of fractional bits of a gain (stiffness).
     const GAIN_BITS: u32;
-    /// Half the largest gain (stiffness), as bits, rounded down.
+    /// Half the largest gain (stiffness), as an integer, rounded down.
     const HALF_GAIN: i64;
-    /// Bits of the lowest signal (position or force).
+    /// The lowest signal (position or force).
     const LOWEST: Self::Signal;
-    /// Bits of the highest signal (position or force).
+    /// The highest signal (position or force).
     const HIGHEST: Self::Signal;
     /// Number of fractional bits of a signal (position or force).
     const SIGNAL_BITS: u32;
     /// Integer type of four times the width of a signal (position or force). It is no wider, as each further bit costs a solver
     /// much time.
     type Exact: Exact;
-    /// Converts bits to that wide integer type.
+    /// Converts bits to the integer type [`Format::Exact`].
     fn exact(bits: i64) -> Self::Exact;
     /// A position with any bits, from the source of inputs.
     fn any_position<S: Source>(s: &mut S) -> Position<Self>;
@@ -68,7 +68,7 @@ pub trait Format: Number {
     fn of_energy(x: Self::Energy) -> i64;
     /// The bits of a tension as an integer.
     fn of_tension(x: Self::Product) -> i64;
-    /// Energy cap that the proofs use for every law: a quarter of the format's range.
+    /// Largest energy that a law may store in the proofs: a quarter of the format's range.
     fn energy_cap() -> Energy<Self>;
 }
 

@@ -1,9 +1,10 @@
-//! Numbers whose operations are also known to be functions; with them sums and equalities can be proved at 32 bits.
+//! A number type whose operations give equal results for equal arguments; with it sums and equalities can be proved at 32 bits.
 //!
 //! A tick's energy is the energy before, plus the work, plus the damper's part. This sum does not depend on what a product *is*,
-//! only on both sides having the same one. [`Functions32`] is [`Facts32`] with that added: equal arguments give equal results. An
-//! equality that holds for all functions that have the facts holds for those of `Fixed32`. `edges::w32` proves that those are the
-//! exact products and the quotients of `heart`. The law's source is the shipped one; no function is replaced.
+//! only on both sides having the same one. [`Functions32`] is [`Facts32`] (only proved facts of a result are known) with one more
+//! fact: equal arguments give equal results. An equality that holds for all functions that have the facts holds for those of
+//! `Fixed32`. `edges::w32` proves that those are the exact products and the quotients of `heart`. The law's source is the shipped
+//! one; no function is replaced.
 //!
 //! Without the model checker every operation is that of `Fixed32`, which is a function without any record.
 
@@ -15,21 +16,21 @@ type Signal = <Facts32 as Number>::Signal;
 type Gain = <Facts32 as Number>::Gain;
 type Energy = <Facts32 as Number>::Energy;
 
-/// A number type like [`Facts32`] in which equal arguments also give equal results.
+/// A number type like [`Facts32`], of whose operations only proved facts are known, and that equal arguments give equal results.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Functions32;
 
-/// Records of the answers that an operation has given.
+/// Records of the results that an operation has returned.
 #[cfg(kani)]
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 
-    /// Number of rows of a record: more calls than one tick and its property make of one operation. Further calls are not recorded,
-    /// which proves less, never more.
+    /// Number of rows in the record of one operation: more calls than one tick and its property make. Further calls are not
+    /// recorded, which proves less, never more.
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
-    /// Record of one operation: per row three arguments and two results, of which some operations use fewer.
+    /// Record of one operation: each row has three arguments and two results, of which some operations use fewer.
     pub struct Memo {
         used: AtomicUsize,
         rows: [Row; ROWS],
@@ -77,7 +78,8 @@ mod memo {
     }
 }
 
-/// Defines an operation. Under the model checker, arguments that were asked before get the same result.
+/// Defines an operation of [`Functions32`]. Under the model checker, a call with the arguments of an earlier call returns the same
+/// result.
 macro_rules! function {
     ([$($argument:expr),*], $result:expr, |$r:ident| [$($bits:expr),*]) => {{
         let $r = $result;
@@ -203,7 +205,7 @@ impl Number for Functions32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Facts32::sub_energy(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Facts32::add_energy_fitting(a, b)
     }

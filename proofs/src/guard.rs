@@ -1,7 +1,9 @@
-//! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
+//! Properties of one tick of the energy guard, from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The
-//! properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
+//! That the guard's account is a lower bound of the true energy is proved on paper, in `docs/energy-guard.md`. The properties here
+//! prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force. `B` is the energy in the
+//! account, `C` the most that it holds, `R` the reserve, `A` the free energy `B - R`, `f` the force and `D` the largest
+//! displacement.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
@@ -16,17 +18,17 @@ use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
 
-/// A quarter of a signal's range, as bits.
+/// A quarter of the range of positions and forces, as an integer.
 fn quarter<N: Format>() -> i64 {
     N::of_signal(N::HIGHEST) >> 2
 }
 
-/// Whether a position is at least 0 and at most a quarter of the range.
+/// Whether a position is at least 0 and at most a quarter of the range, so that its products have room.
 pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
-/// The exact product of two signed words of the format.
+/// The exact product of two signed numbers of the format, given as integers.
 pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
     N::exact(a) * N::exact(b)
 }
@@ -74,7 +76,7 @@ impl<N: Format> Valid<N> for Guard<N> {
             older: force(s),
         }
     }
-    /// Whether the coefficients fit their formats and are small enough for their products, as `Guard::new` guarantees.
+    /// Whether the guard's coefficients fit their formats and are small enough for their products, as `Guard::new` guarantees.
     fn valid(&self) -> bool {
         let most = N::exact(quarter::<N>());
         let bits = |x: Energy<N>| N::exact(N::of_energy(x.0));
@@ -124,7 +126,7 @@ impl<N: Format> Valid<N> for Guard<N> {
     }
 }
 
-/// Whether the displacement of a tick is an over-speed.
+/// Whether the displacement of a tick is above the largest that the guard accepts (overspeed).
 fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
     moved > law.furthest || moved < Position::zero() - law.furthest
 }
@@ -137,8 +139,8 @@ macro_rules! guard {
             type N = $number;
 
             property! {
-                /// P1, P3, P4 and the invariant: one tick does not panic, and no sum leaves its format. The account stays between
-                /// reserve and capacity, for every displacement up to the largest and every requested force.
+                /// P1, P3, P4 and the invariant, energy guard: one tick does not panic, and no sum leaves its format. The account
+                /// stays between reserve and capacity, for every displacement up to the largest and every requested force.
                 equation "0 <= R <= B' <= C"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p1_account_stays(s) {
@@ -166,9 +168,9 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): the account is the exact sum of the account before, the refill, the work of each force over its own
-                /// part of the displacement, the trusted damping, and the charge for the change of force. It is not below the
-                /// reserve and not above the capacity.
+                /// P1 (energy): the guard's account is the exact sum of the account before, the refill, the work of each force over
+                /// its own part of the displacement, the trusted damping, and the charge for the change of force. It is not below
+                /// the reserve and not above the capacity.
                 equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $sum fn p1_account_is_the_sum(s) {
@@ -207,8 +209,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): the charge for an unknown position at the change of force never adds energy: the change of force
-                /// times its own scaled value has the sign of a square.
+                /// P1 (energy): the guard's charge for an unknown position at the change of force never adds energy: the change of
+                /// force times its own scaled value has the sign of a square.
                 equation "g floor(κ' g) >= 0, up to a quantum"
                 over "valid configuration, change of force"
                 by $solver fn p1_stray_is_charged(s) {
@@ -220,15 +222,15 @@ macro_rules! guard {
                     let charged = change_bits * N::exact(N::of_signal(under.0));
                     let quantum = change_bits.max(-change_bits);
                     assert!(charged >= -quantum);
-                    // Rounded down by less than the quantum that `slack` contains.
+                    // Rounding down loses less than one step of the format times the change of force, which `slack` contains.
                     let exact = N::exact(N::of_signal_ratio(law.stray.0)) * (change_bits * change_bits);
                     assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
                     cover!(s, charged > none && change < Force::zero(), "a fall of the force");
                 }
             }
             property! {
-                /// P1 (energy): the account covers the force over every displacement up to the reach. Reciprocal, energy and force
-                /// are all rounded to that side.
+                /// P1 (energy): the free energy in the guard's account covers the allowed force over every displacement up to the
+                /// largest. Reciprocal, energy and force are all rounded to the safe side.
                 equation "D r <= 1  =>  |f| y <= A for every y <= D"
                 over "valid configuration, free energy, reach, displacement"
                 by $solver fn p1_force_is_paid(s) {
@@ -252,7 +254,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): the guard never makes a force larger and never reverses it.
+                /// P4 (limits): the guard never makes the requested force larger and never reverses it.
                 equation "|f| <= |f_wanted|, f f_wanted >= 0"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p4_force_never_grows(s) {
@@ -271,8 +273,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): more energy never allows less force, and no energy allows none. So the wall gets softer without a
-                /// step.
+                /// P4 (limits): more energy in the guard's account never allows less force, and no energy allows none. So the wall
+                /// gets softer without a step.
                 equation "A <= A'  =>  f(A) <= f(A'), f(0) = 0"
                 over "valid configuration, pair of energies"
                 by $solver fn p4_force_follows_the_account(s) {
@@ -289,7 +291,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): at rest and without a force, the account grows by the refill, and by nothing else.
+                /// P1 (energy): at rest and without a force, the guard's account grows by the refill, and by nothing else.
                 equation "Δ = 0, f = 0  =>  B' = min(B + P T, C)"
                 over "valid configuration, account"
                 by $solver fn p1_refill(s) {
@@ -310,7 +312,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): with an energy deficit the force is 0, and no remembered force reduces the account.
+                /// P1 (energy): while the guard's account has a deficit the force is 0, and no remembered force reduces the account
+                /// further.
                 equation "B < 0  =>  f = 0, B' >= B"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p1_deficit(s) {
@@ -334,7 +337,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): an over-speed is reported, leaves no force, never adds to the account, and keeps the invariant.
+                /// P4 (limits): the guard reports overspeed, leaves no force, never adds to the account then, and keeps the
+                /// invariant.
                 equation "|Δ| > d  =>  overspeed, f = 0, B' <= B"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p4_overspeed(s) {
@@ -355,8 +359,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): switching off keeps the invariant. After a tick that commands no force, the account is reduced by
-                /// the reserve of the older force. Otherwise nothing is left of it.
+                /// P1 (energy): switching off keeps the guard's invariant. After a tick that commands no force, the account is
+                /// reduced by the reserve of the older force. Otherwise nothing is left in the account.
                 equation "f = 0: 0 <= B' = B - R; f != 0: B' = min(B, 0); f' = 0"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p1_switched_off(s) {
@@ -382,7 +386,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): a report of the force that was commanded in the end never makes the remembered force larger.
+                /// P4 (limits): reporting to the guard the force that was finally commanded never makes the remembered force
+                /// larger.
                 equation "|f'| <= |f|"
                 over "valid configuration, memory in the invariant, force"
                 by $solver fn p4_commanded(s) {
@@ -406,13 +411,13 @@ macro_rules! guard {
 }
 
 guard!(
-    /// At 32 bits, the width of the firmware: the same bodies in random tests, as no solver follows products of three unknown
-    /// numbers at that width.
+    /// The properties of this file at 32 bits, the width of the firmware. They run in random tests, as no solver follows products
+    /// of three unknown numbers at that width.
     w32, Fixed32, by sampled, sum sampled
 );
 guard!(
-    /// At 8 bits, where a solver covers every case. The account's sum is proved at 32 bits instead (`refines::w32::p11_guard`,
-    /// `p11_guard_booked`).
+    /// The properties of this file at 8 bits, where a solver tries every case. The account's sum is proved at 32 bits instead
+    /// (`refines::w32::p11_guard`, `p11_guard_booked`).
     w8, Fixed8, by cadical, sum sampled
 );
 
@@ -423,7 +428,7 @@ mod accepted {
     use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 
     /// P8 (settings): every guard that `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its
-    /// account covers the force over its reach.
+    /// account covers the force over the largest displacement.
     fn body<N: Format>(s: &mut Sampler) {
         let mut value =
             |bits: u32| Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> bits);

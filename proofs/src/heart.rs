@@ -1,8 +1,8 @@
-//! The unsigned functions of `touchstone_control::magnitude`, on which all signed arithmetic builds: one nonlinear fact per
-//! property.
+//! Properties of the unsigned functions of `touchstone_control::magnitude`, on which all signed arithmetic builds: one nonlinear
+//! fact per property.
 //!
-//! Magnitudes of signed words are at most `2^(BITS-1)`; energies are at most the signed limit of the double width. The properties
-//! assume no more than that, and the types of the callers enforce it.
+//! Absolute values of signed words are at most `2^(BITS-1)`; energies are at most the signed limit of the double width. The
+//! properties assume no more than that, and the types of the callers enforce it.
 
 use crate::{assume, cover, property, replaced_property};
 use touchstone_control::magnitude::{
@@ -18,7 +18,8 @@ macro_rules! heart {
             const FULL: $wide = $wide::MAX >> 1;
 
             property! {
-                /// P1 (energy), inward: the wall stores exactly the work, at most the signed limit; the force stays.
+                /// P1 (energy), motion inward against the force: the wall stores exactly the work, up to the largest energy of the
+                /// signed format; the force stays.
                 equation "E' = min(E + f d, highest), f' = f"
                 over "energy, force, displacement"
                 by $bits fn p1_step_inward(s) {
@@ -35,7 +36,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy), outward, with enough energy: the wall gives exactly the work, and the force stays.
+                /// P1 (energy), motion outward with enough stored energy: the wall gives exactly the work, and the force stays.
                 equation "f d <= E  =>  E' = E - f d, f' = f"
                 over "energy, force, displacement"
                 by $products
@@ -53,8 +54,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy), outward, without enough energy: the energy that is left is the rest of the division, so the wall
-                /// gives exactly the work of the reduced force.
+                /// P1 (energy), motion outward without enough stored energy: the energy that is left is the remainder of the
+                /// division, so the wall gives exactly the work of the reduced force.
                 equation "f d > E  =>  E' = E - floor(E / d) d"
                 over "energy, force, displacement"
                 by $products fn p1_step_clamped_energy(s) {
@@ -71,8 +72,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy), outward, without enough energy: the reduced force is energy divided by displacement. The two limits
-                /// of the force in the code never bind.
+                /// P1 (energy), motion outward without enough stored energy: the reduced force is energy divided by displacement.
+                /// The two limits of the force in the code never bind.
                 equation "f d > E  =>  f' = floor(E / d)"
                 over "energy, force, displacement"
                 by $products fn p1_step_clamped_force(s) {
@@ -86,8 +87,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1/P4, outward, without enough energy: the force shrinks by no more than needed, as less than `moved` of energy
-                /// is left.
+                /// P1/P4, motion outward without enough stored energy: the force shrinks by no more than needed. The energy that is
+                /// left would not pay for one more step of the force over the displacement.
                 equation "f d > E  =>  f' <= f, E' < d"
                 over "energy, force, displacement"
                 by $products
@@ -103,8 +104,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy) for the enhanced law: the work of a retreat at full force and the energy that is left sum to the
-                /// energy before.
+                /// P1 (energy) for the enhanced law: the work of an outward motion at full force and the energy that is left sum to
+                /// the energy before.
                 equation "r = E - f m >= 0"
                 over "energy and force"
                 by $products
@@ -125,8 +126,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy): the division accounts for at most the energy, and less than `moved` is left. The reduced force
-                /// relies on this lemma; a second solver confirms it.
+                /// P1 (energy): quotient times divisor is at most the energy, and the remainder is less than the divisor (the
+                /// displacement). The reduced force relies on this lemma; a second solver confirms it.
                 equation "q d <= E < q d + d"
                 over "energy and displacement"
                 by $bits fn p1_divide(s) {
@@ -141,7 +142,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy) by the SAT solver: in an outward step the energy never grows and never gets negative.
+                /// P1 (energy) by the SAT solver: in a motion outward the stored energy never grows and never gets negative.
                 equation "0 <= E' <= E"
                 over "energy, force, displacement"
                 by minisat fn p1_step_remainder(s) {
@@ -154,8 +155,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P5 (roots): a digit of a root is kept, with its square, if that square does not exceed the radicand; otherwise
-                /// nothing changes. By induction `square = root² <= radicand` for the whole root.
+                /// P5 (roots): a digit of a square root is kept, with the new square, if that square does not exceed the radicand;
+                /// otherwise nothing changes. By induction `square = root² <= radicand` for the whole root.
                 equation "s' = r'² <= E, or nothing changed"
                 over "radicand, candidate, root so far"
                 by $products fn p5_root_digit(s) {
@@ -173,8 +174,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P2 (rounding): scaling a signal (position or force) by a gain rounds towards zero: `scale(g, x) · 2^bits <=
-                /// g·x`.
+                /// P2 (rounding): a position or force times a gain with `bits` fractional bits rounds towards zero: `scale(g, x) ·
+                /// 2^bits <= g·x`.
                 equation "(g x >> b) 2^b <= g x"
                 over "gain and signal"
                 by $bits
@@ -191,7 +192,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P6 (rounding): a quotient rounds towards zero: `quotient·divisor <= dividend`.
+                /// P6 (rounding): a quotient rounds towards zero: quotient times divisor is at most the dividend.
                 equation "q d <= n"
                 over "dividend and divisor"
                 by $products
@@ -211,19 +212,20 @@ macro_rules! heart {
 }
 
 heart!(
-    /// At 32 bits, the width of the firmware.
+    /// The properties of this file at 32 bits, the width of the firmware.
     w32, u32, u64, products cvc5, bits kissat
 );
 heart!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, u8, u16, products kissat, bits kissat
 );
 
-/// The whole root, at 8 bits. At 32 bits no solver finishes with 32 products in a row; there one digit and induction prove it.
+/// Property of the whole square root, at 8 bits. At 32 bits no solver finishes with 32 products in a row; there one digit and
+/// induction prove it.
 pub mod root8 {
     use super::*;
     property! {
-        /// P5/P3: the square found never exceeds the radicand, and the next larger square does; no overflow.
+        /// P5/P3: the square of the root never exceeds the radicand, and the next larger square does; no overflow.
         equation "r² <= E < (r + 1)²"
         over "radicand"
         fn p5_root(s) {
@@ -239,7 +241,7 @@ pub mod root8 {
     }
 }
 
-/// Quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
+/// Properties of quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
 pub mod reciprocal {
     use super::*;
     use fixed::FixedI32;
@@ -277,7 +279,7 @@ pub mod reciprocal {
     }
     property! {
         /// P6 (rounding): the quotient by a prepared divisor is the leading digits of a product: the scaled dividend times the
-        /// stored inverse. It is proved for inverses with one binary digit set and with two.
+        /// stored inverse. It is proved for two inverses, one with one binary digit set and one with two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {
@@ -293,8 +295,8 @@ pub mod reciprocal {
     replaced_property! {
         [(touchstone_control::reciprocal::Reciprocal32::new, crate::heart::reciprocal::told_divisor)
         (touchstone_control::reciprocal::Reciprocal32::quotient, crate::heart::reciprocal::any_quotient)]
-        /// P6 (rounding): a signed dividend is divided by its magnitude, with the magnitude of the prepared divisor, and the
-        /// quotient gets the dividend's sign. This holds for any quotient of magnitudes.
+        /// P6 (rounding): a signed dividend is divided by its absolute value, with the absolute value of the prepared divisor, and
+        /// the quotient gets the dividend's sign. This holds for any quotient of absolute values.
         equation "q(p, k) = sign(p) q(|p|, |k|)"
         over "product, gain; under the checker whatever a quotient of magnitudes is"
         by cadical fn p6_divide_by32(s) {
@@ -308,7 +310,7 @@ pub mod reciprocal {
         }
     }
 
-    /// Replaces `Reciprocal32::new` under the model checker: it records the divisor.
+    /// Replaces `Reciprocal32::new` when the model checker runs: it records the divisor and computes no inverse.
     #[cfg(kani)]
     pub fn told_divisor(divisor: u32) -> Reciprocal32 {
         Reciprocal32 {
@@ -317,8 +319,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
-    /// arguments.
+    /// Replaces `Reciprocal32::quotient` when the model checker runs: any absolute value that fits a word, and the same one for
+    /// equal arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -337,12 +339,12 @@ pub mod reciprocal {
     }
 }
 
-/// Algebra without code: why the energy after a retreat is a sum of terms that are not negative.
+/// An equation without code, which shows why the energy after an outward motion is a sum of terms that are not negative.
 pub mod algebra32 {
     use super::*;
     property! {
         /// P1 (energy) for the enhanced law: the work of a smaller force and the work it saves sum to the work of the full force.
-        /// So with `p1_affordable`, rest plus saving is exactly the energy minus the work.
+        /// So with `p1_affordable`, the remainder plus the saved work is exactly the energy minus the work.
         equation "(f_w - f) m + f m = f_w m"
         over "pair of forces, retreat"
         by cvc5 fn p1_smaller_force(s) {

@@ -1,11 +1,11 @@
-//! Properties that are proved about the control laws. Each is a body that Kani runs for all inputs and that the tests run on seeded
-//! samples.
+//! Properties that are proved about the control laws. Each has a body that the model checker Kani runs for all inputs, and that the
+//! tests run on random samples with a fixed seed.
 //!
-//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the sampled
-//! form and the exhaustive 8-bit form on stable Rust.
+//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the random
+//! tests, and the 8-bit tests of all inputs, on stable Rust.
 //!
-//! To read the proofs from the bottom, begin with [`heart`] (unsigned magnitudes) and [`edges`] (signed numbers built on them). One
-//! file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.
+//! To read the proofs from the bottom, begin with [`heart`] (unsigned absolute values) and [`edges`] (signed numbers built on
+//! them). One file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.
 // Bodies name the checker's macros only under the checker.
 #![cfg_attr(kani, allow(missing_docs))]
 // Samples of `bits` bits are narrowed by casts on purpose.
@@ -13,8 +13,10 @@
 // The list of functions that a property replaces is long.
 #![recursion_limit = "1024"]
 
-/// An assertion that is not followed by a cover in its block. Under the model checker it is a cover as well, as an assertion that
-/// is never reached proves nothing. If a cover follows, that cover shows that the assertion is reached, and `assert!` is enough.
+/// An assertion for places that no cover follows in the same block. (A cover is a situation that the model checker must be able to
+/// reach.) It is a cover as well, as an assertion that is never reached proves nothing. If a cover follows, that cover shows that
+/// the assertion is reached, and `assert!` is enough.
+///
 /// The proof gate checks that every assertion is of one of these two forms, except for those with a message, which replace parts of
 /// the code. So the gate switches off the checker's own reachability checks of assertions, which took a quarter of its time.
 macro_rules! assert_reached {

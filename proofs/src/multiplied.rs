@@ -1,9 +1,10 @@
-//! Multiplication for the model checker at 32 bits: any result that has the known facts, and the same result for the same question.
+//! Multiplication at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
+//! arguments.
 //!
 //! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers,
 //! and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces
 //! the multiplications of code and specification by the functions of this file. A product is here any number that has the facts of
-//! [`facts`]. The specification's next question gets the code's answer if it is the same question. What holds for every such
+//! [`facts`]. The specification's next call gets the code's result if its arguments are equal. What holds for every such
 //! product holds for the real one.
 //!
 //! ```text
@@ -13,8 +14,9 @@
 //! the code's multiplications are exact products       p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
-//! Questions are recognised by their order: first those of the settings, then those of the memory, the code and the specification.
-//! A question that comes in another order than the code's gets an answer of which nothing is known. That proves less, never more.
+//! Calls are matched by their order: first those of the settings, then those of the memory, the code and the specification. A call
+//! of the specification that comes in another order than the code's gets a result of which nothing is known. That proves less,
+//! never more.
 
 use crate::{cover, property};
 use touchstone_control::magnitude::Word;
@@ -23,14 +25,14 @@ use touchstone_control::{Fixed32, Number};
 type Signal = <Fixed32 as Number>::Signal;
 type Gain = <Fixed32 as Number>::Gain;
 
-/// The facts of products of magnitudes that the model checker assumes.
+/// The facts that the model checker assumes of products of absolute values.
 pub mod facts {
-    /// Whether two products are in order: smaller factors give a product that is not larger.
+    /// Whether two products are in order: if both factors are at most those of the other product, the product is not larger.
     #[must_use]
     pub fn in_order([a, b]: [u32; 2], less: u64, [c, d]: [u32; 2], more: u64) -> bool {
         a > c || b > d || less <= more
     }
-    /// Whether two products add up to a third: a factor is split into two parts, whose products sum to the product of the whole.
+    /// Whether two products sum to a third one, where a factor of the third is split into two parts.
     #[must_use]
     pub fn adds_up(
         [a, b]: [u32; 2],
@@ -42,8 +44,8 @@ pub mod facts {
     ) -> bool {
         b != d || b != f || a < c || a - c != e || part <= whole && whole - part == rest
     }
-    /// Factors whose products are known without a multiplication: a ratio of 1, a quarter of the format, its largest number, and
-    /// the magnitude of its lowest number.
+    /// Factors whose products are known without a multiplication: a ratio of 1, a quarter of the format's range, the format's
+    /// largest number, and the absolute value of its lowest number.
     pub const FACTORS: [u32; 4] = [1 << 24, 1 << 29, (1 << 31) - 1, 1 << 31];
     /// The products of [`FACTORS`] with `b`, without a multiplication.
     #[must_use]
@@ -88,8 +90,8 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the code's product of a gain and a signal (position or force) is the exact product, and so is that of two
-    /// magnitudes.
+    /// P1 (energy): the code's product of a gain and a position or force is the exact product, and so is that of two absolute
+    /// values.
     equation "p = k x"
     over "gain and signal, two magnitudes"
     by kissat fn p1_products_are_exact(s) {
@@ -103,7 +105,7 @@ property! {
 }
 
 /// Defines a property that uses the multiplications of this file at 32 bits (`multiplied`), and the code's own at 8 bits (`plain`).
-/// `and [..]` names further replaced pairs.
+/// `and [..]` lists further pairs of a function and its replacement.
 #[macro_export]
 macro_rules! multiplied_property {
     (plain and [$($pair:tt)*] $($property:tt)*) => {
@@ -128,14 +130,15 @@ macro_rules! multiplied_property {
     };
 }
 
-/// Marks of whose products follow (memory, code, specification); without the model checker they do nothing.
+/// Functions that mark whether the products that follow belong to memory, code or specification. Without the model checker they do
+/// nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Marks that the products from now on are those of the law's memory.
+    /// Marks that the products from now on belong to the law's memory.
     pub fn of_memory() {}
-    /// Marks that the products from now on are those of the code.
+    /// Marks that the products from now on belong to the code.
     pub fn of_code() {}
-    /// Marks that the products from now on are those of the specification.
+    /// Marks that the products from now on belong to the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -150,17 +153,23 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// Rows of the record of products: where those of the memory and of the code begin, and the end, which no property reaches.
+    /// First row of the memory's products in the record.
     const MEMORY: usize = 5;
+    /// First row of the code's products in the record.
     const CODE: usize = 6;
+    /// Number of rows in the record, which no property reaches.
     const END: usize = 13;
-    /// Row of the next product in the record, and whether the specification asks for it.
+    /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
+    /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// The row of the record after the code's last product.
+    /// Row of the record that follows the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
+    /// First factor of the product in each row.
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
+    /// Second factor of the product in each row.
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
+    /// The product in each row.
     static FOUND: [AtomicU64; END] = [const { AtomicU64::new(0) }; END];
 
     pub fn of_memory() {
@@ -174,17 +183,17 @@ mod by_one_product {
         AT.store(CODE, Relaxed);
         SPECIFIES.store(1, Relaxed);
     }
-    /// Whether the specification is asking.
+    /// Whether the specification multiplies now, and no longer the code.
     pub fn specifies() -> bool {
         SPECIFIES.load(Relaxed) == 1
     }
 
-    /// Factors and product in a row of the table.
+    /// The two factors and the product in a row of the record.
     fn row(at: usize) -> ([u32; 2], u64) {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row of the record after the code's last product.
+    /// Row of the record that follows the code's last product, also while the code still multiplies.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)
@@ -192,7 +201,8 @@ mod by_one_product {
             AT.load(Relaxed)
         }
     }
-    /// Assumes that a product is in order with every product that the code has asked for (`facts::in_order`).
+    /// Assumes that a product is in order with every product of the code: if its factors are smaller, it is not larger
+    /// (`facts::in_order`).
     pub fn in_order_with_the_code(factors: [u32; 2], found: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -204,7 +214,8 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes that a product is the sum of two parts, for each product that the code has asked for as the second part.
+    /// Assumes `whole = part + product` for each product of the code whose factor is the rest of the split factor
+    /// (`facts::adds_up`).
     pub fn adds_up_with_the_code(factors: [u32; 2], whole: u64, parts: [u32; 2], part: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -213,7 +224,8 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes that a product is in order with the products of the factors [`facts::FACTORS`], which are known.
+    /// Assumes that a product is in order with the products of the factors [`facts::FACTORS`], which are known without a
+    /// multiplication.
     pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;
@@ -225,7 +237,7 @@ mod by_one_product {
         }
     }
 
-    /// The product of two magnitudes: any number with the known facts.
+    /// The product of two absolute values: any number that has the assumed facts.
     pub fn magnitude(a: u32, b: u32) -> u64 {
         let at = AT.load(Relaxed);
         AT.store(at + 1, Relaxed);
@@ -250,7 +262,7 @@ mod by_one_product {
         any
     }
 
-    /// A magnitude with the sign of the product `a b`.
+    /// Gives `size` the sign of the product `a b`.
     pub fn signed(a: i32, b: i32, size: u64) -> i64 {
         if (a < 0) == (b < 0) {
             size as i64
@@ -261,7 +273,7 @@ mod by_one_product {
     fn product_of(a: i32, b: i32) -> i64 {
         signed(a, b, magnitude(a.unsigned_abs(), b.unsigned_abs()))
     }
-    /// A number of the specification as a 32-bit word.
+    /// Converts a number of the specification to a 32-bit word.
     pub fn word(x: i128) -> i32 {
         assert!(
             i32::try_from(x).is_ok(),
@@ -270,25 +282,27 @@ mod by_one_product {
         x as i32
     }
 
-    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: the code gets any result, and the same one
-    /// for equal arguments.
+    /// Replaces [`touchstone_control::magnitude::Word::times`] when the model checker runs the code: returns any value, and the
+    /// same value for equal arguments.
     pub fn words(a: u32, b: u32) -> u64 {
         magnitude(a, b)
     }
-    /// Replaces [`Number::product`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::product`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn product(k: Gain, x: Signal) -> i64 {
         product_of(k.to_bits(), x.to_bits())
     }
-    /// Replaces [`Number::work`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::work`] when the model checker runs the code: returns any value, and the same value for equal arguments.
     pub fn work(f: Signal, d: Signal) -> <Fixed32 as Number>::Energy {
         <Fixed32 as Number>::Energy::from_bits(product_of(f.to_bits(), d.to_bits()))
     }
-    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`crate::spec::times`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         i128::from(product_of(word(a), word(b)))
     }
-    /// Replaces [`crate::guard::times`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`crate::guard::times`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn exact<N: Format>(a: i64, b: i64) -> N::Exact {
         N::exact(times(a.into(), b.into()) as i64)
     }

@@ -1,7 +1,8 @@
-//! Virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by Pythagoras.
+//! Properties of virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by
+//! Pythagoras.
 //!
 //! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three
-//! axes.
+//! axes. `R` is a radius, `h` a half length, `v` and `x` are places seen from the centre, `z` the part along the axis.
 //!
 //! ```text
 //! ball       R - depth = floor |v|, normal along v          p4_ball_nearest
@@ -20,9 +21,9 @@ use touchstone_control::{Fixed8, Number, Position};
 
 pub(crate) type N = Fixed8;
 
-/// The value 1 of a signal (position or force), in quanta; components of directions end one quantum below.
+/// The length 1 as an integer, in steps of the position format. Components of directions are at most one step less.
 pub(crate) const ONE: i64 = 1 << <N as Format>::SIGNAL_BITS;
-/// The centre of every object in these properties, in quanta.
+/// The centre of every object in these properties, in steps of the number format.
 const CENTRE: [i64; 3] = [3, -6, 3];
 
 pub(crate) fn position(bits: i64) -> Position<N> {
@@ -34,11 +35,11 @@ pub(crate) fn vector(bits: [i64; 3]) -> Vector<Position<N>> {
 pub(crate) fn bits(x: Position<N>) -> i64 {
     N::of_signal(x.0)
 }
-/// A signed number of this many bits.
+/// A signed integer of this many bits, from the source of inputs.
 pub(crate) fn signed<S: Source>(s: &mut S, width: u32) -> i64 {
     s.bits(width).cast_signed() - (1 << (width - 1))
 }
-/// A place with three signed coordinates of this many bits.
+/// A place with three signed coordinates of this many bits, from the source of inputs.
 pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
     [signed(s, width), signed(s, width), signed(s, width)]
 }
@@ -46,18 +47,18 @@ pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }
-/// A random one of the six directions along the axes.
+/// One of the six directions along the coordinate axes, from the source of inputs.
 pub(crate) fn axis<S: Source>(s: &mut S) -> Direction<N> {
     Direction::along((s.bits(2) % 3) as usize, s.bool())
 }
 pub(crate) fn squares(v: [i64; 3]) -> i64 {
     v.iter().map(|x| x * x).sum()
 }
-/// The components of a direction, in quanta.
+/// The components of a direction, in steps of the number format.
 pub(crate) fn parts(u: &Direction<N>) -> [i64; 3] {
     u.0.map(N::of_signal)
 }
-/// A place relative to [`CENTRE`], in quanta.
+/// A place relative to [`CENTRE`], in steps of the number format.
 fn from_centre(at: [i64; 3]) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (at, CENTRE);
     [x - a, y - b, z - c]
@@ -66,30 +67,30 @@ fn from_centre(at: [i64; 3]) -> [i64; 3] {
 pub(crate) fn is_root(length: i64, square: i64) -> bool {
     length >= 0 && length * length <= square && (length + 1) * (length + 1) > square
 }
-/// Where a way of this length along a direction ends, in quanta with the fractional bits of [`ONE`].
+/// End point of a way of this length along a direction, in steps of the position format divided by [`ONE`].
 pub(crate) fn end(from: [i64; 3], way: i64, u: &Direction<N>) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (from, parts(u));
     [x * ONE + way * a, y * ONE + way * b, z * ONE + way * c]
 }
-/// Whether a place has this distance from the centre, to within a number of quanta.
+/// Whether a point has this distance from the centre, to within the given number of steps of the position format.
 fn is_at(end: [i64; 3], radius: i64, quanta: i64) -> bool {
     let (least, most) = ((radius - quanta).max(0) * ONE, (radius + quanta) * ONE);
     (least * least..=most * most).contains(&squares(end))
 }
-/// The directions in which an object reports ways out.
+/// The directions that an object reports as possible ways out.
 pub(crate) fn ways(object: &impl Surface<N>) -> Vec<Direction<N>> {
     let mut found = Vec::new();
     object.ways(&mut |way| found.push(way));
     found
 }
-/// Both directions along an axis.
+/// The direction along a coordinate axis, and the opposite one.
 fn both(axis: usize) -> [Direction<N>; 2] {
     [false, true].map(|against| Direction::along(axis, against))
 }
 
 property! {
-    /// P4 (geometry): the depth in a ball is its radius minus the distance from its centre, and the normal points along the place.
-    /// At the centre the last side stays, and is up if there was none.
+    /// P4 (geometry): the depth in a ball is the radius minus the distance from the centre, and the normal points from the centre
+    /// to the place. At the centre the last tick's normal stays; if there was none it is up.
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {
@@ -110,7 +111,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): from inside a ball the way out ends on its surface, to within three quanta.
+    /// P4 (geometry): from inside a ball the way out ends on its surface, to within three steps of the number format.
     equation "| |v + t u| - R | <= 3 quanta"
     over "inside; even places of 5 bits an axis, even radii up to 30 quanta, directions of 3 bits an axis"
     by sampled fn p4_ball_exit(s) {
@@ -167,7 +168,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): from inside a box the way out is the longest that passes no face, rounded towards zero.
+    /// P4 (geometry): from inside a box the way out along a direction is the longest that passes no face, rounded towards zero.
     equation "t = min floor((h_i ∓ x_i) / |u_i|) over u_i ≠ 0"
     over "inside; places of 4 bits an axis, half lengths from 1 to 4 quanta, directions of 3 bits an axis"
     by sampled fn p4_box_exit(s) {
@@ -186,7 +187,7 @@ property! {
         let way = bits(way);
         let room = |i: usize, way: i64| {
             let u = parts(&u)[i];
-            // A direction's largest component is a quantum less than 1.
+            // A direction's largest component is one step of the format less than 1.
             way * u.abs() <= (half[i] - x[i] * u.signum()) * (ONE - 1)
         };
         assert!(way >= 0 && (0..3).all(|i| parts(&u)[i] == 0 || room(i, way)));
@@ -196,12 +197,13 @@ property! {
     }
 }
 
-/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in quanta.
+/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in steps of the number format.
 const RIM: f64 = 2.5;
-/// Step between the sizes of cylinders, in quanta.
+/// Step between the sizes of cylinders, in steps of the number format.
 const STEP: i64 = 3;
 
-/// A cylinder, a place, and that place seen from the cylinder's centre: its part across the axis and along it.
+/// A cylinder and a place, from the source of inputs, and that place seen from the cylinder's centre: the part across the axis and
+/// the coordinate along it.
 fn round<S: Source>(s: &mut S) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
     let mut size = || position(STEP * (1 + s.bits(2).cast_signed()));
     let (radius, half) = (size(), size());
@@ -219,7 +221,7 @@ fn round<S: Source>(s: &mut S) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
 
 property! {
     /// P4 (geometry): a cylinder's surface is a radius from its axis and a half length from its middle. Outside of both, at the
-    /// rim, the depth is right to within three quanta.
+    /// rim, the depth is right to within three steps of the number format.
     equation "depth = min (R - floor |v|, h - |z|); at a rim -3 <= |depth| - sqrt((floor |v| - R)² + (|z| - h)²) <= 0"
     over "places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, side"
     by sampled fn p4_cylinder_nearest(s) {
@@ -241,7 +243,8 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two quanta.
+            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two steps of the
+            // format.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -258,8 +261,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): from inside a cylinder the way out ends on its wall or on an end face, to within three quanta, and beyond
-    /// neither.
+    /// P4 (geometry): from inside a cylinder the way out ends on its wall or on an end face, to within three steps of the number
+    /// format, and beyond neither.
     equation "| |v + t u| - R | <= 3 quanta, or | |z + t u_z| - h | <= 3 quanta"
     over "inside; places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, directions of 3 bits an axis"
     by sampled fn p4_cylinder_exit(s) {
@@ -283,7 +286,7 @@ property! {
     }
 }
 
-/// A plate, a place, and that place seen from the plate's centre.
+/// A plate and a place, from the source of inputs, and that place seen from the plate's centre.
 fn plate<S: Source>(s: &mut S, width: u32, at: u32) -> (Plate<N>, [i64; 3], [i64; 3]) {
     let mut half = || 1 + s.bits(width).cast_signed();
     let half = [half(), half(), half()];
@@ -301,8 +304,8 @@ fn is_over(plate: &Plate<N>, x: [i64; 3]) -> bool {
 }
 
 property! {
-    /// P4 (geometry): over a plate the HIP is on the side from which it came, however deep it is below that face. Elsewhere a plate
-    /// acts as a box.
+    /// P4 (geometry): over a plate the hand's point is held on the side from which it came, however deep it is below that face.
+    /// Elsewhere a plate acts as a box.
     equation "depth = h - x, normal = e (from above); h + x, -e (from below)"
     over "places of 4 bits an axis, half lengths from 1 to 8 quanta, axis, side: above, below, none"
     by sampled fn p4_plate_keeps_its_side(s) {
@@ -328,7 +331,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): through a plate the way out leads to the face on the side from which the HIP came; if the direction does not
+    /// P4 (geometry): through a plate the way out leads to the face on the side from which the hand came; if the direction does not
     /// lead there, there is none.
     equation "t = depth / floor(normal·u) towards zero, of an axis of 127/128; none for normal·u <= 0 or beside"
     over "places of 3 bits an axis, half lengths from 1 to 4 quanta, axis, side, directions of 3 bits an axis"
@@ -341,7 +344,7 @@ property! {
         };
         let way = plate.exit(vector(at), &u, &side).map(bits);
         let seen = plate.nearest(vector(at), &side);
-        // The axis' direction is a quantum shorter than 1; the cosine is rounded down.
+        // The axis' direction is one step of the format shorter than 1; the cosine is rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
             assert_reached!(way.is_none());

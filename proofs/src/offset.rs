@@ -1,4 +1,4 @@
-//! The three bounds of the offset's step (P2), thesis (3.7) to (3.11), for the shipped arithmetic.
+//! Properties of the three bounds on the step of the soft spring's offset (P2), thesis (3.7) to (3.11), for the shipped arithmetic.
 
 use crate::format::Format;
 use crate::functions::Functions32;
@@ -16,8 +16,8 @@ macro_rules! offset {
             type F = $functions;
 
             property! {
-                /// P2 (offset): the step is at most each of the three bounds, for any bounds, and not negative if they are not.
-                /// `heart::w32::p2_scale` shows that the bounds are those of thesis (3.7) to (3.11).
+                /// P2 (offset): the step of the offset is at most each of three bounds, whatever these are, and not negative if
+                /// they are not. `heart::w32::p2_scale` shows that the bounds are those of thesis (3.7) to (3.11).
                 equation "ΔO <= each bound"
                 over "three bounds, all bits"
                 fn p2_least(s) {
@@ -34,8 +34,8 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2 (offset), first bound: `ΔO <= of_ideal · |requested - rendered force|`, where `of_ideal` is `c/k_v` or
-                /// `c/k_de`.
+                /// P2 (offset), first bound: the step of the offset is at most a coefficient times the difference of requested and
+                /// commanded force. The coefficient is a fraction `c` over the soft or the desired stiffness.
                 equation "0 <= ΔO <= c |f_wanted - |f||"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_ideal(s) {
@@ -49,8 +49,9 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2 (offset), second bound: `ΔO <= b/k_v · |f|`. At least one quantum is allowed, as otherwise the offset would
-                /// stay at a force of 0.
+                /// P2 (offset), second bound: the step of the offset is at most a coefficient times the force. The coefficient is a
+                /// fraction `b` over the soft stiffness. At least one step of the number format is allowed, as otherwise the offset
+                /// would stay at a force of 0.
                 equation "ΔO <= b |f|, at least a quantum"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_force(s) {
@@ -64,7 +65,7 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2 (offset), third bound: `ΔO <= a · |e|`.
+                /// P2 (offset), third bound: the step of the offset is at most a fraction `a` of the penetration.
                 equation "ΔO <= a |e|"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_penetration(s) {
@@ -81,10 +82,10 @@ macro_rules! offset {
 }
 
 offset!(
-    /// At 32 bits, the width of the firmware.
+    /// The properties of this file at 32 bits, the width of the firmware.
     w32, Fixed32, functions Functions32, sums cadical
 );
 offset!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, sums cadical
 );

@@ -1,4 +1,7 @@
-//! Small parts of laws, guard and settings, each proved alone.
+//! Properties of small parts of laws, guard and settings, each proved alone.
+//!
+//! `x_f` is the virtual mass' position, `d` its displacement per tick, `M` its inertia, `N0` the force that drives it. `B` is the
+//! energy in the guard's account and `C` the most that it holds.
 //!
 //! ```text
 //! x_f' = x_f + d', M d = N0 with no stretch   p6_mass_moves
@@ -24,8 +27,8 @@ use touchstone_control::{
 type N = Fixed8;
 
 property! {
-    /// P6 (virtual mass): the virtual mass moves by its step, up to the end of the range of positions. Without coupling it is
-    /// driven by its own motion alone: its drive without a stretch and with a hand at rest.
+    /// P6 (virtual mass): the virtual mass moves by its step, up to the end of the range of positions. Uncoupled, the force that
+    /// drives it is that of a coupling without stretch and a hand at rest: its inertia alone.
     equation "x_f' = x_f + d', d = d'; N0(x = x_f, Δx = 0) = M d"
     over "any virtual mass, its position and motion, a step"
     fn p6_mass_moves(s) {
@@ -43,7 +46,7 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the guard starts with a full energy account and no force.
+    /// P1 (energy): at power-up the guard has a full energy account and no force.
     equation "B = C, f = f' = 0"
     over "any configuration"
     fn p1_guard_starts_full(s) {
@@ -54,8 +57,8 @@ property! {
     }
 }
 property! {
-    /// P11 (refinement): the first tick of a damped spring with a smoothed velocity is that of the spring on a device at rest; its
-    /// view is the spring's.
+    /// P11 (refinement): the first tick of a damped spring with a filtered velocity is that of the spring on a device at rest. The
+    /// reported values are the spring's.
     equation "f = spring(e, 0)"
     over "any spring, any share of the smoothing, position, displacement"
     fn p11_damped_first(s) {
@@ -96,8 +99,8 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): accepted settings of the guard belong to a device whose force limit and encoder count are in their ranges;
-    /// delay and lag are not negative.
+    /// P8 (settings): if the guard's validation accepts settings for a device, the device's force limit and encoder count are in
+    /// their ranges, and delay and lag are not negative.
     equation "0 <= limit <= 1000, 0 <= count <= 0.1, delay >= 0, lag >= 0"
     over "delay, lag, force limit and count of 64 bits each, any rate; other settings as by default"
     by kissat fn p8_guard_settings(s) {
@@ -115,7 +118,7 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): an accepted bandwidth of the estimator is from a 500th to a fifth of the control rate.
+    /// P8 (settings): a bandwidth that the estimator's validation accepts is from a 500th to a fifth of the control rate.
     equation "rate/500 <= p <= rate/5"
     over "bandwidth of 64 bits, at 300 Hz, 1 kHz and 100 kHz; other settings as by default"
     by minisat fn p8_estimator_bandwidth(s) {

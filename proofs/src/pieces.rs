@@ -1,16 +1,17 @@
-//! The parts of the enhanced law's tick for the model checker: any answer, and the same answer for the same question.
+//! Replacements for the parts of the enhanced law's tick when the model checker runs: any result, and the same result for equal
+//! arguments.
 //!
-//! That a tick puts its parts together as its specification does not depend on what they answer. A `composed_property!` replaces
-//! these parts in code and specification: the offset, the drive of the virtual mass, the paid move, the thesis' passivity
-//! controller, and the coupling. The code gets any answer. The specification gets the same if it asks the same, and any other if
-//! not.
+//! That a tick puts its parts together as its specification does not depend on what they return. A `composed_property!` replaces
+//! these parts in code and specification: the new offset, the force that drives the virtual mass, the move that stored energy pays
+//! for, the thesis' passivity controller, and the coupling's force. The code gets any result. The specification gets the same if
+//! its arguments are equal, and any other if not.
 //!
-//! `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and `refines::w32::p11_passive` prove that the real answers
+//! `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and `refines::w32::p11_passive` prove that the real results
 //! are equal. What moves and passivity controller need is asserted in this file; what offset and energy bookkeeping need is assumed
-//! by the harness.
+//! by the property.
 
-/// Defines a property of a tick that is put together from its parts: at 32 bits from those of this file (`multiplied`), at 8 bits
-/// from its own (`plain`).
+/// Defines a property of the enhanced law's tick. At 32 bits (`multiplied`) the parts of the tick are replaced by those of this
+/// file, at 8 bits (`plain`) they are the real ones.
 #[macro_export]
 macro_rules! composed_property {
     ($products:ident $($property:tt)*) => {
@@ -34,7 +35,7 @@ macro_rules! composed_property {
     };
 }
 
-/// Defines a property of the guard's tick in which the sum of the energy account is replaced by any answer.
+/// Defines a property of the guard's tick in which the sum of the energy account is replaced by any result.
 #[macro_export]
 macro_rules! booked_property {
     ($products:ident $($property:tt)*) => {
@@ -48,7 +49,8 @@ macro_rules! booked_property {
     };
 }
 
-/// Defines a property of a tick in which the contact is not handed over to the virtual mass.
+/// Defines a property of a tick of the enhanced law in which the virtual mass does not take over, so that the hand-over is
+/// replaced.
 #[macro_export]
 macro_rules! first_property {
     ($products:ident $($property:tt)*) => {
@@ -82,7 +84,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// Record of the code's call of a part of the tick: arguments and result. Each part is called once in a tick.
+    /// Record of the code's call of one part of the tick: arguments and result. Each part is called once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -158,7 +160,8 @@ mod by_one_answer {
         N::of_signal(f.0).into()
     }
 
-    /// Replaces [`EnhancedSfa::offset`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`EnhancedSfa::offset`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn offset<N: Format>(
         _: &EnhancedSfa<N>,
         state: &EnhancedState<N>,
@@ -191,7 +194,7 @@ mod by_one_answer {
         OFFSET.told(question, [N::of_signal(any.0), 0, 0]);
         any
     }
-    /// Replaces [`Enhanced::offset`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`Enhanced::offset`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn specified_offset(_: &Enhanced, m: &Memory, e: Int) -> Int {
         let question = words([
@@ -209,7 +212,8 @@ mod by_one_answer {
         OFFSET.again(question, [any.into(), 0, 0])[0].into()
     }
 
-    /// Replaces [`VirtualMass::drive`] under the model checker; `enhanced::p6_drive_is_exact` proves the bound of its answer.
+    /// Replaces [`VirtualMass::drive`] when the model checker runs: any force within the bound that `enhanced::p6_drive_is_exact`
+    /// proves.
     pub fn drive<N: Format>(
         law: &VirtualMass<N>,
         mass: &MassState<N>,
@@ -224,15 +228,15 @@ mod by_one_answer {
         );
         any
     }
-    /// Replaces [`Enhanced::drive`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`Enhanced::drive`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn specified_drive(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i64 = kani::any();
         DRIVE.again(words([mass, mass_moved, e, moved]), [any, 0, 0])[0].into()
     }
 
-    /// Replaces [`EnhancedSfa::affordable_move`] under the model checker: the code gets any result, and the same one for equal
-    /// arguments.
+    /// Replaces [`EnhancedSfa::affordable_move`] when the model checker runs the code: returns any value, and the same value for
+    /// equal arguments.
     pub fn affordable_move<N: Format>(
         law: &EnhancedSfa<N>,
         from: Position<N>,
@@ -270,8 +274,8 @@ mod by_one_answer {
         *energy = any.0;
         (any.1, any.2)
     }
-    /// Replaces [`Enhanced::paid_move`] under the model checker: the specification gets the result that the code got for equal
-    /// arguments.
+    /// Replaces [`Enhanced::paid_move`] when the model checker runs the specification: returns the value that the code got for
+    /// equal arguments.
     pub fn paid_move(
         _: &Enhanced,
         energy: Int,
@@ -287,7 +291,7 @@ mod by_one_answer {
         (told[0].into(), told[1].into(), told[2].into())
     }
 
-    /// Replaces [`Number::passivity_step`] under the model checker; the law limits the step's energy to its cap.
+    /// Replaces [`Number::passivity_step`] when the model checker runs: any energy and force. The law limits the energy to its cap.
     pub fn passivity_step(
         e: <Fixed32 as Number>::Energy,
         f: <Fixed32 as Number>::Signal,
@@ -305,15 +309,16 @@ mod by_one_answer {
         );
         (any.0.0, any.1.0)
     }
-    /// Replaces [`crate::spec::tdpa::passive`] under the model checker: the specification gets the result that the code got for
-    /// equal arguments.
+    /// Replaces [`crate::spec::tdpa::passive`] when the model checker runs the specification: returns the value that the code got
+    /// for equal arguments.
     pub fn passive(energy: Int, wanted: Int, moved: Int, _: Int) -> (Int, Int) {
         let any: (i64, i32) = (kani::any(), kani::any());
         let told = STEP.again(words([energy, wanted, moved]), [any.0, any.1.into(), 0]);
         (told[0].into(), told[1].into())
     }
 
-    /// Replaces [`VirtualMass::coupling`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`VirtualMass::coupling`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn coupling<N: Format>(
         _: &VirtualMass<N>,
         mass: &MassState<N>,
@@ -327,15 +332,15 @@ mod by_one_answer {
         );
         any
     }
-    /// Replaces [`Enhanced::coupled`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`Enhanced::coupled`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn coupled(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i32 = kani::any();
         COUPLING.again(words([mass, mass_moved, e, moved]), [any.into(), 0, 0])[0].into()
     }
 
-    /// Replaces [`Guard::booked`] under the model checker. `refines::w32::p11_guard_booked` proves that its answer is far from the
-    /// format's end.
+    /// Replaces [`Guard::booked`], the sum of the energy account, when the model checker runs. `refines::w32::p11_guard_booked`
+    /// proves that the sum is far from the format's end.
     pub fn booked<N: Format>(
         _: &Guard<N>,
         state: &GuardState<N>,
@@ -362,8 +367,8 @@ mod by_one_answer {
         BOOKED.told(words(question), [N::of_energy(any.0), 0, 0]);
         any
     }
-    /// Replaces [`crate::spec::guard::Guard::booked`] under the model checker: the specification gets the result that the code got
-    /// for equal arguments.
+    /// Replaces [`crate::spec::guard::Guard::booked`] when the model checker runs the specification: returns the value that the
+    /// code got for equal arguments.
     pub fn specified_booked(
         _: &crate::spec::guard::Guard,
         m: &crate::spec::guard::Memory,
@@ -378,12 +383,13 @@ mod by_one_answer {
         .into()
     }
 
-    /// Replaces a hand-over that cannot occur in the harness's case, so that the model checker does not follow the code behind it.
+    /// Replaces the hand-over to the virtual mass, which cannot occur in the property's case, so that the model checker does not
+    /// follow its code.
     pub fn no_hand_over<N: Format>(_: &EnhancedSfa<N>, _: &mut EnhancedState<N>) {
         assert!(false, "the case has no hand-over");
         kani::assume(false);
     }
-    /// Replaces the specification's hand-over, which cannot occur in the harness's case.
+    /// Replaces the specification's hand-over to the virtual mass, which cannot occur in the property's case.
     pub fn no_specified_hand_over(_: &Enhanced, m: &Memory) -> Memory {
         assert!(false, "the case has no hand-over");
         kani::assume(false);

@@ -1,6 +1,6 @@
-//! P11 (refinement): the estimator of a place consists of one position estimator per axis, whatever these compute.
+//! P11 (refinement): the estimator of a place in space consists of one position estimator per axis, whatever these compute.
 //!
-//! The model checker replaces the estimators' functions by recorders. A recorder's result depends on its arguments, on its
+//! The model checker replaces the three estimators' functions by recorders. A recorder's result depends on its arguments, on its
 //! estimator and on the last command. That an estimator's tick equals its specification is shown in [`crate::estimated`].
 
 use crate::cover;
@@ -18,7 +18,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Defines a property of the place estimator that holds for any answers of its three estimators.
+/// Defines a property of the place estimator that holds whatever its three estimators return.
 macro_rules! placed_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
@@ -29,8 +29,8 @@ macro_rules! placed_property {
     };
 }
 
-/// Replaces [`Estimator::tick`]. It returns the measured position. As displacement it returns its limit if that was the last
-/// command, otherwise the position before.
+/// Replaces [`Estimator::tick`]. Returns the measured position as position. Returns as displacement the estimator's limit if that
+/// was the last command, otherwise the position before.
 #[cfg(kani)]
 pub fn recorded<N: Number>(
     law: &Estimator<N>,
@@ -49,15 +49,15 @@ pub fn recorded<N: Number>(
         }),
     }
 }
-/// Replaces [`Estimator::commanded`]: it records its argument.
+/// Replaces [`Estimator::commanded`]: records the force as the last command.
 #[cfg(kani)]
 pub fn told<N: Number>(_: &Estimator<N>, state: &mut EstimatorState<N>, force: Force<N>) {
     state.commands[0] = N::widen(force.0).torque_part();
 }
 
 placed_property! {
-    /// P11 (refinement): two ticks of the place estimator are those of three estimators that get `-x`, with the sign of their
-    /// results reversed. A commanded force is reported to each axis' estimator.
+    /// P11 (refinement): two ticks of the place estimator are those of three estimators that get the negative coordinates, with the
+    /// sign of their results reversed. A commanded force is reported to each axis' estimator.
     equation "(x', Δx')_i = -tick_i(-x_i), commanded_i(f_i)"
     over "three estimators, of which the recorder stands for any; two measured places, a force"
     by cadical fn p11_place_estimator(s) {
@@ -84,7 +84,7 @@ placed_property! {
     }
 }
 
-/// An estimator with any coefficients; in random tests one that settings can give.
+/// A state estimator with any coefficients; in random tests one that settings can give.
 fn any_in_range<S: Source>(s: &mut S) -> Estimator<N> {
     loop {
         let law = any(s);

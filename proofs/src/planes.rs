@@ -1,4 +1,4 @@
-//! Virtual objects made of planes, at 8 bits: half-spaces, bodies of many planes, edges and concave corners.
+//! Properties at 8 bits of virtual objects made of planes: half-spaces, bodies of many planes, edges and concave corners.
 //!
 //! All inputs of each object are tried (`cargo xtask prove --every planes`).
 //!
@@ -17,12 +17,13 @@ use touchstone_control::space::environment::{
 };
 use touchstone_control::space::{Direction, Nearest, Shape, Surface};
 
-/// The scalar product `floor(u·v)` of a direction and a vector.
+/// The scalar product of a direction and a vector, rounded down.
 fn along(u: &Direction<N>, v: [i64; 3]) -> i64 {
     let ([a, b, c], [x, y, z]) = (parts(u), v);
     (a * x + b * y + c * z).div_euclid(ONE)
 }
-/// `depth / cosine`, rounded towards zero and limited to the format; `None` if the direction does not lead out.
+/// Way along a slanted direction, `depth / cosine`, rounded towards zero and limited to the format; `None` if the direction does
+/// not lead out.
 fn slanted(depth: i64, cosine: i64) -> Option<i64> {
     (cosine > 0).then(|| depth.signum() * (depth.abs() * (ONE - 1) / cosine).min(ONE - 1))
 }
@@ -34,8 +35,8 @@ fn plane(normal: Direction<N>, height: i64) -> Plane<N> {
 }
 
 property! {
-    /// P4 (geometry): the depth of a place below a plane is the plane's height minus the place's part along the normal, rounded
-    /// down. A plane seen from below has the opposite normal and height.
+    /// P4 (geometry): the depth of a place below a plane is the plane's height minus the place's component along the normal,
+    /// rounded down. A plane seen from below has the opposite normal and height.
     equation "depth = h - floor(n·x)"
     over "normals and places of 3 bits an axis, heights of 6 bits"
     by sampled fn p4_plane_nearest(s) {
@@ -54,8 +55,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out through a plane is the depth divided by the cosine. Along the plane or inwards there is no way
-    /// out.
+    /// P4 (geometry): the way out through a plane along a direction is the depth divided by the cosine of the angle to the normal.
+    /// Along the plane or inwards there is no way out.
     equation "t = depth / floor(n·u) towards zero, of a 1 of 127/128"
     over "normals and directions of 3 bits an axis, depths of 7 bits"
     by sampled fn p4_plane_exit(s) {
@@ -70,7 +71,7 @@ property! {
     }
 }
 
-/// Three planes across axes; some have no direction.
+/// Three planes perpendicular to coordinate axes, from the source of inputs; some have no direction.
 fn facets<S: Source>(s: &mut S) -> [Plane<N>; 3] {
     [(); 3].map(|()| {
         let normal = match s.bits(2) {
@@ -84,8 +85,8 @@ fn facets<S: Source>(s: &mut S) -> [Plane<N>; 3] {
 }
 
 property! {
-    /// P4 (geometry): in a body of planes the nearest plane counts. At a tie it is the plane of the last tick, otherwise the first
-    /// one. A plane without a direction does not count.
+    /// P4 (geometry): in a body of many planes the plane nearest to the surface counts. At a tie it is the plane of the last tick,
+    /// otherwise the first one. A plane without a direction does not count.
     equation "depth = min depth_i"
     over "three planes along x, y, against x or none, heights and places of 3 bits along two axes, side"
     by sampled fn p4_facets_nearest(s) {
@@ -110,7 +111,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out of a body of planes is the shortest of the ways through its planes.
+    /// P4 (geometry): the way out of a body of planes along a direction is the shortest of the ways through its planes.
     equation "t = min t_i"
     over "three planes along x, y, against x or none, heights and places of 3 bits along two axes, directions of 2 bits along them"
     by sampled fn p4_facets_exit(s) {
@@ -130,7 +131,7 @@ property! {
     }
 }
 
-/// Two planes, and a place in the plane of their normals.
+/// Two planes, and a place in the plane of their normals, from the source of inputs.
 fn two<S: Source>(s: &mut S, width: u32) -> Option<([Plane<N>; 2], [i64; 3])> {
     let mut one = || {
         let normal = Direction::of(vector([signed(s, 3), 0, signed(s, 3)]))?;
@@ -139,7 +140,7 @@ fn two<S: Source>(s: &mut S, width: u32) -> Option<([Plane<N>; 2], [i64; 3])> {
     let planes = [one()?, one()?];
     Some((planes, [3 * signed(s, width), 0, 3 * signed(s, width)]))
 }
-/// Heights of a place above two planes, the cosine `n₁·n₂`, and the square of the sine.
+/// Heights of a place above two planes, the cosine of the angle between the normals, and the square of its sine.
 fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
     let above = planes
         .each_ref()
@@ -153,13 +154,13 @@ fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
 
-/// Largest error of the distance to an edge, and of its normal's sideways error over that distance, in quanta.
+/// Largest error of the distance to an edge, and of its normal's sideways error times that distance, in steps of the number format.
 const EDGE: i64 = 7;
 
 property! {
-    /// P4 (geometry): below two planes the higher plane counts. Above one plane that plane counts, if the foot of the perpendicular
-    /// is below the other. Otherwise the edge counts: to seven quanta if the planes meet at more than 30 degrees, with a normal
-    /// between theirs.
+    /// P4 (geometry): below both planes of an edge the higher plane counts. Above one plane that plane counts, if the foot of the
+    /// perpendicular is below the other. Otherwise the edge counts, with a normal between theirs. The depth is then right to seven
+    /// steps of the number format if the planes meet at more than 30 degrees.
     equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else depth² = (a² + b² - 2 (n·m) a b)/(1 - (n·m)²), to 7 quanta"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_edge_nearest(s) {
@@ -199,7 +200,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out of an edge is the shorter of the ways through its two planes.
+    /// P4 (geometry): the way out of a convex edge along a direction is the shorter of the ways through its two planes.
     equation "t = min(t_1, t_2)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_edge_exit(s) {
@@ -240,7 +241,7 @@ property! {
 }
 property! {
     /// P4 (geometry): the way out of a concave corner is the longer of the ways through the planes that the place is below. It
-    /// exists only if it ends above both planes, to four quanta.
+    /// exists only if it ends above both planes, to four steps of the number format.
     equation "t = max over planes below of depth / (n·u)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_corner_exit(s) {
@@ -270,7 +271,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): an object whose shape is chosen at run time acts as that shape.
+    /// P4 (geometry): an object whose shape is chosen at run time acts as the object of that shape.
     equation "shape(object) = object"
     over "each of the seven, places of 4 bits an axis, an axis, a side"
     by sampled fn p4_shape_is_its_object(s) {

@@ -1,4 +1,8 @@
-//! A drawn torque profile at 32 bits: what it asks for lies between the two points beside the position, and never exceeds its strength.
+//! Properties of a torque profile (a torque drawn over the angle) at 32 bits. The force lies between the two points beside the
+//! position, and never exceeds the largest force.
+//!
+//! `f` is the force, `A` the largest force, `i` a point's index, `x` the position, from `x_0` to `x_1`. A point above 0 pushes
+//! towards larger angles, a force above 0 towards smaller ones.
 //!
 //! ```text
 //! |f| <= A                                       p4_profile_force
@@ -16,14 +20,15 @@ use touchstone_control::{Fixed32, Force, Number, Si};
 
 type N = Fixed32;
 
-/// A point of a shape: -10,000 to 10,000.
+/// A point of a torque profile, from the source of inputs: -10,000 to 10,000.
 fn profile_point<S: Source>(s: &mut S) -> i16 {
     let any = s.i16();
     if s.shortcut() { any % (WHOLE + 1) } else { any }
 }
 
 property! {
-    /// P4: between two points a profile pushes with at most its strength, and no other way than one of the two does.
+    /// P4: between two points a torque profile pushes with at most its largest force, and in no direction in which neither point
+    /// pushes.
     equation "|f| <= A; p, q >= 0 => f <= 0; p, q <= 0 => f >= 0"
     over "strength, two points, way between them"
     fn p4_profile_force(s) {
@@ -47,8 +52,8 @@ property! {
     }
 }
 property! {
-    /// P9: in every copy of a profile a position is between the same two neighbours, and the last point's neighbour is the first of the next
-    /// copy.
+    /// P9: in every copy of a repeated torque profile a position is between the same two points. After the last point comes the
+    /// first of the next copy.
     equation "i = floor(part n / 2^32), way = part n - i 2^32, after = (i + 1) mod n"
     over "part of a copy, number of points"
     fn p9_profile_repeated(s) {
@@ -63,7 +68,8 @@ property! {
     }
 }
 property! {
-    /// P4: a profile that is there once holds the first point before its start, the last beyond its end, and in between neighbours of its own.
+    /// P4: a torque profile that is not repeated holds the first point before its start and the last point beyond its end. In
+    /// between, a position is between two neighbouring points.
     equation "x <= x_0: i = 0, way = 0; x >= x_1: i = last, way = 0"
     over "position, number of points"
     fn p4_profile_once(s) {

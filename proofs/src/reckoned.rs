@@ -1,17 +1,17 @@
-//! Products and quotients of settings for the model checker: any answer, and the same answer for the same question (`answers.rs`).
-//! Validation is replaced as well (`stand_ins.rs`).
+//! Products and quotients of settings when the model checker runs: any result, and the same result for equal arguments
+//! (`answers.rs`). Validation is replaced as well (`stand_ins.rs`).
 //!
 //! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces
-//! each by any number. Code or specification gets the same answer if it asks the same question again. For the estimator's 56-bit
-//! numbers, the specification's n-th question gets the answer to the code's n-th, and nothing else is known of that answer. Of an
-//! answer in settings one fact is known:
+//! each by any number. Code or specification gets the same result if it calls with the same arguments again. For the estimator's
+//! 56-bit numbers, the specification's n-th call gets the result of the code's n-th, and nothing else is known of that result. Of a
+//! result in settings one fact is known:
 //!
 //! ```text
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
 //! ```
 
 /// Defines a property of settings and their coefficients, in which this file's products and quotients replace the code's. `and
-/// [..]` names further replaced pairs.
+/// [..]` lists further pairs of a function and its replacement.
 #[macro_export]
 macro_rules! reckoned_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
@@ -30,7 +30,8 @@ macro_rules! reckoned_property {
     };
 }
 
-/// Defines a property of the guard's coefficients that holds for all accepted settings; validation is replaced.
+/// Defines a property of the guard's coefficients in which validation is replaced, so that it holds for any settings that are
+/// accepted.
 #[macro_export]
 macro_rules! validated_property {
     ($($property:tt)*) => {
@@ -40,7 +41,7 @@ macro_rules! validated_property {
         }
     };
 }
-/// Defines a property of a type that contains guards; each guard is replaced by one that only holds its arguments.
+/// Defines a property of a type that contains guards, in which `Guard::new` is replaced: the new guard only holds its arguments.
 #[macro_export]
 macro_rules! guarded_property {
     ($($property:tt)*) => {
@@ -51,8 +52,8 @@ macro_rules! guarded_property {
     };
 }
 /// Defines a property of a law's coefficients, in which products, quotients, prepared divisors and a root are replaced. The
-/// settings are in the ranges that validation guarantees. Values that follow from several settings are replaced as well, and so is
-/// whether the enhanced law is a spring; `p11_derived64` proves those equal.
+/// settings are in the ranges that validation guarantees. Damping and inertia per tick are replaced as well, and so is whether the
+/// enhanced law is a plain spring; `p11_derived64` proves these equal for code and specification.
 #[macro_export]
 macro_rules! lawful_property {
     ($plain:ident $($property:tt)*) => {
@@ -70,7 +71,7 @@ macro_rules! lawful_property {
         }
     };
 }
-/// Defines a property of the estimator's weights at the force limit, in which its products are replaced.
+/// Defines a property of the estimator's weights times the force limit, in which these products are replaced.
 #[macro_export]
 macro_rules! limited_property {
     ($($property:tt)*) => {
@@ -98,8 +99,8 @@ macro_rules! timed_property {
         }
     };
 }
-/// Defines a property of the estimator's coefficients, in which its ratios, whole predictions and corrections are replaced;
-/// `timed_property!` is about those.
+/// Defines a property of the estimator's coefficients, in which its ratios, whole predictions and corrections are replaced.
+/// Properties of `timed_property!` prove the replaced predictions.
 #[macro_export]
 macro_rules! flow_property {
     ($($property:tt)*) => {
@@ -123,10 +124,10 @@ macro_rules! flow_property {
     };
 }
 
-/// Marks of who asks for products and quotients (code or specification); without the checker they do nothing.
+/// Functions that mark whether code or specification multiplies and divides from now on. Without the model checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties in random tests do not record who asks.
+    /// Does nothing: random tests need not know whether code or specification calls.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

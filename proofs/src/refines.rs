@@ -1,8 +1,9 @@
 //! P11 (refinement): a tick of the code is a tick of its specification, force and whole memory, to the last bit.
 //!
-//! `spec/` uses no `Number` and shares nothing with the code. At 32 bits the model checker compares code and specification for
-//! every configuration, memory and sample. Products, quotients and roots are known only by facts (`multiplied.rs`, `divided.rs`).
-//! The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare millions of ticks.
+//! The specification, in `spec/`, uses no `Number` and shares nothing with the code. At 32 bits the model checker compares code and
+//! specification for every configuration, memory and sample. Products, quotients and roots are known only by facts
+//! (`multiplied.rs`, `divided.rs`). The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare
+//! millions of ticks.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_*
@@ -22,7 +23,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// A sample with any position and any displacement.
+/// Input of a law with any position and any displacement.
 pub fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
     Sample {
         e: N::any_position(s),
@@ -60,8 +61,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the thesis' passivity controller equals its specification: energy and force for a displacement
-                /// that is already known.
+                /// P11 (refinement): the thesis' passivity controller (energy and force for a displacement that is already known)
+                /// equals its specification.
                 equation "(E', f) = spec(E, f_wanted, d)"
                 over "stored energy, wanted force not negative, displacement"
                 by $solver fn p11_passive(s) {
@@ -79,7 +80,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the tick of TDPA with the thesis' observer, inside the wall, equals its specification.
+                /// P11 (refinement): the tick of TDPA (time-domain passivity) with the thesis' observer, inside the wall, equals
+                /// its specification.
                 equation "(E', f) = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_thesis(s) {
@@ -100,7 +102,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the energy of TDPA with the exact observer, inside the wall, equals its specification.
+                /// P11 (refinement): the energy of TDPA (time-domain passivity) with the exact observer, inside the wall, equals
+                /// its specification.
                 equation "E' = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_exact_energy(s) {
@@ -121,7 +124,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the force of TDPA with the exact observer, inside the wall, equals its specification.
+                /// P11 (refinement): the force of TDPA (time-domain passivity) with the exact observer, inside the wall, equals its
+                /// specification.
                 equation "f = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_exact_force(s) {
@@ -142,8 +146,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the tick of force bounding, inside the wall, equals its specification; `Controller::new`
-                /// calculates its bound from the damping.
+                /// P11 (refinement): the tick of force bounding, inside the wall, equals its specification. The factor of the force
+                /// bound is the one that `Controller::new` calculates from the damping.
                 equation "(E', f) = spec(E, f(n-1), e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_fba(s) {
@@ -165,7 +169,8 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11 (refinement): the tick of SFA, original and continuous, equals its specification from every memory.
+                /// P11 (refinement): the tick of SFA (successive force augmentation), original and continuous, equals its
+                /// specification from every memory.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration with a limit above 0 and ratios not negative, memory in the invariant, sample"
                 by $solver fn p11_sfa(s) {
@@ -216,8 +221,8 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: account and force equal the specification's in a tick without over-speed and without an
-                /// energy deficit.
+                /// P11 (refinement), guard: energy account and force equal the specification's in a tick without overspeed and
+                /// without an energy deficit.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard(s) {
@@ -243,7 +248,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: a tick with over-speed equals its specification.
+                /// P11 (refinement), guard: a tick with overspeed equals its specification.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_over(s) {
@@ -270,7 +275,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: a tick with an energy deficit equals its specification.
+                /// P11 (refinement), guard: a tick in which the energy account has a deficit equals its specification.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_deficit(s) {
@@ -297,7 +302,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: switching off equals its specification.
+                /// P11 (refinement), guard: the guard's memory after the force was switched off equals its specification.
                 equation "(B', f', f(n-1)') = spec(B, f, f(n-1))"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p11_guard_switched_off(s) {
@@ -321,8 +326,8 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: a tick without a position at the change of force equals one in which the device did not
-                /// move before the change.
+                /// P11 (refinement), guard: a tick without a measured position at the change of force equals a tick in which the
+                /// device did not move before that change.
                 equation "tick(Δ) = tick(Δ, 0)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p11_guard_without_change(s) {
@@ -349,10 +354,11 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, in random tests.
+    /// The properties of this file at 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// At 32 bits, the width of the firmware: of products, quotients and roots only proved facts are known.
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only proved facts are
+    /// known.
     w32, Fixed32, at32, by minisat, products multiplied
 );

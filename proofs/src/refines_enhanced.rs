@@ -1,4 +1,4 @@
-//! P11 (refinement): the enhanced law's tick and each of its parts equal their specification, as in `refines.rs`.
+//! P11 (refinement): the enhanced law's tick and each of the tick's parts equal their specification, as in `refines.rs`.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_enhanced_*, p11_augmenting_*
@@ -20,7 +20,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// An enhanced law whose divisors belong to its own stiffnesses, together with `k_f + k_v`.
+/// An enhanced law whose prepared divisors belong to its own stiffnesses, and the sum of its coupling and soft stiffness.
 fn any_enhanced<N: Format, S: Source>(
     s: &mut S,
     observer: ObserverForm,
@@ -41,7 +41,7 @@ fn any_enhanced<N: Format, S: Source>(
     (law, series)
 }
 
-/// Whether the law is valid, its ratio of forces is not negative, and its springs can be divided by.
+/// Whether an enhanced law is valid, the compliance of its soft spring is not negative, and its springs can be divided by.
 fn enhanced_ok<N: Format>((law, series): &(EnhancedSfa<N>, Stiffness<N>)) -> bool {
     law.valid()
         && N::of_signal_ratio(law.compliance.0) >= 0
@@ -64,7 +64,8 @@ macro_rules! refines {
 
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the tick outside the wall and at the touch equals its specification.
+                /// P11 (refinement), enhanced law: a tick outside the wall, and the tick in which the hand touches the wall, equal
+                /// the specification's.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant outside, sample"
                 by $solver fn p11_enhanced_touch(s) {
@@ -85,7 +86,7 @@ macro_rules! refines {
             }
             first_property! {
                 $products
-                /// P11 (refinement), enhanced law: the tick in the first contact phase, until the motion reverses, equals its
+                /// P11 (refinement), enhanced law: a tick in the first contact phase, until the motion reverses, equals its
                 /// specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant in first contact, sample that does not turn back inside"
@@ -112,7 +113,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the hand-over to the virtual mass that keeps the force equals its specification.
+                /// P11 (refinement), enhanced law: the hand-over to the virtual mass with the choice that keeps the force equals
+                /// its specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that keeps the force, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_force(s) {
@@ -135,8 +137,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the hand-over that puts the virtual mass at rest between its springs equals its
-                /// specification.
+                /// P11 (refinement), enhanced law: the hand-over to the virtual mass with the choice of a zero offset, at rest
+                /// between the springs, equals its specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that starts without an offset, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_rest(s) {
@@ -159,7 +161,8 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11 (refinement), enhanced law: the step of the offset equals its specification (Algorithm 3.1, lines 7 to 13).
+                /// P11 (refinement), enhanced law: the new offset in a tick equals its specification (thesis Algorithm 3.1, lines 7
+                /// to 13).
                 equation "O' = spec(memory, e)"
                 over "valid configuration, memory in the invariant after the first contact, position"
                 by $solver fn p11_offset(s) {
@@ -220,8 +223,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the drive of the virtual mass and the coupling's force equal their
-                /// specification.
+                /// P11 (refinement), enhanced law: the force that drives the virtual mass, and the coupling's force on the hand,
+                /// equal their specification.
                 equation "N0 = M d + k_f (e - x) + C Δe, f = floor(k_f (e - x) + C (Δe - d))"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_mass_forces(s) {
@@ -244,8 +247,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it at
-                /// the requested force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the stored energy
+                /// covers it at the requested force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_at_full_force(s) {
@@ -268,8 +271,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it
-                /// only with a smaller force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the stored energy
+                /// covers it only with a smaller force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_held_back(s) {
@@ -318,10 +321,11 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, in random tests.
+    /// The properties of this file at 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// At 32 bits, the width of the firmware: of products, quotients and roots only proved facts are known.
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only proved facts are
+    /// known.
     w32, Fixed32, at32, by minisat, products multiplied
 );

@@ -1,4 +1,6 @@
-//! P11 (refinement): coefficients of guard and estimator follow from settings as their specification says, at 32 bits.
+//! P11 (refinement): the coefficients of guard and estimator follow from settings as their specification says, at 32 bits.
+//!
+//! `V` and `X` are the displacements of a device over a time by a displacement of 1 per tick and by an acceleration of 1 per tick².
 //!
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
@@ -23,7 +25,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any setting; in random tests mostly from 0 to `most`.
+/// Any number as a setting; in random tests mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -39,7 +41,7 @@ pub fn bits(x: Si) -> Int {
     x.to_bits().into()
 }
 
-/// Any settings of the guard with any device; in random tests often ones that are accepted.
+/// Any settings of the guard for any device; in random tests often ones that are accepted.
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
@@ -128,7 +130,7 @@ reckoned_property! {
     }
 }
 validated_property! {
-    /// P11 (refinement): for accepted settings the guard, or its refusal, equals the specification's.
+    /// P11 (refinement): for accepted settings, the guard that `Guard::new` makes, or its refusal, equals the specification's.
     equation "Guard::new(settings, device) = spec(settings, device)"
     over "settings of the guard, rate, force limit, count"
     by minisat fn p11_guard_settings32(s) {
@@ -167,8 +169,8 @@ fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
 }
 
 timed_property! {
-    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's, and fit words for
-    /// the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's, and they fit words
+    /// for the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
     over "loss, q, delay"
     by minisat fn p11_flow_tick32(s) {
@@ -183,7 +185,7 @@ timed_property! {
 }
 timed_property! {
     /// P11 (refinement): the coefficients that predict a device's motion from a sample to the next command's start equal the
-    /// specification's, and fit words for the same devices.
+    /// specification's, and they fit words for the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
     over "loss, q, delay"
     by minisat fn p11_flow_ahead32(s) {
@@ -197,7 +199,7 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11 (refinement): the estimator's correction gains equal the specification's, and fit words for the same devices.
+    /// P11 (refinement): the estimator's correction gains equal the specification's, and they fit words for the same devices.
     equation "α = 1 - z³/ρ, V γ = (1 - z)³, V β = 2 + ρ - 3z - α - X γ"
     over "loss, angle of the poles"
     by minisat fn p11_correction32(s) {
@@ -212,7 +214,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator and a rate in Hz; in random tests many of them are valid.
+/// Any settings of the estimator and a control rate in Hz; in random tests many of them are valid.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();
@@ -269,8 +271,8 @@ property! {
     }
 }
 flow_property! {
-    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's; an estimator that is
-    /// accepted is bounded.
+    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's; for an estimator that is
+    /// accepted no sum can overflow.
     equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_settings32(s) {
@@ -288,7 +290,7 @@ flow_property! {
     }
 }
 property! {
-    /// P11 (refinement): `V` (how far a device's motion carries it in a time) and `X` (how far a push moves it) equal the
+    /// P11 (refinement): how far a device moves in a time by its displacement per tick (`V`) and by a push (`X`) equals the
     /// specification's sums to the last digit, for two devices and times.
     equation "V = Σ (-β)^k t^(k+1)/(k+1)!, X = Σ (-β)^k t^(k+2)/(k+2)!"
     over "loss 5/4 over one tick, 1/8 over two"

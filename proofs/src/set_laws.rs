@@ -9,7 +9,7 @@
 //!     enhanced                                                      p11_enhanced_settings32
 //! ```
 //!
-//! The settings are accepted ones, in the ranges that `accepted::p8_validated` proves.
+//! `k_v` is the soft stiffness. The settings are accepted ones, in the ranges that `accepted::p8_validated` proves.
 
 use crate::accepted::{any_settings, in_ranges};
 use crate::set::bits;
@@ -58,14 +58,15 @@ fn told(settings: &Settings) -> of_law::Settings {
     }
 }
 
-/// The law for the settings; `None` if they are refused.
+/// The law that the code makes of the settings; `None` if they are refused.
 fn made(settings: &Settings) -> Option<AnyLaw<N>> {
     let found = AnyLaw::new(settings).ok();
     reckoned::of_specification();
     found
 }
 reckoned_property! {
-    /// P11 (refinement): damping and inertia per tick equal the specification's, and so is whether the enhanced law is a spring.
+    /// P11 (refinement): damping and inertia per tick equal the specification's, and so does the decision whether the enhanced law
+    /// is a plain spring.
     equation "2 c_i/T, m/T², c_f/T, c_env/T, c_i/T, b/T;  k_de <= k_v"
     over "settings of the law"
     by minisat fn p11_derived64(s) {
@@ -84,7 +85,7 @@ reckoned_property! {
         cover!(s, found.mass_per_tick2 > settings.filter.mass, "a mass");
     }
 }
-/// Checks that the spring for the settings equals the specification's.
+/// Checks that the spring that the code makes of the settings equals the specification's.
 fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -111,7 +112,7 @@ fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the spring that the code makes of the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, limit"
     over "settings of the law"
     by minisat fn p11_spring_settings32(s) {
@@ -122,7 +123,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring with virtual damping for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the damped spring that the code makes of the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, b/T, limit"
     over "settings of the law"
     by minisat fn p11_damped_settings32(s) {
@@ -133,7 +134,8 @@ lawful_property! {
 }
 lawful_property! {
     plain
-    /// P11 (refinement): for `k_de` up to `k_v` the enhanced law is the damped spring (§3.1) of the specification.
+    /// P11 (refinement): for a desired stiffness up to the soft stiffness, the enhanced law is the damped spring (§3.1 of the
+    /// thesis) of the specification.
     equation "k_de <= k_v  =>  AnyLaw::new(settings) = spec(settings): k_de, (b/T) k_de/k_v, limit"
     over "settings of the law, soft"
     by minisat fn p11_soft_settings32(s) {
@@ -145,7 +147,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the TDPA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the TDPA law (time-domain passivity) for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, limit"
     over "settings of the law"
     by minisat fn p11_tdpa_settings32(s) {
@@ -168,8 +170,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. Its bound belongs to
-    /// the damping as it is stored.
+    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. The factor of the
+    /// force bound belongs to the damping as it is stored.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, sqrt(4 c_i/T), limit"
     over "settings of the law"
     by minisat fn p11_fba_settings32(s) {
@@ -193,7 +195,7 @@ lawful_property! {
         cover!(s, expected.is_none() && accepted, "refused");
     }
 }
-/// Checks that the SFA law for the settings equals the specification's.
+/// Checks that the SFA law (successive force augmentation) that the code makes of the settings equals the specification's.
 fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -212,7 +214,8 @@ fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the original SFA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the original SFA law (successive force augmentation) for the settings, or its refusal, equals the
+    /// specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_settings32(s) {
@@ -223,7 +226,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the continuous SFA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the continuous SFA law (successive force augmentation) for the settings, or its refusal, equals the
+    /// specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_continuous_settings32(s) {
@@ -235,8 +239,8 @@ lawful_property! {
 
 lawful_property! {
     not_plain
-    /// P11 (refinement): the enhanced law for the settings, or its refusal, equals the specification's. That includes the target
-    /// stiffness of its offset (thesis 3.5 with a compensated mass) and its prepared divisors.
+    /// P11 (refinement): the enhanced law that the code makes of the settings, or its refusal, equals the specification's. That
+    /// includes the target stiffness that its offset regulates to (thesis 3.5) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

@@ -3,7 +3,7 @@
 //! ```text
 //! settings.friction(unit, rate, damping) = spec(settings, unit, rate, damping)      p11_friction_settings32
 //! a length in a unit, a quantity per length, a law's settings in it                 p11_per_length64, p11_law_in_unit64
-//! VectorGuard::new = two guards', one of them with √3 of a count                    p11_vector_guard_settings32
+//! VectorGuard::new = two guards', one of them with √3 of an encoder count           p11_vector_guard_settings32
 //! ```
 
 use crate::accepted::{any_law, any_settings};
@@ -33,7 +33,7 @@ fn si(x: Int) -> Si {
 }
 
 reckoned_property! {
-    /// P11 (refinement): the friction for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the friction that the code makes of the settings, or its refusal, equals the specification's.
     equation "0 < k <= 2 b/T, 0 <= μ_k <= μ_s <= 10  =>  k/u, μ_s u/k, μ_k u/k"
     over "settings of friction, unit, rate, damping"
     by minisat fn p11_friction_settings32(s) {
@@ -62,7 +62,7 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11 (refinement): a quantity per metre becomes one per unit by division by the number of units in a metre.
+    /// P11 (refinement): a quantity per metre is converted to one per unit of length by division by the number of units in a metre.
     equation "k per u = k/u"
     over "setting of 64 bits, unit"
     by minisat fn p11_per_length64(s) {
@@ -75,8 +75,8 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11 (refinement): in a law's settings in another unit of length, quantities per length and the loan are converted. Guard,
-    /// estimator and velocity filter are off.
+    /// P11 (refinement): if a law's settings are converted to another unit of length, quantities per length and the lent energy are
+    /// converted. Guard, estimator and velocity filter are off.
     equation "k, b, m per u; E u"
     over "settings of any law, unit"
     by minisat fn p11_law_in_unit64(s) {
@@ -110,8 +110,8 @@ reckoned_property! {
     }
 }
 guarded_property! {
-    /// P11 (refinement): the guard of three axes is that of lengths with √3 of an encoder count, and one quantum more where a
-    /// position is rounded. A change of force is charged as along one axis.
+    /// P11 (refinement): the guard on three axes is that of one axis with √3 of an encoder count, and one step of the number format
+    /// more where a position is rounded. A change of force is charged as along one axis.
     equation "VectorGuard::new = (Guard::new(√3 δ), δ + q, i + q, slack of δ)"
     over "settings of the guard, rate, force limit, count; under the checker a guard of which each word is one that it was told"
     by minisat fn p11_vector_guard_settings32(s) {

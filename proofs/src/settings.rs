@@ -2,8 +2,8 @@
 //! invariants.
 //!
 //! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits, which no solver follows. So
-//! the property is split. Conversions to the format are proved for every value (`p8_conversions32`). In every test run, whole
-//! controllers are built from sampled settings on both sides of every bound, and each is checked against the assumptions.
+//! the property is split. Conversions to the format are proved for every value (`p8_conversions32`). Every test run builds
+//! whole controllers from random settings on both sides of every bound, and checks each against the assumptions.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -41,7 +41,7 @@ property! {
 }
 
 property! {
-    /// P8 (settings): the first memory of every law satisfies the law's invariant.
+    /// P8 (settings): the memory with which every law starts satisfies the law's invariant.
     equation "invariant(initial memory)"
     over "configuration; SFA: valid"
     fn p8_initial32(s) {
@@ -61,7 +61,7 @@ property! {
     }
 }
 
-/// Whether a controller satisfies what the properties assume about its law.
+/// Whether a controller's coefficients satisfy what the properties assume about its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
     let guarded = controller.guard.as_ref();
     if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Checks both sides of every documented bound, one quantum apart.
+    /// Checks that settings are accepted on one side of every documented bound and refused on the other, one step of 2^-32 apart.
     #[test]
     fn p8_every_bound_is_where_it_is_said_to_be() {
         type Put = fn(&mut Settings, Si);

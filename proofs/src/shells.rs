@@ -1,6 +1,7 @@
-//! Laws on three axes (shells), and the wall that is made of them, at 8 bits.
+//! Properties at 8 bits of the laws on three axes (shells), and of the wall that is made of them.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every shells`).
+//! All inputs of each are tried (`cargo xtask prove --every shells`). `F` is the force vector, `n` the normal, `e` the penetration,
+//! `m` and `Δ` the displacement, `E` the energy, `c` the damping per tick.
 //!
 //! ```text
 //! F = n f(e, m)                                             p4_magnitude_is_the_law
@@ -21,7 +22,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{AnyLaw, Energy, Force, Number, Position};
 
-/// A spring whose force never reaches its limit.
+/// A spring whose force never reaches its limit, with the given stiffness.
 fn spring(stiff: i64) -> Held<N, Spring<N>> {
     Held::new(Spring {
         desired: stiffness(stiff),
@@ -30,7 +31,7 @@ fn spring(stiff: i64) -> Held<N, Spring<N>> {
     })
 }
 
-/// A test law that pushes with one quantum of force everywhere.
+/// A law for tests that pushes with the smallest force above 0 everywhere.
 #[derive(Debug, Clone, Copy)]
 struct Pushes;
 
@@ -89,8 +90,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each the size of its part of the penetration,
-    /// negative outside. Each pushes towards the surface.
+    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each law the absolute value of its part of the
+    /// penetration, negative outside. Each law pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {
@@ -124,8 +125,8 @@ property! {
 }
 
 property! {
-    /// P4 (geometry): each of three laws gets its part of the displacement along the normal of the last tick. On a surface that
-    /// does not turn it is the change of the law's own penetration, bit for bit.
+    /// P4 (geometry): each of the three laws of a shell gets its part of the displacement along the normal of the last tick. On a
+    /// surface that does not turn it is the change of the law's own penetration, bit for bit.
     equation "m_i = e_i - e_i'; |n_i'| m where the surface turned or the closest point jumped"
     over "normals of 3 bits along two axes, depths of 4 bits, places of 3 bits along two axes; turned or not"
     by sampled fn p4_per_axis_is_told_its_part(s) {
@@ -162,8 +163,9 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the energy of vector force bounding is the exact sum of the force's work along the displacement and of what the
-    /// damping dissipated. Its force is the spring's along the normal, as far as limit and energy allow; outside it restarts.
+    /// P1 (energy): the energy of force bounding on three axes is the exact sum of the force's work along the displacement and of
+    /// what the damping dissipated. The force is the spring's along the normal, as far as limit and energy allow. Outside the
+    /// object the law restarts.
     equation "E' = min(E - F·Δ + c Σ Δ_i², cap); |F| = min(k e, limit, bound sqrt E')"
     over "three places of 2 bits along two axes and of 1 along the third, depths of 2 bits, normals of 2 bits along two axes, two dampings"
     by sampled fn p1_bounding_is_the_sum(s) {
@@ -211,8 +213,8 @@ property! {
 }
 
 property! {
-    /// P4 (geometry): a wall of three axes runs its parts in this order: surface point, law, friction under the force along the
-    /// normal, limit, and guard. The guard gets the HIP's motion and the force that was commanded in the end.
+    /// P4 (geometry): a wall on three axes runs its parts in this order: surface point, law, friction under the force along the
+    /// normal, limit, and guard. The guard gets the hand's motion and the force that was commanded in the end.
     equation "F = guard(limit(shell(touch) + friction(touch, n·F)))"
     over "a box; two places of 4 and 3 bits along two axes, limits of 3 bits; with and without friction, guard, a later change"
     by sampled fn p4_wall_is_its_parts(s) {

@@ -1,8 +1,9 @@
-//! Sources of a property's inputs: the model checker (all inputs at once) or a seeded generator (many inputs, extreme values
-//! preferred). The body of a property does not depend on which.
+//! Sources of the inputs of a property (a statement about the code): the model checker, which takes all inputs at once, or a seeded
+//! generator (many inputs, extreme values preferred). The body of a property does not depend on which.
 //!
-//! The crate bolero offers the common interface as well. But its Kani engine accepts a generator that can give no value, and it
-//! cannot report whether a cover was reached. These proofs need both, and this file adds them in few lines.
+//! The crate bolero offers the common interface as well. But its engine for the model checker Kani accepts a generator that can
+//! give no value, and it cannot report whether a cover (a situation) was reached. These proofs need both, and this file adds them
+//! in few lines.
 
 /// A source of a property's inputs; it also takes the property's assumptions and covers (situations to be reached).
 pub trait Source {
@@ -10,51 +11,51 @@ pub trait Source {
     fn bits(&mut self, bits: u32) -> u64;
     /// Whether to continue with these inputs; under the model checker the call does not return if `holds` is `false`.
     fn assume(&mut self, holds: bool) -> bool;
-    /// Whether a generator may construct a value that satisfies its invariant. The model checker needs no shortcut, as it has all
-    /// values.
+    /// Whether a generator may construct a value that satisfies its condition. The model checker needs no such shortcut, as it
+    /// takes all values.
     fn shortcut(&mut self) -> bool;
-    /// Records a situation that must have occurred for the property to mean something.
+    /// Counts a situation (cover) that must occur for at least one input; otherwise the property would prove nothing about it.
     fn cover(&mut self, reached: bool, what: &'static str);
 
     /// A boolean of any value.
     fn bool(&mut self) -> bool {
         self.bits(1) == 1
     }
-    /// An integer `u8` of any value.
+    /// An 8-bit integer without sign, of any value.
     fn u8(&mut self) -> u8 {
         self.bits(8) as u8
     }
-    /// A `u16` of any value.
+    /// A 16-bit integer without sign, of any value.
     fn u16(&mut self) -> u16 {
         self.bits(16) as u16
     }
-    /// A `u32` of any value.
+    /// A 32-bit integer without sign, of any value.
     fn u32(&mut self) -> u32 {
         self.bits(32) as u32
     }
-    /// A `u64` of any value.
+    /// A 64-bit integer without sign, of any value.
     fn u64(&mut self) -> u64 {
         self.bits(64)
     }
-    /// An integer `i8` of any value.
+    /// A signed 8-bit integer of any value.
     fn i8(&mut self) -> i8 {
         self.u8().cast_signed()
     }
-    /// An integer `i16` of any value.
+    /// A signed 16-bit integer of any value.
     fn i16(&mut self) -> i16 {
         self.u16().cast_signed()
     }
-    /// An integer `i32` of any value.
+    /// A signed 32-bit integer of any value.
     fn i32(&mut self) -> i32 {
         self.u32().cast_signed()
     }
-    /// An integer `i64` of any value.
+    /// A signed 64-bit integer of any value.
     fn i64(&mut self) -> i64 {
         self.u64().cast_signed()
     }
 }
 
-/// Source of the model checker: all inputs at once.
+/// The model checker as a source of inputs: all inputs at once.
 #[cfg(kani)]
 pub struct Symbolic;
 
@@ -106,7 +107,7 @@ impl Source for Symbolic {
     }
 }
 
-/// Source of seeded inputs that prefers extreme values: 0, 1, all ones, powers of two and their neighbours. Every number of bits is
+/// Seeded random inputs that prefer extreme values: 0, 1, all ones, powers of two and their neighbours. Every length in bits is
 /// equally likely.
 #[cfg(not(kani))]
 pub struct Sampler {
@@ -164,7 +165,8 @@ impl Source for Sampler {
     }
 }
 
-/// Runs a property in random tests until every cover was reached and a minimum number of samples was accepted.
+/// Runs a property in random tests until every cover (situation to be reached) was reached and a minimum number of samples was
+/// accepted.
 ///
 /// # Panics
 /// The property panics, hardly any sample satisfies its assumptions, or a cover is never reached.
@@ -198,7 +200,7 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
     panic!("{name}: {accepted} samples accepted, covers never reached: {missing:?}");
 }
 
-/// A value that is likely to satisfy a condition: the sampler tries a few times, the model checker takes any value.
+/// A value that probably satisfies a condition: random tests try a few times, the model checker takes any value.
 pub fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
     loop {
         let value = any(s);
@@ -208,8 +210,8 @@ pub fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T
     }
 }
 
-/// Continues only if the condition holds. The text names the code that ensures the condition at run time, or says that it is one
-/// case and where the other is proved. The proofs' table quotes condition and text.
+/// Continues only if a condition holds. The text names the code that ensures the condition at run time. If the condition selects a
+/// case, the text says where the other case is proved. The proofs' table quotes condition and text.
 #[macro_export]
 macro_rules! assume {
     ($s:expr, $holds:expr, $who:literal) => {
@@ -219,7 +221,7 @@ macro_rules! assume {
     };
 }
 
-/// A value that satisfies an assumed condition. The sampler tries until it has one; the model checker assumes it.
+/// A value that satisfies an assumed condition. Random tests draw until they have one; the model checker assumes the condition.
 #[macro_export]
 macro_rules! such {
     ($s:expr, $value:expr, |$x:ident| $holds:expr, $who:literal) => {{
@@ -236,7 +238,7 @@ macro_rules! such {
     }};
 }
 
-/// A situation that must be reachable. Under the model checker each use is reported separately.
+/// Names a situation (cover) that at least one input must reach. Under the model checker each use is reported separately.
 #[macro_export]
 macro_rules! cover {
     ($s:expr, $reached:expr, $what:literal) => {
@@ -247,13 +249,15 @@ macro_rules! cover {
     };
 }
 
-/// Defines a property: its body, its proof under Kani, and its test on random samples without Kani.
+/// Defines a property (a statement about the code): its body, its proof with the model checker Kani, and its test on random samples
+/// without Kani.
 ///
-/// `equation` and `over` are texts for the proofs' table; `over` names the configurations, memories and inputs, all of which are
-/// covered.
+/// `equation` and `over` are texts for the proofs' table; `over` names the configurations, memories and inputs, all of which the
+/// proof covers.
 #[macro_export]
 macro_rules! property {
-    // No solver finishes at this width, or it follows over the integers, or all inputs are tried: sampled only here.
+    // Only tested on random samples here: no solver finishes at this width, or the statement follows over the integers, or another
+    // test tries all inputs.
     ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {

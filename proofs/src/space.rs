@@ -1,4 +1,4 @@
-//! Arithmetic on three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction.
+//! Properties of the arithmetic on three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction.
 //!
 //! ```text
 //! r² <= n < (r + 1)²                         p5_root_karatsuba
@@ -41,17 +41,17 @@ pub(crate) fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64
 }
 
 /// Whether a vector is at most a quarter of the format's range long. The guard's constructor guarantees it for forces, and its
-/// check for over-speed for displacements.
+/// check for overspeed for displacements.
 fn short<N: Format>(bits: [i64; 3], quarter: i64) -> bool {
     squares::<N>(bits) <= N::exact(quarter) * N::exact(quarter)
 }
 
-/// The 16-bit root, calculated by halves from the root below it.
+/// Property of the 16-bit square root, which is calculated by halves from an 8-bit root.
 pub mod w16 {
     use super::*;
 
     property! {
-        /// P5 (roots): the root that is calculated by halves is the exact root at 16 bits.
+        /// P5 (roots): the square root that is calculated by halves is exact at 16 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         fn p5_root_karatsuba(s) {
@@ -64,12 +64,12 @@ pub mod w16 {
     }
 }
 
-/// The 32-bit root, calculated by halves from the 16-bit one.
+/// Property of the 32-bit square root, which is calculated by halves from a 16-bit root.
 pub mod root32 {
     use super::*;
 
     property! {
-        /// P5 (roots): the root that is calculated by halves is the exact root at 32 bits.
+        /// P5 (roots): the square root that is calculated by halves is exact at 32 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         by sampled fn p5_root_of_halves(s) {
@@ -82,12 +82,12 @@ pub mod root32 {
     }
 }
 
-/// The 64-bit root, which is shipped.
+/// Property of the 64-bit square root, which the firmware uses.
 pub mod w64 {
     use super::*;
 
     property! {
-        /// P5 (roots): the root that is calculated by halves is the exact root at 64 bits.
+        /// P5 (roots): the square root that is calculated by halves is exact at 64 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         by sampled fn p5_root_of_words(s) {
@@ -109,7 +109,7 @@ macro_rules! space {
 
             property! {
                 /// P4 (limits): a direction is at most 1 long. Its components have the signs of the vector's components and are
-                /// right to two quanta (three at 8 bits). Only the zero vector has no direction.
+                /// right to two steps of the number format (three at 8 bits). Only the zero vector has no direction.
                 equation "|u| <= 1, |v_i|/|v| - 2 quanta <= |u_i| <= |v_i|/|v|"
                 over "every vector"
                 by $unit fn p4_unit(s) {
@@ -137,8 +137,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 (limits): a limited vector is within the limit, and none of its components grows or changes its sign. A
-                /// vector within the limit is unchanged.
+                /// P4 (limits): a vector that is cut to a limit is within the limit, and none of its components grows or changes
+                /// its sign. A vector within the limit is unchanged.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
                 by $within fn p4_within(s) {
@@ -225,8 +225,9 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P7 (end of contact): outside, a contact by projection ends exactly if the distance is longer than the offset's
-                /// part along it. A decoupled contact never ends that way. If no axis has left, no rule ends the contact.
+                /// P7 (end of contact): outside the object, a contact with the rule "projection" ends exactly if the distance is
+                /// longer than the offset's part along it. With the rule "decoupled" it never ends that way. If no axis has left,
+                /// no rule ends the contact.
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
                 by $leaving fn p7_leaving(s) {
@@ -298,24 +299,24 @@ macro_rules! space {
     };
 }
 space!(
-    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the property; `across` and
-    /// `friction` are sampled.
+    /// The properties of this file at 8 bits. All inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the
+    /// property; `across` and `friction` are only tested on random samples.
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
-    /// At 32 bits, the width of the firmware, in random tests.
+    /// The properties of this file at 32 bits, the width of the firmware, in random tests.
     w32, Fixed32, unit sampled, across sampled, longer sampled, polar sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
-/// A turning direction, at 32 bits in random tests: solvers cannot follow products of products.
+/// Property of a direction that is turned, at 32 bits in random tests: solvers cannot follow products of products.
 pub mod turn {
     use super::*;
     use touchstone_control::space::Turn;
     type N = Fixed32;
 
     property! {
-        /// P4 (limits): a turned direction is at most 1 long and shorter by at most two quanta. Its angle to the old direction is
-        /// the given one.
+        /// P4 (limits): a turned direction is at most 1 long and shorter by at most two steps of the number format. Its angle to
+        /// the old direction is the given one.
         equation "|u'| <= 1, u·u' = cos a"
         over "directions, ratios of across to along"
         by sampled fn p4_turned(s) {

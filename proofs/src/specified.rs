@@ -1,4 +1,4 @@
-//! Converts coefficients and memory of each law and of the guard, at either width to the specification's type.
+//! Converts coefficients and memory of each law and of the guard, at 32 or 8 bits, to the specification's types.
 
 macro_rules! specified {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, $spec:path) => {
@@ -17,51 +17,51 @@ macro_rules! specified {
 
             type N = touchstone_control::$number;
 
-            /// Half of the format's largest magnitude; no law's energy exceeds it.
+            /// Most energy that a law stores, in steps of the energy format: half of the format's largest number.
             pub const ENERGY_CAP: Int = 1 << (2 * spec::BITS - 2);
 
-            /// A stiffness as an integer number of quanta.
+            /// A stiffness as an integer, in steps of the number format.
             #[must_use]
             pub fn gain(k: Stiffness<N>) -> Int {
                 Int::from(k.0.to_bits())
             }
-            /// A force as an integer number of quanta.
+            /// A force as an integer, in steps of the number format.
             #[must_use]
             pub fn force(f: Force<N>) -> Int {
                 Int::from(f.0.to_bits())
             }
-            /// A position as an integer number of quanta.
+            /// A position as an integer, in steps of the number format.
             #[must_use]
             pub fn position(x: Position<N>) -> Int {
                 Int::from(x.0.to_bits())
             }
-            /// An energy as an integer number of quanta.
+            /// An energy as an integer, in steps of the number format.
             #[must_use]
             pub fn energy(e: Energy<N>) -> Int {
                 Int::from(e.0.to_bits())
             }
-            /// A tension (gain times signal) as an integer number of quanta.
+            /// A tension (gain times signal) as an integer, in steps of the number format.
             #[must_use]
             pub fn tension(t: Tension<N>) -> Int {
                 Int::from(t.0)
             }
-            /// A ratio as an integer number of quanta.
+            /// A ratio as an integer, in steps of the number format.
             #[must_use]
             pub fn ratio(r: Ratio<N>) -> Int {
                 Int::from(r.0.to_bits())
             }
-            /// A compliance as an integer number of quanta.
+            /// A compliance as an integer, in steps of the number format.
             #[must_use]
             pub fn compliance(c: Compliance<N>) -> Int {
                 Int::from(c.0.to_bits())
             }
 
-            /// The spring's specification tick.
+            /// The specification's tick of the spring.
             pub use spec::sfa::spring_tick as spring;
-            /// The specification of the passivity controller.
+            /// The specification of the thesis' passivity controller, which limits a force by stored energy.
             pub use spec::tdpa::passive;
 
-            /// Converts a TDPA law to the specification's type.
+            /// Converts a TDPA law (time-domain passivity) to the specification's type.
             #[must_use]
             pub fn tdpa(law: &law::Tdpa<N>) -> spec::tdpa::Tdpa {
                 spec::tdpa::Tdpa {
@@ -72,7 +72,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// Converts TDPA's memory to the specification's type.
+            /// Converts the memory of a TDPA law (time-domain passivity) to the specification's type.
             #[must_use]
             pub fn of_tdpa(state: &TdpaState<N>) -> spec::tdpa::Memory {
                 spec::tdpa::Memory {
@@ -82,7 +82,8 @@ macro_rules! specified {
                 }
             }
 
-            /// Converts an FBA law to the specification's type; its bound belongs to the damping as it is stored.
+            /// Converts an FBA law (force bounding) to the specification's type. The factor of the force bound belongs to the
+            /// damping as it is stored.
             #[must_use]
             pub fn fba(law: &law::Fba<N>) -> spec::fba::Fba {
                 spec::fba::Fba {
@@ -93,7 +94,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// Converts FBA's memory to the specification's type.
+            /// Converts the memory of an FBA law (force bounding) to the specification's type.
             #[must_use]
             pub fn of_fba(state: &FbaState<N>) -> spec::fba::Memory {
                 spec::fba::Memory {
@@ -103,7 +104,7 @@ macro_rules! specified {
                 }
             }
 
-            /// Converts an SFA law, original or continuous to the specification's type.
+            /// Converts an SFA law (successive force augmentation), original or continuous, to the specification's type.
             #[must_use]
             pub fn sfa(law: &law::Sfa<N>) -> spec::sfa::Sfa {
                 spec::sfa::Sfa {
@@ -120,7 +121,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// Converts SFA's memory to the specification's type.
+            /// Converts the memory of an SFA law (successive force augmentation) to the specification's type.
             #[must_use]
             pub fn of_sfa(state: &SfaState<N>) -> spec::sfa::Memory {
                 spec::sfa::Memory {
@@ -133,8 +134,8 @@ macro_rules! specified {
                 }
             }
 
-            /// Converts an enhanced law to the specification's type. `series` is `k_f + k_v`, of which the code keeps only a
-            /// prepared divisor (stored reciprocal).
+            /// Converts an enhanced law to the specification's type. `series` is the sum of coupling and soft stiffness, of which
+            /// the code keeps only a prepared divisor (stored reciprocal).
             #[must_use]
             pub fn enhanced(law: &EnhancedSfa<N>, series: Int) -> spec::enhanced::Enhanced {
                 spec::enhanced::Enhanced {
@@ -210,10 +211,10 @@ macro_rules! specified {
 }
 
 specified!(
-    /// At 32 bits, the width of the firmware.
+    /// The conversions of this file at 32 bits, the width of the firmware.
     at32, Fixed32, crate::spec
 );
 specified!(
-    /// At 8 bits.
+    /// The conversions of this file at 8 bits.
     at8, Fixed8, crate::spec::at8
 );

@@ -1,4 +1,5 @@
-//! The spring, with and without damping, and successive force augmentation (SFA): limits, and the end of a contact.
+//! Properties of the spring, with and without damping, and of successive force augmentation (SFA): limits, and the end of a
+//! contact.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -17,8 +18,8 @@ macro_rules! spring_sfa {
             type F = $functions;
 
             property! {
-                /// P3, P4, P7, spring: no panic, the force never pulls and is at most the limit. Outside the wall the force is 0
-                /// and the memory is cleared.
+                /// P3, P4, P7, spring law: no panic, the force never pulls and is at most the limit. Outside the wall the force is
+                /// 0 and the memory is cleared.
                 equation "0 <= f <= limit; e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_spring(s) {
@@ -43,7 +44,8 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P1 (energy): the plain spring's force is `k e` rounded towards zero, or the limit; nothing depends on the past.
+                /// P1 (energy): the plain spring's force is stiffness times penetration, rounded towards zero, or the limit;
+                /// nothing depends on the past.
                 equation "f = min(floor(k e), limit)"
                 over "valid configuration without damping, memory in the invariant, position inside"
                 by $sums fn p1_spring_is_a_spring(s) {
@@ -64,7 +66,8 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, SFA in all its variants: no panic, the force never pulls and is at most the limit.
+                /// P3, P4 and the invariant, SFA (successive force augmentation) in all its variants: no panic, the force never
+                /// pulls and is at most the limit.
                 equation "0 <= f <= limit, invariant"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_sfa(s) {
@@ -86,7 +89,8 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P7 (end of contact), SFA: once the force is 0 the contact is over, and only the positions are remembered.
+                /// P7 (end of contact), SFA (successive force augmentation): once the force is 0 the contact is over, and only the
+                /// positions are remembered.
                 equation "f = 0  =>  memory cleared but for positions"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_sfa_leaves(s) {
@@ -116,10 +120,11 @@ macro_rules! spring_sfa {
 }
 
 spring_sfa!(
-    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only the facts of
+    /// [`crate::facts`] are used.
     w32, Facts32, functions Functions32, by cadical, sums cadical
 );
 spring_sfa!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums cadical
 );

@@ -1,6 +1,9 @@
-//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it
-//! measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains
-//! when it resumes.
+//! Properties of the guard as a stage of the controller (`control/src/guard/guarded.rs`). They are about four subjects: what the
+//! stage measures, that no motion under a force goes uncounted at the end of positions, that overspeed stays until the stage
+//! resumes, and what memory remains then.
+//!
+//! `Δ` is the displacement, `e` the measured and `x` the true position, `B` the energy in the account and `C` the most that it
+//! holds.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
@@ -25,7 +28,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// Defines a property of the stage that holds for any results of its guard; equal arguments give equal results.
+/// Defines a property of the guard's stage that holds whatever its guard returns; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -36,8 +39,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for equal arguments. The guard itself
-/// is not recorded, as there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or overspeed, and the same for equal arguments. The guard is not
+/// among the arguments compared, as there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -83,7 +86,8 @@ pub fn any_tick<N: Format>(
     if fine { Ok(shown) } else { Err(Overspeed) }
 }
 
-/// A stage with any content whose memory satisfies the guard's invariant.
+/// A guard's stage (guard, memory, last position) with any content; in random tests the memory mostly satisfies the guard's
+/// invariant.
 pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     let mut stage = Guarded::new(Guard::any(s));
     stage.state = <Guard<N> as Valid<N>>::any_state(s);
@@ -93,8 +97,8 @@ pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     stage
 }
 
-/// Whether every force that acts can end before a displacement reaches the end of the range of positions. Without a last sample no
-/// force may act.
+/// Whether every force that acts can still end before a displacement reaches the end of the range of positions. Before the first
+/// sample no force may act.
 fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let before_end = |displacements: i64| {
         let furthest = N::of_signal(stage.guard.furthest.0);
@@ -106,13 +110,15 @@ fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     (still(stage.state.force) || before_end(2)) && (still(stage.state.older) || before_end(1))
 }
 
-/// Whether the guard allows no force at a position: from two largest displacements before the format's end on, on either side.
+/// Whether a position is so near to the end of the range that the guard allows no force: within two largest displacements of that
+/// end.
 fn is_beyond_edge<N: Format>(stage: &Guarded<N>, e: Position<N>) -> bool {
     let furthest = N::of_signal(stage.guard.furthest.0);
     N::of_signal(e.0).abs() >= N::of_signal(N::HIGHEST) - 2 * furthest
 }
 
-/// Whether a stage is as `Guard::new` makes it, its memory satisfies the guard's invariant, and every force that acts can end.
+/// Whether a guard's stage is as `Guard::new` makes it, its memory satisfies the guard's invariant, and every force that acts can
+/// end.
 pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
     stage.guard.valid()
@@ -121,14 +127,14 @@ pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
         && place_holds(stage)
 }
 
-/// Properties of the stage at 8 bits.
+/// Properties of the guard's stage at 8 bits.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
 
     property! {
-        /// P4 (limits): after an over-speed the force is 0 and no force is remembered, whatever the law requests. Until then the
-        /// force is the guard's.
+        /// P4 (limits): after overspeed the guard's stage gives the force 0 and remembers no force, whatever the law requests.
+        /// Until then the force is the guard's.
         equation "tripped  =>  f = 0, tripped'; else |f| <= |f_wanted|"
         over "valid configuration, memory in the invariant, sample, wanted force"
         by cadical fn p4_stage_latches(s) {
@@ -149,7 +155,7 @@ pub mod w8 {
     }
     property! {
         /// P9 (end of positions): while a force acts or is on its way, the counted displacement is the true one, wherever the
-        /// device goes. A position beyond the format's end is measured as that end; the motion there counts as over-speed.
+        /// device goes. A position beyond the format's end is measured as that end; the motion there counts as overspeed.
         equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
         over "valid configuration, memory in the invariant, true position of 16 bits, wanted force"
         by cadical fn p9_no_way_uncounted(s) {
@@ -173,8 +179,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P7 (end of contact): a resumed stage keeps what is left in the energy account, at most its own capacity. It has no force
-        /// and no over-speed.
+        /// P7 (end of contact): a guard's stage that resumes keeps what is left in the energy account, at most its own capacity. It
+        /// has no force and no overspeed.
         equation "B' = min(B, C'), f = 0, not tripped"
         over "two valid configurations, memory in the invariant of the one before"
         by cadical fn p7_stage_resumes(s) {
@@ -191,13 +197,13 @@ pub mod w8 {
     }
 }
 
-/// Properties of the stage at 32 bits, for any answers of its guard.
+/// Properties of the guard's stage at 32 bits, whatever its guard returns.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
 
-    /// For samples, which hardly ever get there: a stage just before the end of the range of positions, and a position within one
-    /// displacement of it.
+    /// A guard's stage just before the end of the range of positions, and a position within one displacement of it. Random samples
+    /// would hardly ever get there.
     fn at_the_edge<S: Source>(s: &mut S, guard: Guard<N>) -> (Guarded<N>, Position<N>) {
         let mut stage = Guarded::new(guard);
         let mut within = |most: Position<N>| {
@@ -216,7 +222,7 @@ pub mod w32 {
 
     staged_property! {
         /// P9 (end of positions): the guard gets the displacement since the last sample, and 0 at the first sample. Near the end of
-        /// the range of positions the same is booked, and the force is 0.
+        /// the range of positions it gets the same, and the force is 0.
         equation "(memory, f) = guard(memory, e - e(n-1), x - e(n-1), f_wanted), none of x: 0; first sample: guard(memory, 0, x - e, f_wanted); beyond the edge f = 0"
         over "furthest displacement, memory, sample, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
         by minisat fn p9_stage_measures(s) {

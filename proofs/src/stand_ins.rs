@@ -1,5 +1,5 @@
-//! Replacements under the model checker for validation, for the values derived from a law's settings, and for a guard: they accept
-//! anything and give any value.
+//! Replacements of validation, of damping and inertia per tick, and of a guard, when the model checker runs: they accept anything
+//! and return any value.
 
 use crate::answers::{double, roots};
 use crate::spec::Int;
@@ -12,15 +12,15 @@ use touchstone_control::{
     Ratio, Settings, SettingsError, Si, Stiffness,
 };
 
-/// Replaces [`touchstone_control::Settings::validate`] under the model checker: it accepts all settings.
+/// Replaces [`touchstone_control::Settings::validate`] when the model checker runs: it accepts all settings.
 pub fn law_accepted(_: &Settings) -> Result<(), SettingsError> {
     Ok(())
 }
 static DERIVED: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
 static IS_DERIVED: AtomicUsize = AtomicUsize::new(0);
 
-/// The values that follow from several settings (such as damping per tick), replaced by any that are not negative; the same at each
-/// call.
+/// The values that follow from several settings (such as damping per tick): any numbers that are not negative, the same ones at
+/// each call.
 fn following() -> [i64; 6] {
     if IS_DERIVED.load(Relaxed) == 0 {
         IS_DERIVED.store(1, Relaxed);
@@ -32,7 +32,7 @@ fn following() -> [i64; 6] {
     }
     core::array::from_fn(|i| DERIVED[i].load(Relaxed))
 }
-/// Replaces [`Settings::derived`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`Settings::derived`] when the model checker runs the code: returns any value, and the same value for equal arguments.
 pub fn derived(_: &Settings) -> Derived {
     let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
     Derived {
@@ -44,8 +44,8 @@ pub fn derived(_: &Settings) -> Derived {
         virtual_damping_per_tick: damper,
     }
 }
-/// Replaces [`crate::spec::law_settings::derived`] under the model checker: the specification gets the result that the code got for
-/// equal arguments.
+/// Replaces [`crate::spec::law_settings::derived`] when the model checker runs the specification: returns the value that the code
+/// got for equal arguments.
 pub fn specified_derived(
     _: &crate::spec::law_settings::Settings,
 ) -> crate::spec::law_settings::Derived {
@@ -59,28 +59,29 @@ pub fn specified_derived(
         virtual_damping: damper,
     }
 }
-/// Replaces [`Settings::is_plain_spring`] under the model checker, for settings of a spring: always `true`.
+/// Replaces [`Settings::is_plain_spring`] when the model checker runs, for properties of a spring: always `true`.
 pub fn plain(_: &Settings) -> bool {
     true
 }
-/// Replaces [`Settings::is_plain_spring`] under the model checker, for settings of no spring: always `false`.
+/// Replaces [`Settings::is_plain_spring`] when the model checker runs, for properties of other laws than a spring: always `false`.
 pub fn not_plain(_: &Settings) -> bool {
     false
 }
-/// Replaces [`Number::root_of_four`] of the damping under the model checker.
+/// Replaces [`Number::root_of_four`] of the damping when the model checker runs: any result, and the same one for equal arguments.
 pub fn root_of_four(k: FixedI32<U12>) -> FixedI32<U12> {
     FixedI32::from_bits(roots::ask(k.to_bits().into(), 0) as i32)
 }
-/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: the specification gets the result that the code got for
-/// equal arguments.
+/// Replaces [`crate::spec::fba::Fba::bound_of`] when the model checker runs the specification: returns the value that the code got
+/// for equal arguments.
 pub fn specified_root_of_four(k: Int) -> Int {
     Int::from(roots::ask(double(k), 0) as i32)
 }
-/// Replaces [`GuardSettings::validate`] under the model checker: it accepts all settings.
+/// Replaces [`GuardSettings::validate`] when the model checker runs: it accepts all settings.
 pub fn guard_accepted(_: &GuardSettings, _: &GuardedDevice) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Replaces [`Guard::new`]: it refuses an odd rate, and holds the leading digits of each argument.
+/// Replaces [`Guard::new`] when the model checker runs. It refuses an odd control rate, and returns a guard that holds the leading
+/// digits of each argument.
 pub fn told<N: Number>(
     settings: &GuardSettings,
     device: &GuardedDevice,

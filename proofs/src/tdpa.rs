@@ -1,4 +1,4 @@
-//! Time-domain passivity approach (TDPA): what each of its two observers guarantees.
+//! Properties of the time-domain passivity approach (TDPA): what the law guarantees with each of its two energy observers.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -19,9 +19,10 @@ macro_rules! tdpa {
             type F = $functions;
 
             property! {
-                /// P1, P3, P4 and the invariant, either observer: one tick does not panic, its force is at most the limit, and it
-                /// keeps the invariant. This holds from any memory that satisfies the invariant, for any configuration and
-                /// position. With the thesis' observer the invariant contains `E >= 0`.
+                /// P1, P3, P4 and the invariant, TDPA (time-domain passivity) with either observer: one tick does not panic, its
+                /// force is at most the limit, and it keeps the invariant. This holds from any memory that satisfies the invariant,
+                /// for any configuration and position. With the thesis' observer the invariant contains that the energy is not
+                /// negative.
                 equation "|f| <= limit, E <= cap; thesis: E >= 0, f >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -46,9 +47,9 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), thesis' observer: a tick inside the wall is the passivity step of the stored energy plus what the
-                /// counted damper dissipated, at most the cap. With the properties of `heart` follows `0 <= E' <= E + loss +
-                /// f'·Δe`.
+                /// P1 (energy), TDPA with the thesis' observer: a tick inside the wall is the passivity step of the stored energy
+                /// plus what the counted damper dissipated, at most the cap. With the properties of `heart` follows that the energy
+                /// is not negative and grows by at most that loss and the work of the new force.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {
@@ -78,7 +79,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy): the counted damper never gives energy: `loss >= 0`.
+                /// P1 (energy): the counted damper of TDPA (time-domain passivity) never gives energy.
                 equation "c Δe² >= 0"
                 over "valid configuration, displacement"
                 fn p1_loss_is_not_negative(s) {
@@ -90,7 +91,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), exact observer: the energy is the port's plus that of the counted damping, limited from above only.
+                /// P1 (energy), TDPA with the exact observer: the energy is the port's plus that of the counted damping, limited
+                /// from above only.
                 equation "E' = min(E + f Δe + loss, cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {
@@ -122,8 +124,9 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), exact observer: a corrected force is the quotient `|E|/|Δe|`, with the sign that pays the deficit
-                /// back over a displacement like the last one. Without a deficit it is the wall's own force.
+                /// P1 (energy), TDPA with the exact observer: a corrected force is the quotient of energy and displacement, with
+                /// the sign that pays the deficit back over a displacement like the last one. Without a deficit it is the wall's
+                /// own force.
                 equation "f = ± |E| / |Δe|, or f_wanted without need"
                 over "valid configuration, energy, wanted force, displacement"
                 by $sums fn p1_exact_correction(s) {
@@ -149,7 +152,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P7 (end of contact): outside the wall the force is 0 and nothing is remembered.
+                /// P7 (end of contact), TDPA (time-domain passivity): outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
@@ -168,11 +171,12 @@ macro_rules! tdpa {
 }
 
 tdpa!(
-    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
+    /// The properties of this file at 32 bits, the width of the firmware. Of products, quotients and roots only the facts of
+    /// [`crate::facts`] are used.
     w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run in
-    /// random tests at 8.
+    /// The properties of this file at 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are
+    /// proved at 32 bits, and run in random tests at 8.
     w8, Fixed8, functions Fixed8, by cadical, sums sampled, step sampled
 );

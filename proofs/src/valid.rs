@@ -1,5 +1,5 @@
-//! What every accepted configuration satisfies (`Valid`), and the invariant of every law's memory (`holds`). The properties start
-//! from any configuration and any memory that satisfy these, and show that a tick keeps the invariant.
+//! What every accepted configuration of a law or guard satisfies (`Valid`), and the invariant of the memory (`holds`). The
+//! properties start from any configuration and any memory that satisfy these conditions, and show that a tick keeps the invariant.
 //!
 //! `settings.rs` proves and tests that every configuration that `Controller::new` accepts is valid. The first memory satisfies the
 //! invariant (`p8_initial32`).
@@ -18,15 +18,15 @@ use touchstone_control::{
 
 /// A configuration (law or guard) that settings can give, with its memory.
 pub trait Valid<N: Format>: Sized {
-    /// The memory between ticks.
+    /// The law's or guard's memory between ticks.
     type State;
-    /// A configuration with any values.
+    /// A configuration with any coefficients, from the source of inputs.
     fn any<S: Source>(s: &mut S) -> Self;
-    /// A memory with any values.
+    /// A memory with any values, from the source of inputs.
     fn any_state<S: Source>(s: &mut S) -> Self::State;
     /// Whether the configuration satisfies what `Controller::new` guarantees.
     fn valid(&self) -> bool;
-    /// Whether a memory satisfies the invariant.
+    /// Whether a memory satisfies the invariant, which every tick keeps.
     fn holds(&self, state: &Self::State) -> bool;
 }
 
@@ -38,7 +38,7 @@ fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
 fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
     one_with(s, N::any_force, |f| limit_ok(*f))
 }
-/// Any fraction, as a compliance.
+/// Any ratio, as a compliance; in random tests mostly one that is not negative.
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
@@ -140,7 +140,8 @@ impl<N: Format> Valid<N> for Fba<N> {
             inside,
         }
     }
-    /// Whether the coefficients are valid. `p5_bound_of_damping` proves the bound itself, `bound² <= 4 c_i/T`.
+    /// Whether the coefficients are valid. `p5_bound_of_damping` proves that the square of the bound is at most four times the
+    /// device's damping per tick.
     fn valid(&self) -> bool {
         gain_ok(self.desired)
             && gain_ok(self.device_damping)
@@ -291,7 +292,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
     }
 }
 
-/// Any rule for changing the offset.
+/// Any rule for changing the offset of the soft spring, from the source of inputs.
 pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
     Augmentation {
         of_ideal: any_share(s),
@@ -299,13 +300,13 @@ pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
         of_penetration: one_with(s, N::any_ratio, |r| N::of_signal_ratio(r.0) >= 0),
     }
 }
-/// Whether the fractions of an offset's rule are not negative.
+/// Whether no coefficient of an offset's rule is negative.
 pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
     N::of_signal_ratio(a.of_ideal.0) >= 0
         && N::of_signal_ratio(a.of_force.0) >= 0
         && N::of_signal_ratio(a.of_penetration.0) >= 0
 }
-/// A virtual mass with any coefficients.
+/// A virtual mass with any coefficients, from the source of inputs.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
     let bits = |k: &Stiffness<N>| N::of_gain(k.0);
     let part = |s: &mut S| {
@@ -339,7 +340,8 @@ pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
         && inertia + stiffness + damping <= total
         && total <= N::HALF_GAIN
 }
-/// Whether a tension can occur as the drive of the virtual mass: `enhanced::p6_drive_is_exact` shows that no other does.
+/// Whether a force can occur as the force that drives the virtual mass: `enhanced::p6_drive_is_exact` shows that no larger one
+/// does.
 pub fn drive_ok<N: Format>(mass: &VirtualMass<N>, drive: Tension<N>) -> bool {
     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
     N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs()

@@ -1,7 +1,10 @@
-//! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
+//! Properties of the energy guard on three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! At 32 bits it is tested in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
+//! At 32 bits they run in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
 //! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
+//!
+//! `B` is the energy in the account, `C` the most that it holds, `R` the reserve, `F` the force vector, `D` the largest
+//! displacement plus an encoder count, `s` and `o` the lengths of the last two forces, `q` the distance charged.
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -21,7 +24,7 @@ use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Ratio, Stiffness,
 };
 
-/// Inputs of one tick of a guard: the HIP's motion, its part before the force changed, and the requested force.
+/// Inputs of one tick of a guard on three axes: the hand's motion, its part before the force changed, and the requested force.
 struct Tick<N: Format + Spatial> {
     moved: Vector<Position<N>>,
     before_change: Vector<Position<N>>,
@@ -45,17 +48,18 @@ fn root_up(square: i128) -> i128 {
     let root = square.isqrt();
     root + i128::from(root * root < square)
 }
-/// Energy that the trusted damping dissipated over a displacement. Its length is uncertain by an encoder count and a quantum.
+/// Energy that the trusted damping dissipated over a displacement. Its length is uncertain by an encoder count and a step of the
+/// number format.
 fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
     ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
 }
-/// Most energy that a force of this size may still cost.
+/// Most energy that a force of this size may still cost after the next sample, which the guard keeps in reserve.
 fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
     wide(N::of_signal(size.0)) * length(law.in_flight)
 }
 
-/// The exact sum of the energy account over three axes, without the damping.
+/// The exact sum of the energy account over three axes, without the energy that the damping dissipates.
 fn booked<N: Format + Spatial>(
     law: &Guard<N>,
     before: &VectorGuardState<N>,
@@ -74,7 +78,7 @@ fn booked<N: Format + Spatial>(
     sum
 }
 
-/// Whether a tick of the guard follows the equations of this file.
+/// Whether a tick of the guard on three axes follows the equations of this file.
 fn is_as_said<N: Format + Spatial>(
     guard: &VectorGuard<N>,
     before: &VectorGuardState<N>,
@@ -132,7 +136,7 @@ fn is_as_said<N: Format + Spatial>(
     assert!(smaller);
     let long = root_up(sum_of_squares(wanted));
     assert!(long > limit || force == tick.wanted);
-    // If the force was shortened, each axis is right to three quanta.
+    // If the force was shortened, each axis is right to three steps of the format.
     assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);
@@ -142,7 +146,7 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// At 32 bits, the width of the firmware, in random tests.
+/// The properties at 32 bits, the width of the firmware, in random tests.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
@@ -177,8 +181,9 @@ pub mod w32 {
     }
 
     property! {
-        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
-        /// covers the force, which is never longer than the requested force and keeps its direction.
+        /// P1 (energy): the account of the guard on three axes is the exact sum over the axes, with the damping of the
+        /// displacement's length. The account covers the force, which is never longer than the requested force and keeps its
+        /// direction.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "valid configuration, memory in the invariant, displacement, wanted force"
         by sampled fn p1_vector_account(s) {
@@ -203,7 +208,7 @@ pub mod w32 {
     }
 }
 
-/// Properties at 8 bits, of which all inputs are tried.
+/// The properties at 8 bits, of which all inputs are tried.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
@@ -211,7 +216,7 @@ pub mod w8 {
     fn force(x: i64) -> Force<N> {
         Force(position(x).0)
     }
-    /// A vector along two axes, as few inputs remain then.
+    /// A vector along two axes only, so that few enough inputs remain to try all.
     fn flat<S: Source>(s: &mut S, width: u32, by: i64) -> [i64; 3] {
         [by * signed(s, width), 0, by * signed(s, width)]
     }
@@ -265,9 +270,9 @@ pub mod w8 {
     }
 
     property! {
-        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
-        /// covers the force, which is never longer and keeps its direction. An over-speed costs what the forces that acted can have
-        /// lost; with a deficit the force is 0.
+        /// P1 (energy): the account of the guard on three axes is the exact sum over the axes, with the damping of the
+        /// displacement's length. The account covers the force, which is never longer and keeps its direction. Overspeed costs what
+        /// the forces that acted can have lost; with a deficit the force is 0.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, displacements of 4 and 3 bits, wanted forces of 2 bits"
         by sampled fn p1_vector_account(s) {
@@ -288,8 +293,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P1 (energy): if the position was also read when the force changed, the motion before the change is booked under the
-        /// older force alone.
+        /// P1 (energy): if the position was also read when the force changed, the guard counts the motion before the change under
+        /// the older force alone.
         equation "u = b + floor(late (Δ - b) + stray g)"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, both parts of a displacement of 2 bits an axis"
         by sampled fn p1_vector_change(s) {
@@ -308,8 +313,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9 (end of positions): from two largest displacements before the end of positions on, in any coordinate, the force is 0,
-        /// and a requested force is refused. Elsewhere the tick is that of any other place.
+        /// P9 (end of positions): within two largest displacements of the end of positions, in any coordinate, the guard's force is
+        /// 0, and a requested force is refused. Elsewhere the tick is that of any other place.
         equation "|x_i| >= end - 2 d: 0, and Err where F ≠ 0"
         over "one configuration; every coordinate of 8 bits, along each axis, displacements of 2 bits along two axes, wanted forces of 2 bits"
         by sampled fn p9_no_force_at_the_end(s) {
@@ -330,8 +335,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P4 (limits): a reported force that is smaller than the guard's is the force in the account; a larger one counts as the
-        /// guard's.
+        /// P4 (limits): a reported force that is smaller than the guard's is the force that the account counts; a larger one counts
+        /// as the guard's.
         equation "|F| <= s: against = -F, s' = |F| up"
         over "forces of 4 bits along two axes, sizes of 4 bits"
         by sampled fn p4_vector_commanded(s) {
@@ -353,7 +358,7 @@ pub mod w8 {
         }
     }
 
-    /// Checks that the guard's constructor could give the configuration of the properties.
+    /// Checks that `Guard::new` could give the guard that the properties at 8 bits use.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {

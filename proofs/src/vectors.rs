@@ -1,4 +1,4 @@
-//! Sums, signs and lengths of vectors and directions, and multiples of a direction.
+//! Properties of vectors and directions: sums, signs, lengths, and multiples of a direction.
 //!
 //! ```text
 //! (v + w)_i = v_i + w_i, and v - w, -v     p1_vector_sums
@@ -15,7 +15,7 @@ use touchstone_control::{Fixed8, Force, Number, Position};
 
 type N = Fixed8;
 
-/// A number limited to the range of 8 bits.
+/// Limits a number to the range of 8 bits.
 const fn shown(x: i64) -> i64 {
     if x < -128 {
         -128
@@ -34,7 +34,7 @@ fn any_direction<S: Source>(s: &mut S) -> Direction<N> {
 }
 
 property! {
-    /// P1 (energy): vectors are added, subtracted and negated by component, and each component saturates.
+    /// P1 (energy): vectors are added, subtracted and negated component by component, and each component saturates.
     equation "(v + w)_i = v_i + w_i, (v - w)_i = v_i - w_i, (-v)_i = -v_i"
     over "two vectors"
     fn p1_vector_sums(s) {
@@ -51,7 +51,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a length along a direction is the product with each component, rounded towards zero.
+    /// P4 (geometry): a vector of a given length along a direction has that length times each component, rounded towards zero.
     equation "(u l)_i = u_i l towards zero"
     over "direction, length"
     by kissat fn p4_direction_times(s) {
@@ -68,7 +68,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a force along a direction is the product with each component, rounded towards zero.
+    /// P4 (geometry): a force along a direction has its size times each component of the direction, rounded towards zero.
     equation "(u f)_i = u_i f towards zero"
     over "direction, force"
     by kissat fn p4_direction_times_force(s) {
@@ -103,7 +103,7 @@ property! {
     }
 }
 
-/// The scalar product `floor(u·v)`, limited to the range of the format.
+/// The scalar product of a direction and a vector, rounded down and limited to the range of the format.
 fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
@@ -136,7 +136,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the length of a vector is the root of its square, rounded down or up, and limited to the format.
+    /// P4 (geometry): the length of a vector is the root of the sum of its squared components, rounded down or up, and limited to
+    /// the format.
     equation "floor |v|, ceil |v|"
     over "every vector"
     by sampled fn p4_lengths(s) {
@@ -153,7 +154,7 @@ property! {
 }
 property! {
     /// P4 (geometry): the part of a vector across a direction is never longer than the vector. It is the vector minus the part
-    /// along the direction, to two quanta.
+    /// along the direction, to two steps of the number format.
     equation "|v - (v·u) u| <= |v|"
     over "directions of 4 bits an axis, vectors of 4 bits an axis, five times as large"
     by sampled fn p4_across_is_shorter(s) {
@@ -169,7 +170,7 @@ property! {
         let [a, b, c] = u.0.map(N::of_signal);
         let inner = a * was[0] + b * was[1] + c * was[2];
         for (axis, u) in [a, b, c].into_iter().enumerate() {
-            // In quanta with 14 fractional bits (128 times 128).
+            // Both sides are 128² times as large as the numbers that they stand for: directions are stored in steps of 1/128.
             let exact = was[axis] * 128 * 128 - inner * u;
             assert_reached!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
         }
@@ -177,7 +178,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a vector that is cut to a limit is at most six quanta shorter than the limit.
+    /// P4 (geometry): a vector that is cut to a limit is at most six steps of the number format shorter than the limit.
     equation "|v| > l: l - 6 quanta <= |v'| <= l"
     over "vectors of 4 bits an axis, sixteen times as large, limits of 7 bits"
     by sampled fn p4_within_is_hardly_shorter(s) {

@@ -1,9 +1,10 @@
 //! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
 //! states leaves its range.
 //!
-//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator
-//! ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks,
-//! is compared in random tests, with everything else (`proofs/tests/spec_velocity.rs`).
+//! A product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
+//! where they are compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that
+//! range. The window, which multiplies by whole ticks, is compared in random tests, with everything else
+//! (`proofs/tests/spec_velocity.rs`). `v` is the filtered displacement per tick, `x` the position, `a` the gain.
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -32,11 +33,11 @@ use touchstone_control::{Fixed8, Fixed32, Force, Position, Ratio, Stiffness};
 
 type N = Fixed32;
 
-/// The value 1 as a weight of motion, with 26 fractional bits.
+/// The value 1 as a weight (coefficient) of motion, with 26 fractional bits.
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word; in random tests one from 0 to `most`.
+/// A weight (coefficient) with any bits; in random tests one from 0 to `most`.
 fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
     let any = s.i32();
     if s.shortcut() {
@@ -47,7 +48,8 @@ fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
 }
 
 weighed_property! {
-    /// P11 (refinement): the first-order filter of differences equals the specification's; both restart on the same inputs.
+    /// P11 (refinement): the first-order filter of position differences equals the specification's; both restart on the same
+    /// inputs.
     equation "d' = d + a (x - x' - d); none beyond 8 rad of news or 4 rad a tick"
     over "weight, motion in the invariant, measured position"
     by minisat fn p11_smoothed(s) {
@@ -63,7 +65,7 @@ weighed_property! {
     }
 }
 bounded_property! {
-    /// P3 (no overflow): a first-order filter with a weight up to 1 keeps its motion in the invariant, and none of its sums
+    /// P3 (no overflow): a first-order filter with a gain up to 1 keeps its state within the invariant, and none of its sums
     /// overflows.
     equation "|d'| <= 4 rad, x' = e, g' = g"
     over "share from 0 to 1, motion in the invariant, measured position"
@@ -82,8 +84,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P11 (refinement): the prediction without damping and commands, which trackers use, is exact: a displacement per tick adds
-    /// itself, an acceleration adds half of itself.
+    /// P11 (refinement): the prediction that the Kalman filters use, without damping and commands, is exact. A displacement per
+    /// tick adds itself to the position, an acceleration adds half of itself.
     equation "V = 1, X = 1/2, β V = 0"
     over "nothing"
     by cadical fn p11_free(s) {
@@ -94,7 +96,7 @@ property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): a Kalman filter in its steady state equals the specification's; both restart on the same inputs.
+    /// P11 (refinement): a velocity filter with constant Kalman gains equals the specification's; both restart on the same inputs.
     equation "r = e - x - V d - X g; (x', d', g') = (x⁻, d⁻, g) + (α, β, γ) r"
     over "weights, motion in the invariant, measured position"
     by minisat fn p11_tracker(s) {
@@ -115,7 +117,7 @@ weighed_property! {
     }
 }
 
-/// The coefficients of a window's slope over this many ticks, as settings give them.
+/// The coefficients for the slope over a window of this many ticks, as settings give them.
 fn slope(ticks: i32) -> Slope<N> {
     Slope {
         times: Stiffness(FixedI32::from_bits(ticks << 12)),
@@ -127,8 +129,8 @@ fn place(bits: i32) -> Position<N> {
 }
 
 property! {
-    /// P11 (refinement): the adaptive window equals the specification's: the slope over the longest window that a line fits, and
-    /// the remembered positions.
+    /// P11 (refinement): adaptive windowing equals the specification's: the slope over the longest window that a line fits, and the
+    /// remembered positions.
     equation "v = (e - e(n-k))/k, the largest k <= K that a line within d fits; e, e(n-1), ... remembered"
     over "positions remembered, position, longest window, margin"
     by sampled fn p11_window(s) {
@@ -152,8 +154,8 @@ property! {
 }
 replaced_property! {
     [(touchstone_control::velocity::Velocity::tick, crate::velocity::any_velocity)]
-    /// P11 (refinement): a spring with its own velocity filter is the spring, with the penetration and whatever velocity the filter
-    /// gives.
+    /// P11 (refinement): a spring-damper with a velocity filter is the spring-damper with the penetration and the velocity that the
+    /// filter gives.
     equation "f = spring(e, v), v = filter(e)"
     over "spring and damper, penetration, displacement told; under the checker whatever a filter tells"
     by kissat fn p11_damped_tick(s) {
@@ -171,7 +173,7 @@ replaced_property! {
     }
 }
 
-/// Replaces `Velocity::tick`: any displacement for a position, and the same one for an equal position.
+/// Replaces `Velocity::tick` when the model checker runs: any displacement for a position, and the same one for an equal position.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

@@ -1,4 +1,7 @@
-//! Views and measurements: the laws' views for telemetry, the observers alone, a sample, and the guard on the mirrored axis.
+//! Properties of values for telemetry and of measurements: the laws' views, the observers alone, a law's input, and the guard on
+//! the mirrored axis.
+//!
+//! `E` is the energy, `f` the force, `x` a position, `e` a penetration, `Δ` a displacement; `'` marks the new value.
 //!
 //! ```text
 //! view = what the memory holds             p11_view_*
@@ -26,7 +29,8 @@ const fn contact(inside: bool) -> Contact {
 }
 
 property! {
-    /// P11 (refinement): the view of a law without an offset says whether it is in contact, and its energy if it observes one.
+    /// P11 (refinement): the view (values for telemetry) of a law without an offset says whether it is in contact, and its energy
+    /// if it observes one.
     equation "view = (inside, E)"
     over "law, memory"
     fn p11_view_without_offset(s) {
@@ -44,8 +48,8 @@ property! {
     }
 }
 property! {
-    /// P11 (refinement): the view of SFA has its contact phase and offset. That of the enhanced law also has the energy without the
-    /// loan, and the virtual mass while it is in use.
+    /// P11 (refinement): the view (values for telemetry) of SFA has its contact phase and offset. That of the enhanced law also has
+    /// the energy without the lent part, and the virtual mass while it is in use.
     equation "view = (contact, E - loan, O, x_m)"
     over "law, memory"
     fn p11_view_with_offset(s) {
@@ -71,13 +75,13 @@ property! {
         cover!(s, state.contact == Contact::Free, "free");
     }
 }
-/// A signal (position or force) as its 32-bit word.
+/// A position or force as its 32-bit word.
 fn bits(x: <N as Number>::Signal) -> i32 {
     x.to_bits().into()
 }
 
 property! {
-    /// P1 (energy): the exact observer's energy is the sum of last force times displacement, for numbers of 16 bits.
+    /// P1 (energy): the exact observer's energy grows by last force times displacement, for numbers of 16 bits.
     equation "E(n) = E(n-1) + f(n-1) (x(n) - x(n-1))"
     over "start, two ticks of position and force"
     by kissat fn p1_observer_exact(s) {
@@ -97,7 +101,7 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the thesis' observer multiplies the displacement by the new force.
+    /// P1 (energy): the thesis' observer multiplies the displacement by the new force, not by the last one.
     equation "E(n) = E(n-1) + f(n) (x(n) - x(n-1))"
     over "start, two ticks of position and force"
     by kissat fn p1_observer_thesis(s) {
@@ -117,8 +121,8 @@ property! {
     }
 }
 property! {
-    /// P11 (refinement): a sample's displacement is the difference of two positions, limited to the format; inside the wall it is
-    /// at most the penetration.
+    /// P11 (refinement): the displacement in a law's input is the difference of two positions, limited to the format. Inside the
+    /// wall it is at most the penetration.
     equation "Δ = e - e(n-1); inside min(Δ, e)"
     over "two positions"
     fn p11_sample(s) {
@@ -131,7 +135,7 @@ property! {
     }
 }
 staged_property! {
-    /// P11 (refinement): on the mirrored axis, with displacements and forces of the other sign, the guard acts the same.
+    /// P11 (refinement): on the mirrored axis, with displacements and forces of the opposite sign, the guard acts the same.
     equation "f = -guard(-Δ, -f_wanted | -f(n-1))"
     over "memory, displacement, the part before the change, wanted force; under the checker whatever the guard answers"
     by minisat fn p11_guard_mirrored(s) {

@@ -1,8 +1,8 @@
-//! Weight times part for the model checker, for the estimator: any answer, and the same answer for the same question, as in
-//! [`crate::multiplied`].
+//! Products of the estimator when the model checker runs: any result, and the same result for equal arguments, as in
+//! [`crate::multiplied`]. The factors are a weight (coefficient) and a part (leading digits of a state).
 //!
 //! That a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by
-//! any number, and the specification's next question gets the code's answer if it is the same question. Other harnesses prove that
+//! any number, and the specification's next call gets the code's result if its arguments are equal. Other properties prove that
 //! no sum overflows; here each sum assumes it.
 //!
 //! ```text
@@ -13,14 +13,15 @@
 //! |x⁻| < 160 rad, |d⁻| < 21 rad                           estimator::p3_flow_fits32
 //! ```
 //!
-//! Larger parts are replaced in the same way: the result of a prediction (`flowed_property!`, `bounded_property!`) and the
-//! correction (`corrected_property!`). `estimated::p11_estimator_flow` and `p11_estimator_corrected` prove that these are their
+//! Larger steps are replaced in the same way: the result of a prediction (`flowed_property!`, `bounded_property!`) and the
+//! correction (`corrected_property!`). `estimated::p11_estimator_flow` and `p11_estimator_corrected` prove that these equal their
 //! specification.
 
 use crate::{cover, property};
 use touchstone_control::number::{Wide as _, Wide64};
 
-/// Whether a product has its known fact: with a weight from 0 to 1 (or 2), it lies between 0 and the part (or twice the part).
+/// Whether a product has its proved fact: with a weight (coefficient) from 0 to 1, or to 2, it lies between 0 and the other factor,
+/// or twice that factor.
 #[must_use]
 pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
     let between = |end: i64| product >= end.min(0) && product <= end.max(0);
@@ -30,7 +31,7 @@ pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
 }
 
 property! {
-    /// P1 (energy): the code's product of a weight and a part is the exact product.
+    /// P1 (energy): the code's product of a weight (coefficient) and a part (leading digits of a state) is the exact product.
     equation "w p = w p"
     over "weight and part"
     by kissat fn p1_weight_times_part(s) {
@@ -42,8 +43,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a weight from 0 to 1 (or 2) gives a product between 0 and the part (or twice the part). It follows from the
-    /// order of products, which two solvers show over the integers in `obligations/check.py`.
+    /// P3 (arithmetic): a weight (coefficient) from 0 to 1, or to 2, gives a product between 0 and the other factor, or twice that
+    /// factor. It follows from the order of products, which two solvers show over the integers in `obligations/check.py`.
     equation "0 <= w <= 2^k implies w p between 0 and p << k, k = 26, 27"
     over "weight and part"
     by sampled fn p3_weight_in_range(s) {
@@ -53,7 +54,7 @@ property! {
     }
 }
 
-/// Defines a property of the estimator and its specification, in which products are those of this file.
+/// Defines a property of the estimator and its specification, in which the functions of this file replace the products.
 #[macro_export]
 macro_rules! weighed_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
@@ -70,7 +71,7 @@ macro_rules! weighed_property {
         $crate::weighed_property!(and [] $($property)*);
     };
 }
-/// Defines a property of a correction, in which the result of the prediction is replaced by any answer.
+/// Defines a property of the estimator's correction, in which the prediction before it is replaced by any result.
 #[macro_export]
 macro_rules! flowed_property {
     ($($property:tt)*) => {
@@ -83,7 +84,7 @@ macro_rules! flowed_property {
         }
     };
 }
-/// Defines a property of a tick, in which the result of its prediction and its correction are replaced by any answers.
+/// Defines a property of the estimator's tick, in which prediction and correction are replaced by any results.
 #[macro_export]
 macro_rules! corrected_property {
     ($($property:tt)*) => {
@@ -96,7 +97,7 @@ macro_rules! corrected_property {
         }
     };
 }
-/// Defines a property of a correction that holds for any result of the prediction within its range.
+/// Defines a property of the estimator's correction that holds for any result of the prediction within its range.
 #[macro_export]
 macro_rules! bounded_property {
     ($($property:tt)*) => {
@@ -108,10 +109,10 @@ macro_rules! bounded_property {
     };
 }
 
-/// Marks of who asks for products (code or specification); without the checker they do nothing.
+/// Functions that mark whether code or specification multiplies from now on. Without the model checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties in random tests do not record who asks.
+    /// Does nothing: random tests need not know whether code or specification calls.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -129,14 +130,19 @@ mod by_one_product {
     use touchstone_control::number::{Wide, Wide64};
     use touchstone_control::{Estimator, Number, Position};
 
-    /// Number of products that a property may use.
+    /// Largest number of products in the record, which no property reaches.
     const END: usize = 10;
-    /// Row of the next product in the record, whether the specification asks for it, and how many products the code has asked for.
+    /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
+    /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
+    /// Number of products that the code has made.
     static ASKED: AtomicUsize = AtomicUsize::new(0);
+    /// The weight in each row.
     static WEIGHT: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    /// The part of a motion or torque by which the weight is multiplied, in each row.
     static PART: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    /// The product in each row.
     static FOUND: [AtomicI64; END] = [const { AtomicI64::new(0) }; END];
 
     pub fn of_specification() {
@@ -145,7 +151,7 @@ mod by_one_product {
         SPECIFIES.store(1, Relaxed);
     }
 
-    /// Replaces the code's product under the model checker.
+    /// Replaces the code's product of a weight and a part when the model checker runs: any number, recorded for the specification.
     pub fn product(weight: i32, part: i32) -> Wide64 {
         let at = AT.load(Relaxed);
         AT.store(at + 1, Relaxed);
@@ -155,8 +161,8 @@ mod by_one_product {
         FOUND[at].store(any, Relaxed);
         Wide64(any)
     }
-    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: the specification gets the result that the code got
-    /// for equal arguments.
+    /// Replaces [`crate::spec::estimator::weighed`] when the model checker runs the specification: returns the value that the code
+    /// got for equal arguments.
     pub fn weighed(weight: i128, part: i128) -> i128 {
         assert!(
             SPECIFIES.load(Relaxed) == 1,
@@ -176,35 +182,35 @@ mod by_one_product {
             any.into()
         }
     }
-    /// Replaces a sum of the code, which fits, as `estimator::p3_*` prove.
+    /// Replaces a sum of the code when the model checker runs. The sum is assumed not to overflow, which `estimator::p3_*` prove.
     pub fn plus(a: Wide64, b: Wide64) -> Wide64 {
         let sum = a.0.checked_add(b.0);
         kani::assume(sum.is_some());
         Wide64(sum.unwrap_or_default())
     }
-    /// Replaces a difference of the code, which fits, as `estimator::p3_*` prove.
+    /// Replaces a difference of the code when the model checker runs. It is assumed not to overflow, which `estimator::p3_*` prove.
     pub fn minus(a: Wide64, b: Wide64) -> Wide64 {
         let difference = a.0.checked_sub(b.0);
         kani::assume(difference.is_some());
         Wide64(difference.unwrap_or_default())
     }
 
-    /// Replaces the code's product under the model checker where only its range matters.
+    /// Replaces the code's product when the model checker runs, in properties for which only the product's range matters.
     pub fn bounded(weight: i32, part: i32) -> Wide64 {
         let any: i64 = kani::any();
         kani::assume(in_range(weight, part, any));
         Wide64(any)
     }
 
-    /// A wide number that can be made from any bits.
+    /// A wide number (an estimator's state) that can be made from any bits.
     pub trait Made: Wide {
         /// A wide number with these bits.
         fn made(bits: i64) -> Self;
         /// The bits of a wide number.
         fn bits(self) -> i64;
-        /// The bits of a part: the digits of a wide number that are multiplied.
+        /// The bits of a part: the leading digits of a wide number, which are one factor of a product.
         fn of_part(part: Self::Part) -> i64;
-        /// The bits of a weight: the other factor of such a product.
+        /// The bits of a weight: the coefficient that is the other factor of a product.
         fn of_weight(weight: Self::Weight) -> i64;
     }
     impl Made for Wide64 {
@@ -223,7 +229,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// Record of the code's one call of a part of the tick: arguments and result.
+    /// Record of the code's one call of a replaced step of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -240,7 +246,7 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// The result of a replaced part: any at the first call, the same one for equal arguments, and any other for different
+        /// The result of a replaced step: any at the first call, then the same one for equal arguments, and any other for different
         /// ones.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
@@ -275,7 +281,7 @@ mod by_one_product {
         kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
         (position, moved)
     }
-    /// Replaces [`Flow::apply`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Flow::apply`] when the model checker runs the code: returns any value, and the same value for equal arguments.
     pub fn end<N: Number, const COMMANDS: usize>(
         flow: &Flow<N, COMMANDS>,
         from: &EstimatedMotion<N>,
@@ -301,7 +307,7 @@ mod by_one_product {
         let (position, moved) = any_end(question);
         (N::Wide::made(position), N::Wide::made(moved))
     }
-    /// Replaces [`spec::Flow::end`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`spec::Flow::end`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn specified_end<const COMMANDS: usize>(
         flow: &spec::Flow<COMMANDS>,
@@ -333,7 +339,7 @@ mod by_one_product {
         x as i64
     }
 
-    /// Replaces [`Estimator::corrected`] under the model checker: any motion, or `None`.
+    /// Replaces [`Estimator::corrected`] when the model checker runs: any estimated motion, or `None`.
     pub fn corrected<N: Number>(
         _: &Estimator<N>,
         before: &EstimatedMotion<N>,
@@ -366,8 +372,8 @@ mod by_one_product {
         let [some, position, moved, pushed] = CORRECTED.answer(question);
         (some > 0).then_some([position, moved, pushed])
     }
-    /// Replaces [`spec::Estimator::corrected`] under the model checker: the specification gets the result that the code got for
-    /// equal arguments.
+    /// Replaces [`spec::Estimator::corrected`] when the model checker runs the specification: returns the value that the code got
+    /// for equal arguments.
     pub fn specified_corrected(
         _: &spec::Estimator,
         before: spec::Motion,

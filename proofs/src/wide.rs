@@ -1,5 +1,5 @@
-//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
-//! compared with its equation over integers.
+//! Properties of the estimator's wide states as numbers, and of the few functions of `Fixed32` and `Fixed8` that no other file
+//! covers. Each is compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
@@ -15,7 +15,7 @@ use touchstone_control::number::{Exact, Wide as _, Wide64, word_of};
 use touchstone_control::{Fixed8, Fixed32, Number, Si};
 
 property! {
-    /// P3 (arithmetic): sum and difference of wide states are exact if they fit.
+    /// P3 (arithmetic): sum and difference of two wide states of the estimator are exact if they fit.
     equation "a + b, a - b"
     over "two states"
     by cadical fn p3_wide_sums(s) {
@@ -32,12 +32,12 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): the part of a motion is its first 28 fractional bits, that of a torque its first 24. Both are rounded down
-    /// and exact if they fit words.
+    /// P3 (arithmetic): the part of an estimator's state that is multiplied is its leading digits: of a motion the first 28
+    /// fractional bits, of a torque the first 24. Both are rounded down and exact if they fit words.
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
-        // On samples the first number is mostly within ±8.
+        // In tests on random samples the first number is mostly within ±8.
         let any = s.i64();
         let state = Wide64(if s.shortcut() { any >> 6 } else { any });
         let whole = i128::from(state.0);
@@ -70,12 +70,12 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): the check for a range `-2^k <= w < 2^k` includes the lower end and excludes the upper.
+    /// P3 (arithmetic): the check whether a wide state is within ±`2^k` includes the lower end and excludes the upper.
     equation "-2^k <= w < 2^k"
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // On samples mostly at one of the two ends, as otherwise none would be.
+        // In tests on random samples the state is mostly near one of the two ends, as otherwise none would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);
@@ -91,8 +91,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a weight is the nearest to the calculated number, halves rounded up. There is none if the number is beyond
-    /// ±32, or ±2 for a torque.
+    /// P3 (arithmetic): a weight (coefficient) is the nearest one to the calculated number, halves rounded up. There is none if the
+    /// number is beyond ±32, or ±2 for a torque.
     equation "w = floor(v 2^-30 + 1/2), of a torque floor(v 2^-26 + 1/2); none beyond a word"
     over "value with 56 fractional digits"
     by cadical fn p3_wide_weights(s) {
@@ -107,8 +107,7 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): a setting is converted to the signal (position or force) next to it towards zero, limited to the range of
-    /// signals.
+    /// P8 (settings): a setting is converted to a position or force by rounding towards zero, limited to the range of the format.
     equation "bits' = bits 2^-8 towards zero, within the format"
     over "setting of 64 bits"
     by cadical fn p8_saturating_signal32(s) {
@@ -144,7 +143,7 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal (position or force), is rounded down if it fits.
+    /// P3 (arithmetic): an energy, cut to the fractional bits of a position or force, is rounded down if it fits.
     equation "e' = floor(e 2^-24)"
     over "energy within ±2^55"
     by cadical fn p3_energy_digits32(s) {

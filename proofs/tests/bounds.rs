@@ -1,5 +1,5 @@
-//! Both sides of bounds that several settings share, and which setting a refusal names. The comparison with the specification does
-//! not cover these, as it only compares whether settings are accepted.
+//! Tests both sides of bounds that several settings share, and which setting a refusal names. The comparison with the specification
+//! does not cover these, as it only compares whether settings are accepted.
 
 use touchstone_control::space::{FrictionError, FrictionSettings, LengthUnit};
 use touchstone_control::{
@@ -11,7 +11,8 @@ fn si(text: &str) -> Si {
     text.parse().expect("a number")
 }
 
-/// Settings of an enhanced law whose virtual mass has the given four parts, each in N·m/rad at 1 kHz.
+/// Settings of an enhanced law whose virtual mass has the given inertia, stiffness, damping and ground damping per tick, each in
+/// N·m/rad at 1 kHz.
 fn of_parts([mass, stiffness, damping, ground]: [&str; 4]) -> Settings {
     let per_tick = |text| si(text) / Si::from_num(1000);
     let mut settings = Settings::thesis();

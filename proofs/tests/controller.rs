@@ -1,4 +1,4 @@
-//! The controller runs its parts in order (states, law, guard), and passes to each what it needs.
+//! Tests that the controller runs its parts in order (states, law, guard), and passes to each what it needs.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -99,7 +99,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// A configured device damping has an effect only in the TDPA variant that counts it.
+/// Checks that the configured damping of the device is a coefficient of the TDPA law only if the law is set to count it.
 #[test]
 fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     let settings = |count_device_damping| Settings {
@@ -112,13 +112,13 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
         Ok(AnyLaw::Tdpa(law, _)) => i64::from(law.device_damping.0.to_bits()),
         other => panic!("{other:?}"),
     };
-    // 0.001 in 32 bits is a little less than 0.001; times 1 kHz it is one quantum of a gain below 1.
+    // 0.001 in 32 bits is a little less than 0.001; times 1 kHz it is one step of the gain's format below 1.
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
-/// Equation (2.14a) of the thesis that this project implements. In a tick in which the hand moves inward, the offset of the wall's
-/// surface moves by `k_c/k_v - 1` times the hand's displacement: `k_c` is the critical stiffness, `k_v` the coupling stiffness. If
-/// that factor is negative, the offset does not move.
+/// Checks equation (2.14a) of the thesis: in a tick with a motion inward, the offset of the soft spring moves by `k_c/k_v - 1`
+/// times the displacement. `k_c` is the critical stiffness, `k_v` the soft stiffness. If that factor is negative, the offset does
+/// not move.
 #[test]
 fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     let gain = |damping: &str| {
@@ -147,7 +147,7 @@ fn a_coupling_that_a_format_rounds_to_nothing_is_refused() {
         settings.k_soft = "0.0148".parse().expect("a number");
         settings
     };
-    // One quantum of a gain in 16 bits is 1/64; a smaller stiffness is refused.
+    // One step of a gain's format in 16 bits is 1/64; a smaller stiffness is refused.
     let soft = of("0.015");
     let of_32 = AnyLaw::<Fixed32>::new(&soft);
     assert!(of_32.is_ok(), "{of_32:?}");

@@ -1,5 +1,5 @@
-//! Both sides of the ranges of the estimator's coefficients, what restarts the estimator, and the velocity filters that use the
-//! same functions.
+//! Tests both sides of the ranges of the estimator's coefficients, what restarts the estimator, and the velocity filters that use
+//! the same functions.
 
 use touchstone_control::estimator::{DeviceInTicks, EstimatedMotion, Flow};
 use touchstone_control::fixed::types::{I8F24, I8F56};

@@ -1,4 +1,4 @@
-//! The unsigned arithmetic (`magnitude`) and the signed functions built on it, at 8 bits on all inputs, compared with plain
+//! Tests the unsigned arithmetic (`magnitude`) and the signed functions built on it, at 8 bits on all inputs, against plain
 //! arithmetic in wider integers.
 
 use touchstone_control::magnitude::{affordable, passivity_step, quotient, root, scale};
@@ -97,7 +97,7 @@ fn every_root_scale_and_quotient() {
     }
 }
 
-/// The facts by which `proofs/src/divided.rs` replaces divisions, at 8 bits for all arguments.
+/// Checks for all 8-bit arguments the facts by which `proofs/src/divided.rs` replaces divisions.
 #[test]
 fn every_division_is_a_floor_with_its_sign() {
     type Signal = <Fixed8 as Number>::Signal;

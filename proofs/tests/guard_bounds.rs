@@ -1,5 +1,5 @@
-//! The guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by a quantum, or
-//! settings begin to be refused. The test finds the steps by bisection.
+//! Tests that the guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by
+//! its last digit, or settings begin to be refused. The test finds the steps by bisection.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{
@@ -43,7 +43,7 @@ fn expected(settings: &GuardSettings, device: &GuardedDevice) -> Option<spec::Gu
         .flatten()
 }
 
-/// Asserts that the code equals the specification for settings from 2 quanta below `at` to 3 above.
+/// Asserts that the code equals the specification for settings from 2 steps of 2^-32 below `at` to 3 above.
 fn is_the_specification_around(
     at: i64,
     with: &dyn Fn(Si) -> (GuardSettings, GuardedDevice),
@@ -61,8 +61,8 @@ fn is_the_specification_around(
     }
 }
 
-/// The largest setting at which a function still has its value at the lower end, found by bisection; `None` if both ends have the
-/// same value.
+/// The largest setting at which a function still has the value that it has at the lower end, found by bisection. `None` if both
+/// ends have the same value.
 fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) -> Option<i64> {
     if of(Si::from_bits(low)) == of(Si::from_bits(high)) {
         return None;
@@ -81,7 +81,8 @@ fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) ->
 #[test]
 fn where_a_coefficient_steps_it_is_the_specification_s() {
     type With = fn(Si) -> (GuardSettings, GuardedDevice);
-    // A large displacement per tick, so that a step of the capacity changes the largest change of force by few quanta.
+    // A large displacement per tick, so that a step of the capacity changes the largest change of force by a few steps of its
+    // format.
     fn slow() -> (GuardSettings, GuardedDevice) {
         let (settings, device) = usual();
         (

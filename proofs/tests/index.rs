@@ -1,5 +1,5 @@
-//! `proofs/harnesses.md` lists every harness of `proofs/harnesses.lock`, with the equation from its source, and no others. Code
-//! that the page quotes exists in the source.
+//! Checks that `proofs/harnesses.md` lists every harness (proof) of `proofs/harnesses.lock`, with the equation from its source, and
+//! no others. Also checks that code which the page quotes exists in the source.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,8 @@ fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
-/// The harnesses of the lock file, such as `tdpa::p7_leaves`, each with the modules in which it is proved. The file's lines look
-/// like `tdpa::w8::p7_leaves::proof`.
+/// The harnesses (proofs) of the lock file, such as `tdpa::p7_leaves`, each with the modules in which it is proved. The file's
+/// lines look like `tdpa::w8::p7_leaves::proof`.
 fn locked() -> BTreeMap<String, Vec<String>> {
     let mut found = BTreeMap::<String, Vec<String>>::new();
     for line in read("proofs/harnesses.lock").lines() {
@@ -62,7 +62,7 @@ fn equations() -> BTreeMap<String, String> {
     found
 }
 
-/// The part of a property's table row that follows its meaning in plain words.
+/// The part of a property's row in the page's table that follows the meaning in plain words.
 fn row(harness: &str, equation: &str, instances: &[String]) -> String {
     let (file, _) = harness.split_once("::").expect("file and name");
     let equation = equation.replace('|', "\\|");

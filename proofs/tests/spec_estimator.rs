@@ -1,6 +1,6 @@
-//! The shipped estimator and its specification give the same results and memory bit for bit, over millions of ticks, with
-//! estimators from settings of every size. Their coefficients are also compared with closed forms, which the code does not use.
-//! These are samples, not proofs.
+//! Tests that the shipped estimator and its specification give the same results and memory bit for bit, over millions of ticks,
+//! with estimators from settings of every size. Their coefficients are also compared with closed forms, which the code does not
+//! use. These are samples, not proofs.
 
 use fixed::types::I8F24;
 use touchstone_control::estimator::{EstimatorState, Flow};
@@ -10,7 +10,7 @@ use touchstone_proofs::spec::hands::Random;
 
 const TICKS: u64 = 2_000_000;
 
-/// Random settings, rate and force limit; not all are accepted.
+/// Random settings of the estimator, control rate and force limit; not all are accepted.
 fn any_settings(random: &mut Random) -> (EstimatorSettings, u32, Si) {
     let rate: u32 = [100, 1000, 2000, 4000, 10_000, 20_000][random.below(6) as usize];
     let share = |random: &mut Random, most: u64| {
@@ -89,8 +89,9 @@ fn every_tick_of_the_estimator_is_its_specification() {
     assert!(reached.iter().all(|count| *count > 50), "{reached:?}");
 }
 
-/// How far a device moves in a time from a displacement per tick (`V`) and from a push (`X`), in closed form. For `β t` below 1/64
-/// both are their first terms, of which the next is less than `2^-50`.
+/// How far a device moves in a time by a displacement per tick (`V`) and by a push (`X`), in closed form. `loss` is the fraction of
+/// the velocity that damping takes per tick. If `loss` times the time is below 1/64, the first terms are used, of which the next is
+/// less than `2^-50`.
 fn integrals(loss: f64, time: f64) -> [f64; 2] {
     let a = loss * time;
     if a < 1.0 / 64.0 {
@@ -108,7 +109,7 @@ fn integrals(loss: f64, time: f64) -> [f64; 2] {
     [reach, (time - reach) / loss]
 }
 
-/// Asserts that weights are the closed form rounded to the nearest step. A hundredth of a step is allowed for rounding in the
+/// Asserts that coefficients are the closed form rounded to the nearest step. A hundredth of a step is allowed for rounding in the
 /// closed form.
 fn near(
     weights: &[i32],
@@ -123,8 +124,8 @@ fn near(
     }
 }
 
-/// Weights of a device's prediction over `time` in closed form; each command ends the given number of ticks before the prediction's
-/// end.
+/// Coefficients of a device's prediction over `time` in closed form; each command ends the given number of ticks before the
+/// prediction's end.
 fn of_device<const C: usize>(
     flow: &Flow<Fixed32, C>,
     [loss, per_torque]: [f64; 2],

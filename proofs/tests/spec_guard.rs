@@ -1,5 +1,5 @@
-//! The shipped energy guard and its specification agree bit for bit over millions of ticks, also with hostile hands. For every
-//! guard that `Guard::new` accepts, the coefficients satisfy the theorem's conditions.
+//! Tests that the shipped energy guard and its specification agree bit for bit over millions of ticks, also with hostile hands. For
+//! every guard that `Guard::new` accepts, the coefficients satisfy the conditions of the energy theorem.
 
 use fixed::types::I8F24;
 use touchstone_control::{
@@ -103,7 +103,7 @@ fn every_tick_of_the_guard_is_its_specification() {
 }
 
 /// The device that the settings describe, without rounding. Its positions are wrong by half an encoder count, and by `rounded`
-/// quanta of a position more.
+/// steps of the position format more. `None` if the settings trust no damping although a force acts late.
 fn described(settings: &GuardSettings, device: &GuardedDevice, rounded: i128) -> Option<Device> {
     let bits = |x: Si| i128::from(x.to_bits());
     let rate = i128::from(device.rate_hz);
@@ -122,14 +122,14 @@ fn described(settings: &GuardSettings, device: &GuardedDevice, rounded: i128) ->
     };
     Some(Device {
         s: s.min(one),
-        // From SI units with 32 fractional bits to quanta with [`FINE`] fractional bits.
+        // From SI units with 32 fractional bits to steps of the signal's format with [`FINE`] fractional bits.
         d: (bits(settings.overspeed) << (24 + FINE - 32)) / rate + 1,
         delta: (bits(device.count) << (24 + FINE - 32)) + 2 * rounded * one,
         kappa,
     })
 }
 
-/// The guards that `Guard::new` accepts satisfy the conditions of the theorem's `covers`.
+/// Checks that the coefficients of guards that `Guard::new` accepts satisfy the conditions of the energy theorem (`covers`).
 #[test]
 fn accepted_guards_cover_the_device_that_they_are_told() {
     let mut random = Random(7);
@@ -154,7 +154,7 @@ fn accepted_guards_cover_the_device_that_they_are_told() {
         };
         accepted += 1;
         for (index, (name, room)) in specified.room(&told).into_iter().enumerate() {
-            // In quanta; for `reach`, in quanta of its reciprocal.
+            // The room in steps of the signal's format; for `reach`, in steps of its reciprocal.
             let scale = if name == "reach" {
                 specified.per_reach.max(1) << FINE
             } else {
@@ -173,7 +173,8 @@ fn accepted_guards_cover_the_device_that_they_are_told() {
     assert!(least.iter().all(|(_, _, short)| *short == 0), "{least:?}");
 }
 
-/// The guards in `proofs/coq/Shipped.v` are those of the default settings, at each of the theorem's delays.
+/// Checks that the guards in `proofs/coq/Shipped.v`, which the energy theorem is about, are those of the default settings, at each
+/// of the theorem's delays.
 #[test]
 fn the_theorem_is_about_the_shipped_guards() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/coq/Shipped.v");
@@ -216,8 +217,8 @@ fn the_theorem_is_about_the_shipped_guards() {
     }
 }
 
-/// The displacement in flight is at most a quarter of the format, as all terms of the account's sum. At a delay of a whole tick and
-/// a largest displacement of a quarter of the format, it is a little more, and refused.
+/// Checks that `Guard::new` refuses a displacement in flight (under a force after the sample that ends it) of more than a quarter
+/// of the format. It is a little more at a delay of a whole tick and a largest displacement of a quarter of the format.
 #[test]
 fn a_way_in_flight_beyond_a_quarter_is_refused() {
     let device = GuardedDevice {

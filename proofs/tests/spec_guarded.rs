@@ -1,5 +1,5 @@
-//! The guard as a stage of the controller equals its specification, which knows the position: the displacement that it measures,
-//! the end of positions, and the mirrored axis.
+//! Tests that the guard as a stage of the controller equals its specification, which knows the true position: the displacement that
+//! the stage measures, the end of positions, and the mirrored axis.
 
 use touchstone_control::{Fixed32, Force, Guard, Guarded, Position};
 use touchstone_proofs::spec::guard as spec;
@@ -13,7 +13,7 @@ fn quanta(x: Position<N>) -> i64 {
     i64::from(x.0.to_bits())
 }
 
-/// Specification of the stage: the guard's specification, and the device's position in quanta.
+/// Specification of the stage: the guard's specification, and the device's true position in steps of the position format.
 struct Stage {
     guard: spec::Guard,
     memory: spec::Memory,

@@ -1,5 +1,5 @@
-//! Every shipped law and its specification agree bit for bit, in force and whole memory. The test runs millions of ticks of random
-//! and hostile motions, for settings of every size that `AnyLaw::new` accepts.
+//! Tests that every shipped law and its specification agree bit for bit, in force and whole memory. The test runs millions of ticks
+//! of random and hostile motions, for settings of every size that `AnyLaw::new` accepts.
 
 use fixed::types::{I8F24, I16F48};
 use touchstone_control::filter::MassState;
@@ -203,8 +203,8 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
     });
 }
 
-/// If the HIP leaves the virtual mass behind, the mass moves on while its energy just covers the motion, to the last quantum;
-/// otherwise it stands still.
+/// Checks the virtual mass that the hand's point (HIP) leaves behind: it moves on while the stored energy just covers the motion,
+/// to the last step of the energy format; otherwise it stands still.
 #[test]
 fn a_mass_that_is_left_behind_moves_where_its_energy_just_pays() {
     let mut random = Random(7);

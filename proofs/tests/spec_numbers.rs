@@ -1,5 +1,5 @@
-//! Extreme numbers and the operations of vectors equal exact calculations with integers. Comparisons with an error bound would not
-//! notice a wrong last digit.
+//! Tests that extreme numbers and the operations of vectors equal exact calculations with integers. Comparisons with an error bound
+//! would not notice a wrong last digit.
 
 use touchstone_control::fixed::types::{I8F24, I16F48};
 use touchstone_control::magnitude::Word as _;
@@ -9,7 +9,7 @@ use touchstone_control::space::{Axes, Direction, Spatial, Vector};
 use touchstone_control::{Fixed8, Fixed16, Fixed32, Force, Number, Position, Si, Stiffness};
 use touchstone_proofs::spec::hands::Random;
 
-/// The square root `floor(sqrt(n))`.
+/// The square root of `n`, rounded down.
 fn root(n: i128) -> i128 {
     n.isqrt()
 }
@@ -54,7 +54,7 @@ impl Format {
         Some(unit)
     }
 
-    /// A long vector scaled so that its components fit the digits of which a direction is calculated: up to two bits less than a
+    /// A long vector scaled so that its components fit the digits from which a direction is calculated: up to two bits less than a
     /// word, rounded down.
     fn leading(self, v: Axes<i128>) -> Option<Axes<i128>> {
         let largest = v.iter().map(|x| x.abs()).fold(0, |all, x| all | x);
@@ -104,7 +104,7 @@ impl Format {
         [0, 1, 2].map(|i| ((v[i] << self.fraction) - along * u[i]) / one)
     }
 
-    /// A vector cut to a limit: each component is multiplied by one ratio, which has as many bits as a component.
+    /// A vector cut to a limit: each component is multiplied by one common ratio, which has as many bits as a component.
     fn within(self, v: Axes<i128>, limit: i128) -> Axes<i128> {
         let square: i128 = v.iter().map(|x| x * x).sum();
         if square <= limit * limit {

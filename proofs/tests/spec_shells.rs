@@ -1,5 +1,5 @@
-//! Decisions of the laws on three axes (shells), with test laws and test objects that give set answers: when a contact ends, which
-//! way out is taken, and the inputs of estimator and guard.
+//! Tests decisions of the laws on three axes (shells), with test laws and test objects that give fixed answers: when a contact
+//! ends, which way out is taken, and the inputs of estimator and guard.
 
 use touchstone_control::fixed::types::{I1F7, I5F3, I8F24, I20F12};
 use touchstone_control::law::{Contact, Sample, View};
@@ -109,7 +109,8 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
             assert_eq!(ends(leaving, -16, [2, 2], contacts), left);
         }
     }
-    // A quantum outside counts as outside. Per axis that is half a quantum, which is rounded to 0.
+    // A single step of the format outside counts as outside. In the rule that looks at each axis, half of that step is compared,
+    // which is rounded to 0.
     assert!(!ends(Leaving::AnyAxis, -1, [0, 0], touching));
     assert!(ends(Leaving::AnyAxis, -2, [0, 0], touching));
     // One axis has left: 8² + 8² against 8 (20 + 2).
@@ -139,7 +140,7 @@ fn where_a_coordinate_is_0_its_force_keeps_its_side() {
     assert_eq!(pulls(&[[90, 0, 90], [-1, 0, -1]]), [-5, 6, -7]);
 }
 
-/// A test object that reports set ways out in some directions, and none in any other.
+/// A test object that reports given ways out in some directions, and none in any other.
 struct Ways {
     round: bool,
     closest: Direction<N>,
@@ -288,13 +289,13 @@ fn the_flattest_way_out_leads_out() {
     };
     let side = Direction::along(0, false);
     let out = |at, u| wall.exit(vector(at), &direction(u), &side);
-    // A quantum of the direction leads out: as far as the format says, or from the surface at once.
+    // A direction that leads out very flatly: the way out is the longest that the format holds, or 0 from the surface.
     assert_eq!(out([-5, 0, 0], [2, 127, 0]), Some(position(127)));
     assert_eq!(out([0, 0, 0], [2, 127, 0]), Some(position(0)));
     assert_eq!(out([-5, 0, 0], [0, 127, 0]), None);
 }
 
-/// A friction law whose stretch limits at the largest force are 60 quanta (static) and 40 quanta (kinetic).
+/// A friction whose spring stretches at the largest force by at most 60 (static) and 40 (kinetic) steps of the position format.
 fn friction() -> Friction<N> {
     let reach = |bits| Compliance(I1F7::from_bits(bits));
     Friction {
@@ -318,7 +319,7 @@ fn si(text: &str) -> Si {
     text.parse().expect("a number")
 }
 
-/// Helpers for positions in centimetres and forces in newtons at 1 kHz, in 32 bits.
+/// Helpers for tests in the 32-bit format: positions in centimetres, forces in newtons, 1 kHz.
 mod wide {
     use super::*;
     pub type W = Fixed32;

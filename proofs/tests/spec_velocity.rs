@@ -1,5 +1,5 @@
-//! The spring-damper with its own velocity filter and its specification agree bit for bit, in force and whole memory. The test runs
-//! every filter under random and hostile motions, for accepted settings of every size.
+//! Tests that the spring-damper with a velocity filter and its specification agree bit for bit, in force and whole memory. The test
+//! runs every filter under random and hostile motions, for accepted settings of every size.
 
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::law::{Law as _, Sample};
@@ -25,7 +25,7 @@ fn wide(x: I8F24) -> Int {
     x.to_bits().into()
 }
 
-/// A velocity filter as the specification has it, with its memory.
+/// A velocity filter as the specification calculates it, with its memory.
 enum Specified {
     Smoothed {
         share: Int,

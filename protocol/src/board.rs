@@ -4,15 +4,15 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Board {
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
+    /// NUCLEO-G474RE with the motor driver shield X-NUCLEO-IHM08M1.
     NucleoG474re,
-    /// B-G431B-ESC1.
+    /// B-G431B-ESC1, a board with microcontroller and motor driver.
     BG431bEsc1,
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
+    /// NUCLEO-G474RE with the motor driver shield X-NUCLEO-IHM16M1.
     NucleoG474reIhm16m1,
-    /// NUCLEO-G474RE with a SimpleFOC Mini, which measures no current.
+    /// NUCLEO-G474RE with the motor driver board SimpleFOC Mini, which measures no current.
     NucleoG474reSimplefocMini,
-    /// NUCLEO-G431RB with an X-NUCLEO-IHM16M1: the kit P-NUCLEO-IHM03.
+    /// NUCLEO-G431RB with the motor driver shield X-NUCLEO-IHM16M1: the kit P-NUCLEO-IHM03.
     NucleoG431rbIhm16m1,
 }
 
@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// Name of the board's microcontroller in `probe-rs`.
+    /// Name of the board's microcontroller in the flashing tool `probe-rs`.
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {
@@ -50,13 +50,13 @@ impl Board {
         }
     }
 
-    /// Whether the bus (SPI) for a magnetic encoder is on the board's connectors.
+    /// Whether the board's connectors have the SPI bus for a magnetic encoder.
     #[must_use]
     pub const fn has_bus(self) -> bool {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether the board's flash has room for the program with more than one wall. The STM32G431's flash has not.
+    /// Whether the board's flash has room for the program that renders more than one wall. The STM32G431's flash has not.
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)

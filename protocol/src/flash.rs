@@ -1,18 +1,18 @@
-//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a cut of
-//! power at any write or erase loses only the image that was being written.
+//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a power
+//! failure at any write or erase loses only the image that was being written.
 //!
 //! ```text
 //! page:  sequence u32 | length u32 | image (stored.rs) | CRC-32 of all before | erased
 //! ```
 //!
-//! The device uses the newest complete slot. A write erases and fills the next slot, which is the oldest. Cuts of power damage that
-//! page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
+//! The device uses the newest complete slot. A write erases and fills the next slot, which is the oldest. A power failure damages
+//! that page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
 //!
 //! The crate sequential-storage is not used: its pages have a state in a byte at each end, and an interrupted erase leaves any
-//! pattern of bits. In a simulation of such cuts (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
+//! pattern of bits. In a simulation of power failures (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
 //!
-//! On the STM32G4 a double word that was being programmed when the power failed may fail its ECC. Reading it raises the NMI, whose
-//! handler has to clear the flag and return. The slot's CRC then rejects the data that were read.
+//! If the power fails while an STM32G4 programs a double word, reading that double word later may give an ECC error. The read then
+//! raises the NMI, whose handler has to clear the flag and return. The slot's CRC then rejects the data that were read.
 
 use crate::frame::crc_of;
 use crate::session::FlashError;
@@ -23,10 +23,11 @@ use embedded_storage::nor_flash::NorFlash;
 
 const HEADER: usize = 8;
 const CRC_BYTES: usize = 4;
-/// Bytes of the longest slot, rounded up to whole write units of any flash (up to 16 bytes).
+/// Largest size of a slot (header, image of the settings, CRC) in bytes, rounded up to a multiple of 16, so that it fits the write
+/// units of any flash.
 const SLOT_MAX: usize = (HEADER + IMAGE_MAX + CRC_BYTES).next_multiple_of(16);
 
-/// The content of a complete slot.
+/// The content of a complete slot: its place in the sequence of writes, and the image of the settings.
 struct Slot<'b> {
     sequence: u32,
     image: &'b [u8],
@@ -73,7 +74,7 @@ pub fn load<F: NorFlash>(
     Start::defaults(defaults, refused)
 }
 
-/// Writes an image into the next slot and reads it back to compare.
+/// Writes an image of the settings into the next slot and reads it back to compare.
 ///
 /// # Errors
 /// The flash reported an error, or the data read back differ. The settings stored before are still readable.
@@ -112,7 +113,7 @@ pub fn save<F: NorFlash>(flash: &mut F, pages: Range<u32>, image: &[u8]) -> Resu
     }
 }
 
-/// Fills `buffer` with a slot and its rest with 0xFF, the erased state. Returns the slot's bytes.
+/// Fills `buffer` with a slot (header, image, CRC) and the rest with 0xFF, the erased state. Returns the slot's bytes.
 fn write_slot<'b>(buffer: &'b mut [u8; SLOT_MAX], sequence: u32, image: &[u8]) -> Option<&'b [u8]> {
     buffer.fill(0xff);
     let length = u32::try_from(image.len()).ok()?;

@@ -1,4 +1,5 @@
-//! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a postcard value and its CRC-32.
+//! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a message, encoded by the serialiser postcard, and
+//! its CRC-32.
 //!
 //! COBS leaves no zero byte inside a frame. So after any noise the next zero byte marks the end of a frame, and the receiver is in
 //! step again. The CRC is that of Ethernet and zip (ISO-HDLC), least significant byte first.
@@ -13,12 +14,13 @@ use serde::{Deserialize, Serialize};
 pub const PAYLOAD_MAX: usize = 512;
 /// Bytes of the CRC-32 in a frame.
 const CRC_BYTES: usize = 4;
-/// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte, and one more for every 254.
+/// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte to a frame, and one more for every 254
+/// bytes.
 pub const ENCODED_MAX: usize = PAYLOAD_MAX + CRC_BYTES + 1 + (PAYLOAD_MAX + CRC_BYTES) / 254;
 /// Longest frame with its ending zero byte, in bytes.
 pub const FRAME_MAX: usize = ENCODED_MAX + 1;
 
-/// The table of the CRC-32, in flash, which encoder and decoder share.
+/// The lookup table for the CRC-32, in flash, which encoder and decoder share.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// The CRC-32 of `bytes`.
@@ -57,9 +59,9 @@ pub enum FrameError {
 #[derive(Debug, Clone)]
 pub struct Decoder {
     buffer: Vec<u8, ENCODED_MAX>,
-    /// The buffer holds a finished frame: the next byte begins another one.
+    /// Whether the buffer holds a finished frame, so that the next byte begins another one.
     over: bool,
-    /// The frame is longer than the buffer, so the decoder ignores it up to its end.
+    /// Whether the frame is longer than the buffer, so that the decoder ignores the rest of the frame.
     too_long: bool,
     errors: u32,
 }

@@ -1,6 +1,6 @@
 //! Limits that reduce the force but are no fault. The device reports them beside the faults, with codes of their own.
 
-/// A limit that acts in a tick. The numbers are the bit positions on the wire and never change.
+/// A limit that acts in a control tick. The number is the limit's bit position on the wire and never changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Limit {
@@ -10,14 +10,15 @@ pub enum Limit {
     Current = 1,
     /// The bus voltage is too low for the requested current.
     Voltage = 2,
-    /// The force of the control law is at the limit that the law's settings give.
+    /// The force of the control law is at the largest force that the law's settings allow.
     Force = 3,
-    /// The torque is still fading in after arming.
+    /// The torque is still fading in after the outputs were switched on (arming).
     FadeIn = 4,
     /// The encoder's reading was bad in this tick. The outputs are off until a reading is good; too many bad ones in a row are a
     /// fault.
     Encoder = 5,
-    /// No limit reduces the force, but it is not that of the settings' wall alone: further walls or detents add to it.
+    /// Not a limit but a note: the force is that of an environment (walls, detents, torque profile) and not of the settings' wall
+    /// alone.
     Beside = 6,
     /// The knob is more than 20 turns inside a wall, beyond the range of the position's number format: this wall is off.
     Reach = 7,
@@ -51,19 +52,19 @@ impl Limits {
     /// The empty set: no limit acts.
     pub const NONE: Self = Self(0);
 
-    /// The set with these bits from the wire; unknown bits are kept.
+    /// The set of limits from its bits on the serial link; unknown bits are kept.
     #[must_use]
     pub const fn from_wire(bits: u8) -> Self {
         Self(bits)
     }
 
-    /// The bits of the set for the wire.
+    /// The bits of the set of limits, for the serial link.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self.0
     }
 
-    /// Whether `limit` acts.
+    /// Whether this limit acts, that is whether it is in the set.
     #[must_use]
     pub const fn has(self, limit: Limit) -> bool {
         self.0 & limit.bit() != 0

@@ -10,7 +10,8 @@
 //! overwrite it, because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way
 //! back to `Armed` leads through a calibration. A fault acts in every state, before any command of the same tick.
 
-/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is not in use keeps its number.
+/// Why the outputs were switched off. The numbers go over the serial link and never change; a code that is not in use keeps its
+/// number.
 ///
 /// [`Context::value`] holds the measured value, in the unit that ends each code's comment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,9 +25,9 @@ pub enum FaultCode {
     UnderVoltage = 3,
     /// The power stage is too hot, or its temperature sensor is broken or shorted. Value: 0.1 degrees Celsius.
     OverTemperature = 4,
-    /// The encoder did not answer several times in a row. Value: how many times.
+    /// The encoder did not answer several times in a row. Value: the number of missing answers.
     EncoderSilent = 5,
-    /// The encoder's count moved further in one tick than the shaft can. Value: counts.
+    /// The encoder's count moved further in one tick than the shaft can turn. Value: counts.
     EncoderJump = 6,
     /// A control tick began too late, took too long, or was left out. Value: processor cycles of lateness, processor cycles of the
     /// tick, or number of ticks left out.
@@ -35,7 +36,7 @@ pub enum FaultCode {
     HardwareBreak = 8,
     /// The gate driver reported an error. Value: 0.
     GateDriver = 9,
-    /// The calibration found no plausible result. Value: the number of the reason.
+    /// The calibration found no plausible result. Value: number of the reason (see the page of this fault).
     CalibrationFailed = 10,
     /// The stored settings are damaged, or their validation refused them. Value: 0.
     SettingsInvalid = 11,
@@ -45,8 +46,9 @@ pub enum FaultCode {
     OverSpeed = 13,
     /// The data words of the encoder failed their parity or checksum several times in a row. Value: the raw data word.
     EncoderCheck = 14,
-    /// The motor's voltage shows that the shaft turns, but the encoder shows no motion. Value: excess of the voltage, mV. During a
-    /// calibration: the field turned but the encoder did not follow. Value: counts moved.
+    /// The shaft turns, as the motor's voltage shows, but the encoder shows no motion. Value: mV by which the voltage is too large.
+    ///
+    /// During a calibration: the field turned but the encoder did not follow. Value: counts moved.
     EncoderStuck = 15,
     /// The encoder itself reported an error several times in a row: magnet too weak or too strong, track lost, or framing. Value:
     /// the raw data word.
@@ -55,19 +57,20 @@ pub enum FaultCode {
     StaleCommand = 17,
     /// The supply fell below the voltage that the processor needs. Value: 0.
     BrownOut = 18,
-    /// The program panicked. Value: the place of the panic, as the crash record has it.
+    /// The program panicked. Value: the place of the panic as a number, from the crash record in RAM.
     Panic = 19,
-    /// The current sensors' readings at zero current are implausible. Value: the worst of them, counts of the converter.
+    /// The current sensors' readings at zero current are implausible. Value: the worst reading, counts of the analogue-to-digital
+    /// converter.
     CurrentSensor = 20,
-    /// The motor is too hot by the model of its windings. Value: mean square of its current in ‰ of the square of the continuous
-    /// current.
+    /// The motor is too hot by the model of its windings. Value: mean square of its current, in thousandths of the square of the
+    /// current that it bears for ever.
     MotorHot = 21,
-    /// No message came from the desktop for too long while the outputs may be on. Value: ms.
+    /// The desktop sent no message for longer than allowed while the outputs may be on. Value: ms.
     HostSilent = 22,
     /// The board's stop button was pressed. Value: 0.
     StopButton = 23,
-    /// Too many of the encoder's readings are bad, in a row or not. Value: 1 for readings at the ticks, 2 for readings at the
-    /// change of force.
+    /// Too many of the encoder's readings are bad, in a row or not. Value: 1 for readings at the control ticks, 2 for readings at
+    /// the time when the force changes.
     EncoderUnsteady = 24,
     /// The motor's response to its voltage differs from that of the configured motor: the encoder's alignment slipped or a current
     /// reading is wrong. Value: mV beyond the allowed difference.
@@ -104,20 +107,20 @@ impl FaultCode {
         Self::MotorModel,
     ];
 
-    /// The fault with this number on the wire; `None` for an unknown number.
+    /// The fault with this number on the serial link; `None` for an unknown number.
     #[must_use]
     pub fn from_wire(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// The fault's number on the wire.
+    /// The fault's number on the serial link.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self as u8
     }
 }
 
-/// The record of a fault. It is that of the first fault, the cause, not of faults that followed from it.
+/// The record of a fault. If one fault causes others, the record is that of the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Context {
     /// The code of the fault.
@@ -149,9 +152,9 @@ pub enum State {
 /// Whether the outputs may be on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outputs {
-    /// The bridge must be off and the command zero.
+    /// The motor's power bridge must be off, and the commanded torque zero.
     Off,
-    /// The bridge may be on.
+    /// The motor's power bridge may be on.
     On,
 }
 
@@ -188,13 +191,13 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The machine just after power-on, in `Boot`.
+    /// The state machine just after power-on, in `Boot`.
     #[must_use]
     pub const fn new() -> Self {
         Self { state: State::Boot }
     }
 
-    /// A machine in a given state, to restore or examine it.
+    /// A state machine in a given state, to restore or examine it.
     #[must_use]
     pub const fn at(state: State) -> Self {
         Self { state }
@@ -224,7 +227,7 @@ impl Machine {
         }
     }
 
-    /// Handles one event. Returns whether the state changed, so that the caller can answer a command that is not allowed.
+    /// Handles one event. Returns whether the state changed; a command that changes nothing was not allowed.
     pub fn handle(&mut self, event: Event) -> bool {
         let next = match (self.state, event) {
             // The first fault is the cause and stays.

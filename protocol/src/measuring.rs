@@ -3,24 +3,25 @@
 #[cfg(feature = "wire")]
 use serde::{Deserialize, Serialize};
 
-/// A step of the measurement of the motor.
+/// A step of a calibration that measures the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum MeasuringPart {
-    /// The field turns far faster than the rotor can follow, with half of the calibration's current.
+    /// Measures the windings: the field turns far faster than the rotor can follow, with half of the calibration's current.
     Low,
-    /// The field turns as in [`Self::Low`], with the calibration's whole current.
+    /// Same as [`Self::Low`], with the calibration's full current.
     High,
     /// The board brakes the shaft to rest.
     Brake,
-    /// A constant q-axis current accelerates the shaft.
+    /// A constant torque-making (q-axis) current accelerates the shaft.
     Push,
-    /// The bridge is off and the shaft coasts.
+    /// The motor's power bridge is off and the shaft coasts.
     Coast,
-    /// The shaft turns slowly in the direction of rising counts. The record's position is measured from the encoder's own zero.
+    /// The shaft turns slowly in the direction of rising encoder counts. In this step the telemetry's position is measured from the
+    /// encoder's own zero.
     #[cfg(feature = "large")]
     Forward,
-    /// The shaft turns slowly in the direction of falling counts.
+    /// The shaft turns slowly in the direction of falling encoder counts.
     #[cfg(feature = "large")]
     Backward,
 }
@@ -31,10 +32,11 @@ pub enum MeasuringPart {
 pub struct MeasuringTick {
     /// The step of the measurement.
     pub part: MeasuringPart,
-    /// d-axis current in the current loop's frame, mA. The q-axis current is [`crate::Telemetry::current_q_ma`].
+    /// Current along the rotor's field (d-axis), mA, in the frame of the current loop. The torque-making current is
+    /// [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,
-    /// d-axis voltage in the current loop's frame, mV.
+    /// Voltage along the rotor's field (d-axis), mV, in the frame of the current loop.
     pub voltage_d_mv: i32,
-    /// q-axis voltage in the current loop's frame, mV.
+    /// Voltage of the torque-making axis (q-axis), mV, in the frame of the current loop.
     pub voltage_q_mv: i32,
 }

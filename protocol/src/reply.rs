@@ -30,7 +30,7 @@ pub enum Reply {
     Identity(Identity),
     /// Answer to `Status`: the device's state.
     Status(Status),
-    /// Answer to `Get`: the setting's value in postcard's encoding.
+    /// Answer to `Get`: the setting's value, encoded by the serialiser postcard.
     Value(Vec<u8, VALUE_MAX>),
     /// Answer to `GetAll`: all settings of the device.
     Settings(DeviceSettings),
@@ -42,16 +42,16 @@ pub enum Reply {
     Ring(RingChunk),
     /// Answer to `Counters`: the counters since the reset.
     Counters(Counters),
-    /// Answer to `Environment`: the walls, end stops and detents that the knob renders.
+    /// Answer to `Environment`: the walls, end stops, detents and torque profile that the knob renders.
     #[cfg(feature = "large")]
     Environment(crate::settings::environment::Surround),
-    /// Answer to `SetEnvironment`: the environment was accepted and applies from this time.
+    /// Answer to `SetEnvironment`: the environment (walls, end stops, detents) was accepted and applies from this time.
     #[cfg(feature = "large")]
     Taken(crate::settings::environment::CountsFrom),
     /// Answer to `Start`: the data stored for the next start, and how the automatic start went.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
-    /// Answer to `Cogging`: the stored map of the motor's cogging.
+    /// Answer to `Cogging`: the stored map of the motor's cogging torque.
     #[cfg(feature = "large")]
     Cogging(crate::settings::cogging::CoggingReport),
 }
@@ -71,7 +71,7 @@ pub enum Refusal {
     RingRuns,
     /// The frame's CRC was right, but the device does not know this request.
     NotUnderstood,
-    /// The encoder's alignment cannot be stored, or none is stored for an automatic start.
+    /// The encoder's alignment with the motor cannot be stored, or none is stored for an automatic start.
     #[cfg(feature = "large")]
     Unkept(crate::settings::kept::Unkept),
 }
@@ -110,7 +110,7 @@ pub enum ResetReason {
     IndependentWatchdog,
     /// The window watchdog was fed too late or too early.
     WindowWatchdog,
-    /// The program panicked. The value is the place of the panic, as the crash record has it.
+    /// The program panicked. The value is the place of the panic as a number, from the crash record in RAM.
     Panic(u32),
     /// The chip's option bytes were loaded.
     OptionBytes,
@@ -166,8 +166,9 @@ pub struct Counters {
     pub current_loop_cycles_max: u32,
 }
 
-/// Reads the protocol version from the payload of a reply to `Hello`, whichever version sent it. The bytes up to the version are
-/// the same in every version of the protocol; the bytes after it may differ. `None` for every other payload.
+/// Reads the protocol version from the payload of a reply to `Hello`, even if a device with another version of the protocol sent
+/// it. The bytes up to the version are the same in every version of the protocol; the bytes after it may differ. `None` for every
+/// other payload.
 #[must_use]
 pub fn version_of_hello(payload: &[u8]) -> Option<u16> {
     /// The first fields of a reply to `Hello`: variant of the frame, request number, `Ok`, variant of the reply, protocol version.

@@ -34,7 +34,7 @@ pub enum Request<'a> {
     Set {
         /// The setting's path.
         path: &'a str,
-        /// The new value, encoded by postcard.
+        /// The new value, encoded by the serialiser postcard.
         value: &'a [u8],
     },
     /// Requests all settings.
@@ -75,30 +75,31 @@ pub enum Request<'a> {
     /// writes it to flash.
     #[cfg(feature = "large")]
     KeepAlignment,
-    /// Discards the stored encoder alignment. The board then cannot start unattended, even if autostart is on. `Save` writes this
-    /// to flash.
+    /// Discards the stored encoder alignment. The board then cannot start by itself at power-on, even if autostart is on. `Save`
+    /// writes this to flash.
     #[cfg(feature = "large")]
     ForgetAlignment,
-    /// Sets whether the board checks the stored encoder alignment and arms by itself when power comes on. `Save` writes this to
-    /// flash.
+    /// Sets whether the board, when power comes on, checks the stored encoder alignment and switches its outputs on by itself.
+    /// `Save` writes this to flash.
     #[cfg(feature = "large")]
     Autostart(bool),
-    /// Requests the stored map of the motor's cogging.
+    /// Requests the stored map of the motor's cogging torque.
     #[cfg(feature = "large")]
     Cogging,
-    /// Stores this cogging map, which was measured with the present settings, and uses it for compensation. Only in the state
-    /// `Ready`; `Save` writes it to flash.
+    /// Stores this map of the motor's cogging torque, which was measured with the present settings, and uses it for compensation.
+    /// Only in the state `Ready`; `Save` writes it to flash.
     #[cfg(feature = "large")]
     KeepCogging(crate::settings::cogging::CoggingMap),
-    /// Discards the stored cogging map. Not while the motor is driven (`Calibrating`, `Armed`); `Save` writes this to flash.
+    /// Discards the stored map of the motor's cogging torque. Not while the motor is driven (`Calibrating`, `Armed`); `Save` writes
+    /// this to flash.
     #[cfg(feature = "large")]
     ForgetCogging,
-    /// Adds a sweep for the cogging measurement to the next calibration only.
+    /// Adds a slow turn of the shaft both ways, which measures the cogging, to the next calibration only.
     #[cfg(feature = "large")]
     Sweep(crate::settings::cogging::Sweep),
 }
 
-/// Commands of a person to the device.
+/// Commands that a person gives to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceCommand {
     /// Finds the encoder's direction, the pole pairs and the electrical offset; the shaft moves.

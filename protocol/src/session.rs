@@ -27,7 +27,7 @@ pub trait Backend {
     fn tick(&self) -> u32;
     /// All counters except that of decoding errors.
     fn counters(&self) -> Counters;
-    /// Records of the ring buffer from number `first` on; `None` while the buffer is still recording.
+    /// Records of the ring buffer (of the last second) from number `first` on; `None` while the buffer is still recording.
     fn ring(&self, first: u16) -> Option<RingChunk>;
     /// Checks whether the device accepts these settings.
     ///
@@ -41,8 +41,8 @@ pub trait Backend {
     /// # Errors
     /// The flash could not be written. The settings stored before are still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// Carries out a command and returns whether it had an effect. `None`: the device calls [`Session::commanded`] with the result
-    /// later.
+    /// Carries out a command and returns whether it had an effect. `None` means that the result comes later: the device then calls
+    /// [`Session::commanded`] with it.
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Starts telemetry with one record every `decimation` control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
@@ -66,15 +66,15 @@ pub trait Backend {
     fn alignment(&self) -> Option<(u16, bool)> {
         None
     }
-    /// Whether a stored encoder alignment is in use, and how the automatic start went.
+    /// Whether the encoder alignment in use is a stored one, and how the automatic start went.
     #[cfg(feature = "large")]
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
     }
-    /// Hands over the cogging map that the device compensates from now on; `None`: no compensation.
+    /// Hands over the map of the motor's cogging torque that the device compensates from now on; `None`: no compensation.
     #[cfg(feature = "large")]
     fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
-    /// Hands over the cogging sweep that the next calibration includes.
+    /// Hands over whether and how the next calibration turns the shaft slowly to measure the cogging torque.
     #[cfg(feature = "large")]
     fn sweep(&mut self, _sweep: Sweep) {}
 }
@@ -95,7 +95,7 @@ pub struct Session {
     #[cfg(feature = "large")]
     cogging: Option<KeptCogging>,
     unsaved: bool,
-    /// Number and command of a request whose result is not known yet.
+    /// Number and command of a request whose result is not known yet, because the device has not carried it out.
     waiting: Option<(u8, DeviceCommand)>,
 }
 
@@ -149,7 +149,7 @@ impl Session {
         self
     }
 
-    /// Sets the cogging map that the device started with.
+    /// Sets the map of the motor's cogging torque that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
@@ -157,14 +157,14 @@ impl Session {
         self
     }
 
-    /// The stored cogging map, whether or not it fits the settings in use.
+    /// The stored cogging map, whether or not it was measured with the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
         self.cogging.as_ref()
     }
 
-    /// The stored cogging map, if it was measured with the settings in use.
+    /// The stored map of the motor's cogging torque, if it was measured with the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {
@@ -225,7 +225,7 @@ impl Session {
         }
     }
 
-    /// Returns the answer to the waiting command, after the device has accepted or refused it.
+    /// Returns the answer to the command that waits for the device, after the device has accepted or refused it.
     #[inline(never)]
     pub fn commanded(&mut self, accepted: bool, device: &impl Backend) -> Answered {
         let Some((id, command)) = self.waiting.take() else {
@@ -370,7 +370,7 @@ impl Session {
         self.change(&DeviceSettings::defaults(device.identity().board), device)
     }
 
-    /// Changes the settings, in the states in which no output depends on them: not while calibrating or armed.
+    /// Changes the settings. Refused while calibrating or armed, the states in which outputs depend on the settings.
     #[inline(never)]
     fn change(
         &mut self,
@@ -398,8 +398,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the settings into flash. Not in `Ready`: erasing a page stalls the processor for longer than the command to arm
-    /// takes.
+    /// Writes the settings into flash. Refused in `Ready`, where a command to arm may come: erasing a page stalls the processor for
+    /// longer than that command takes.
     #[inline(never)]
     fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {
@@ -425,8 +425,8 @@ impl Session {
         Ok(())
     }
 }
-/// Whether a command without an effect counts as done because the device already is in the requested state. Only for commands that
-/// switch off.
+/// Whether a command that changed nothing counts as done, because the device already is in the requested state. Only for commands
+/// that switch off.
 const fn is_so(command: DeviceCommand, phase: Phase) -> bool {
     match command {
         DeviceCommand::Stop => matches!(phase, Phase::Stopped),

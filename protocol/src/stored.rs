@@ -30,19 +30,19 @@ pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
     WALL_ALONE
 };
 
-/// Layout version without an environment (further walls, end stops, detents): that of boards without room for one.
+/// Layout version without an environment (further walls, end stops, detents), which boards without room for one write.
 const WALL_ALONE: u16 = 4;
 
-/// Layout version with an environment (further walls, end stops, detents) and no data for the next start.
+/// Older layout version with an environment (further walls, end stops, detents) but no data for the next start.
 const NOTHING_KEPT: u16 = 5;
 
-/// Layout version without a cogging map.
+/// Older layout version with data for the next start but no map of the motor's cogging.
 const NO_MAP: u16 = 6;
 
-/// The layout with a map of the cogging, and an environment without a profile.
+/// Older layout version with a cogging map, whose environment has no torque profile.
 const NO_PROFILE: u16 = 7;
 
-/// Longest image in bytes.
+/// Longest image of the settings in flash, in bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
 
 #[cfg(feature = "large")]
@@ -58,7 +58,7 @@ const CRC_BYTES: usize = 4;
 /// A function that checks settings; on a device it is `touchstone_drive::wire::checked`.
 pub type Check<'c> = &'c dyn Fn(&DeviceSettings) -> Result<(), SettingsError>;
 
-/// Why an image is refused.
+/// Why an image of settings from the flash is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refused {
     /// The image is too short, its CRC is wrong, or its content cannot be decoded.
@@ -74,13 +74,13 @@ pub enum Refused {
 pub struct Start {
     /// The settings to use.
     pub settings: DeviceSettings,
-    /// The environment to render: walls, end stops and detents.
+    /// The environment that the knob renders: walls, end stops, detents and torque profile.
     #[cfg(feature = "large")]
     pub environment: Surround,
     /// The data stored for the next start: the encoder's alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
-    /// The cogging map, if one is stored.
+    /// The map of the motor's cogging torque, if one is stored.
     #[cfg(feature = "large")]
     pub cogging: Option<KeptCogging>,
     /// Why the defaults are used although an image was stored. The device then latches `SettingsInvalid`.
@@ -138,7 +138,7 @@ fn sealed<'b>(
     buffer.get(..content + CRC_BYTES).ok_or(FULL)
 }
 
-/// The layout version of an image; `None` if its CRC is wrong.
+/// The layout version of an image of settings; `None` if the image's CRC is wrong.
 #[must_use]
 pub fn layout_version(image: &[u8]) -> Option<u16> {
     let (signed, sum) = image.split_last_chunk::<CRC_BYTES>()?;

@@ -7,19 +7,20 @@ use fixed::types::I8F24;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The telemetry record of one control tick. Encoded, small numbers take few bytes: a tick at rest takes 17 bytes, a busy one about
-/// 32, none more than [`TELEMETRY_MAX`].
+/// The telemetry record of one control tick. Small numbers take few bytes: the record of a knob at rest takes 17 bytes, that of a
+/// busy one about 32, and none more than [`TELEMETRY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Number of the tick since the reset, modulo 2^32. A gap between records means that the serial port was too slow for some.
+    /// Number of the tick since the reset, modulo 2^32. A gap between records means that the serial port was too slow for the
+    /// missing ones.
     pub tick: u32,
     /// Position in encoder counts from the calibrated zero.
     pub count: i32,
     /// Depth of the knob inside the wall, rad; negative outside.
     #[serde(with = "bits")]
     pub penetration_rad: I8F24,
-    /// Displacement of the device into the wall since the change of force, rad, as if the force had changed in a single step. 0 if
-    /// the position at the change is not measured.
+    /// How far the knob has moved into the wall since the last change of the force, rad. The change counts as a single step at its
+    /// mean time. 0 if the device does not measure the position at the change.
     #[serde(with = "bits")]
     pub since_change_rad: I8F24,
     /// Torque that the control law commands, N·m, positive out of the wall.
@@ -28,7 +29,7 @@ pub struct Telemetry {
     /// Offset of the spring in the control law (successive force augmentation), rad; 0 for laws without an offset.
     #[serde(with = "bits")]
     pub offset_rad: I8F24,
-    /// Energy in joules that the control law's observer has summed.
+    /// Energy in joules that the control law's energy observer has summed.
     pub energy_j: Decimal,
     /// State of the device in this tick.
     pub phase: Phase,
@@ -40,7 +41,7 @@ pub struct Telemetry {
     pub cycles: u32,
     /// Lateness of this tick in processor cycles, from when it was due to when it began.
     pub lateness_cycles: u32,
-    /// Measured q-axis current, mA.
+    /// Measured torque-making (q-axis) current of the motor, mA.
     pub current_q_ma: i32,
     /// Values measured at the motor during a calibration that measures it; `None` at other times.
     pub measuring: Option<MeasuringTick>,
@@ -77,7 +78,7 @@ impl Phase {
         Self::Stopped,
     ];
 
-    /// The state's name as text for people.
+    /// The name of the device's state as text for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -104,7 +105,8 @@ impl From<State> for Phase {
     }
 }
 
-/// The record of a fault on the wire. The code is a plain number, so that an older desktop can show a code that it does not know.
+/// The record of a fault on the serial link. The code is a plain number, so that an older desktop program can show a code that it
+/// does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Number of the fault: [`FaultCode::to_wire`].
@@ -133,7 +135,7 @@ impl From<Context> for Fault {
     }
 }
 
-/// Largest number of records in one answer to `Ring`.
+/// Largest number of ring-buffer records in one answer to the request `Ring`.
 pub const RING_CHUNK: usize = 24;
 
 /// Part of the ring buffer, which holds the records of the last second.
@@ -156,7 +158,7 @@ pub struct RingRecord {
     pub count: i32,
     /// Torque that the control law commands, in units of 1/4096 N·m, at most ±8 N·m.
     pub force: i16,
-    /// Measured q-axis current, in units of 1/1024 A, at most ±32 A.
+    /// Measured torque-making (q-axis) current of the motor, in units of 1/1024 A, at most ±32 A.
     pub current_q: i16,
     /// Lateness of the tick in units of 64 processor cycles.
     pub lateness_64: u8,

@@ -86,7 +86,7 @@ mod tests {
         let mut count = Unwrap16::new(0, 0);
         assert_eq!(count.update(32_767), 32_767);
         let mut count = Unwrap16::new(0, 0);
-        // One more and the way back is shorter.
+        // With one count more, the way back is the shorter one.
         assert_eq!(count.update(32_768), -32_768);
     }
 

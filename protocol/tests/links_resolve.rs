@@ -22,7 +22,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The lines of the page outside its code blocks.
+/// The lines of a Markdown page without its code blocks.
 fn prose(page: &str) -> Vec<&str> {
     let mut code = false;
     let outside = |line: &&str| {
@@ -33,12 +33,12 @@ fn prose(page: &str) -> Vec<&str> {
     page.lines().filter(outside).collect()
 }
 
-/// The line without its inline code.
+/// A Markdown line without its inline code.
 fn unquoted(line: &str) -> String {
     line.split('`').step_by(2).collect()
 }
 
-/// The heading with each link replaced by its text.
+/// A Markdown heading with each link replaced by the link's text.
 fn shown(heading: &str) -> String {
     let mut out = String::new();
     let mut rest = heading;
@@ -70,7 +70,7 @@ fn anchors(page: &str) -> BTreeSet<String> {
     found
 }
 
-/// The targets of the links on a page that lead into the repository.
+/// The targets of the links on a Markdown page that lead into the repository.
 fn links(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in prose(page) {

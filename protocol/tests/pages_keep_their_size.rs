@@ -1,4 +1,4 @@
-//! Checks that the book has at most 60,000 words and the README at most 900.
+//! Checks that the book (the Markdown files of the documentation) has at most 60,000 words and the README at most 900.
 
 use std::path::Path;
 

@@ -1,9 +1,10 @@
-//! Searches for the simulated hand that gets the most energy out, with and without the energy guard, at four delays, for every law.
+//! Searches for the simulated hand that gets the most energy out of a device, with and without the energy guard, at four delays and
+//! for every control law.
 //!
 //! `cargo run --release -p touchstone-tests --example adversary -- FILE.csv 1000000` spends a million evaluations with the guard,
 //! for all types of hand, delays and laws together, and a tenth of that without. The default is 40,000. Each combination of hand
 //! type, law and delay is one row of the file, written as soon as it is finished; the same command continues after an interruption.
-//! With `shipped` at the end, account and force limit are the shipped ones instead of 20 mJ and 0.3 N·m.
+//! With `shipped` at the end, capacity and force limit are the shipped ones instead of 20 mJ and 0.3 N·m.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -15,10 +16,10 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::port::{Port, PortLaw, SpringDamper};
 
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
-/// Ticks of one evaluation; the worst hand of a search runs again for `LONGER` ticks.
+/// Control periods in one evaluation of a simulated hand. The worst hand of a search is run again for `LONGER` periods.
 const TICKS: u32 = 500;
 const LONGER: u32 = 20_000;
-/// Capacity of the guard's energy account in J, and force limit in N·m.
+/// The energy guard's limits: capacity of its energy account in J, and force limit in N·m.
 #[derive(Debug, Clone, Copy)]
 struct Account {
     capacity_j: f64,
@@ -26,7 +27,7 @@ struct Account {
 }
 
 impl Account {
-    /// The settings of most figures in `docs/energy-guard.md`: 20 mJ and 0.3 N·m.
+    /// The limits for most figures in `docs/energy-guard.md`: 20 mJ and 0.3 N·m.
     const SMALL: Self = Self {
         capacity_j: 0.02,
         force_limit_n_m: 0.3,
@@ -40,7 +41,7 @@ impl Account {
         }
     }
 
-    /// The guard's bound in J, with one encoder count at the largest force.
+    /// Most energy in J that the energy guard lets a hand get out: the capacity, plus one encoder count times the largest force.
     fn bound_j(self) -> f64 {
         self.capacity_j + self.force_limit_n_m * touchstone_tests::port::COUNT_RAD
     }
@@ -57,8 +58,8 @@ impl Account {
 
 const SEED: u64 = 1;
 
-/// The laws: springs without a controller, one that pushes with all its force when the hand moves out, every law with the thesis'
-/// settings, and the shipped one.
+/// The control laws that the hands meet: plain springs and dampers, one that pushes with all its force when the hand moves out,
+/// every law with the settings of the DLR thesis, and the shipped law.
 fn laws() -> Vec<(String, PortLaw)> {
     let spring = |k, b| PortLaw::from(SpringDamper { k, b });
     let mut laws = vec![
@@ -102,18 +103,18 @@ fn laws() -> Vec<(String, PortLaw)> {
     laws
 }
 
-/// One row of the result file.
+/// One row of the result file: the worst hand of one type for one control law and delay.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     law: String,
     delay_ticks: f64,
     way: String,
     evaluations: u32,
-    /// Most energy beyond the refill with the guard, J.
+    /// Most energy in J that the hand gets out with the energy guard, beyond the energy that refills the guard's account.
     guarded_j: f64,
-    /// The same hand's energy with the tick in which it exceeded the guard's speed limit, if it did, J.
+    /// The same hand's energy in J, including the control period in which it exceeded the energy guard's speed limit, if it did.
     overspeed_j: f64,
-    /// Most energy in any window of half a second without the guard, J.
+    /// Most energy in J that a hand gets out in any half second without the energy guard.
     bare_j: f64,
 }
 
@@ -186,7 +187,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints the worst type of hand for every law and delay.
+/// Prints the worst type of hand for every control law and delay.
 fn print(account: Account, laws: &[(String, PortLaw)], rows: &[Row]) {
     let total: u64 = rows.iter().map(|row| u64::from(row.evaluations)).sum();
     println!(

@@ -1,8 +1,8 @@
-//! Prints how low the guard's energy account falls while a hand holds, wiggles and trembles against a good wall.
+//! Prints how low the energy guard's account falls while a hand holds, wiggles and trembles against a stable virtual wall.
 //!
-//! `cargo run --release -p touchstone-tests --example untouched -- 3600` runs an hour of each; the default is a minute. In rows
-//! `counts` every change of force is charged half an encoder count. In rows `free` none is, and the energy that quantisation gives
-//! adds up outside the account.
+//! `cargo run --release -p touchstone-tests --example untouched -- 3600` simulates an hour of each motion; the default is a minute.
+//! In rows named `counts` the guard charges half an encoder count for every change of force. In rows named `free` it charges none,
+//! so the energy that the encoder's quantisation gives is not in the account.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_tests::port::{Gripped, Port, SpringDamper, wiggle};

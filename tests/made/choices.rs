@@ -1,18 +1,19 @@
-//! Choices of the test generators: from a seed in the tests, or from bytes in the fuzzer, which learns what each byte changes.
+//! Random choices for the generators of test inputs. They come from a seed in the tests, or from bytes in the fuzzer, which learns
+//! what each byte changes.
 
-/// A source of choices, by which a generator decides what to make.
+/// A source of choices, by which a generator of test inputs decides what to make.
 pub trait Choices {
-    /// A number from 0 up to, not including, `most`, which must be at least 1.
+    /// An integer from 0 up to, not including, `most`, which must be at least 1.
     fn below(&mut self, most: usize) -> usize;
 
-    /// One of the given words.
+    /// Chooses one of the given texts.
     #[allow(dead_code, reason = "of generators with words")]
     fn of<'a>(&mut self, words: &[&'a str]) -> &'a str {
         words[self.below(words.len())]
     }
 }
 
-/// Choices from a seed, by SplitMix64 (Steele, Lea and Flood, 2014).
+/// Choices from a seed, by the random number generator SplitMix64 (Steele, Lea and Flood, 2014).
 pub struct Seeded(pub u64);
 
 impl Choices for Seeded {
@@ -25,7 +26,7 @@ impl Choices for Seeded {
     }
 }
 
-/// Choices from given bytes, two per choice. After the last byte every choice is 0.
+/// Choices from given bytes, two bytes per choice. After the last byte every choice is 0.
 #[allow(dead_code, reason = "the fuzzer's")]
 pub struct Given<'a>(pub &'a [u8]);
 

@@ -1,5 +1,5 @@
-//! Images of settings in flash: valid ones, damaged ones, and random bytes. An accepted image passes the settings' check, and is
-//! the same after it is stored again.
+//! Generates images of a device's settings as stored in flash: valid ones, damaged ones, and random bytes. Checks that an accepted
+//! image passes the settings' check, and is the same after it is stored again.
 
 use super::choices::Choices;
 use touchstone_control::Si;
@@ -15,7 +15,8 @@ fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
     checked(settings, BOARD)
 }
 
-/// A random image with up to three damages. Most get a correct checksum again, so that the content is checked as well.
+/// Makes a random image of settings with up to three damages. Most get a correct checksum afterwards, so that the content is tested
+/// too.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.k_desired_n_m_per_rad = Si::from_num(seeded.below(30) as i32);
@@ -41,14 +42,15 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     bytes
 }
 
-/// Writes the correct checksum into the last four bytes of an image.
+/// Writes the correct checksum into the last four bytes of a settings image.
 pub fn seal(bytes: &mut [u8]) {
     if let Some((content, sum)) = bytes.split_last_chunk_mut::<4>() {
         *sum = crc_of(content).to_le_bytes();
     }
 }
 
-/// Whether an image is accepted. Asserts that an accepted one passes the settings' check, and is the same after it is stored again.
+/// Whether the firmware's code accepts a settings image. Asserts that an accepted image passes the settings' check, and is the same
+/// after it is stored again.
 pub fn is_taken(bytes: &[u8]) -> bool {
     let Ok(start) = stored::decode_with(bytes, &check) else {
         let start = stored::start(Some(bytes), DeviceSettings::defaults(BOARD), &check);

@@ -1,11 +1,11 @@
-//! Recordings of a hand's motion as text: each is read, or refused in one line.
+//! Generates recordings of a hand's motion as CSV text. Checks that each is read, or refused with a one-line message.
 
 use super::choices::Choices;
 use std::fmt::Write as _;
 use std::path::Path;
 use touchstone_sim::scene::Recording;
 
-/// A random recording: a header and rows, most of them valid, now and then an invalid one.
+/// Makes a random recording: a header and rows, most of them valid, now and then an invalid one.
 pub fn made(seeded: &mut impl Choices) -> String {
     let times = ["time_s", "t_ms", "Time [us]", "seconds", "time", "°"];
     let angles = [
@@ -43,7 +43,7 @@ pub fn made(seeded: &mut impl Choices) -> String {
     text
 }
 
-/// Whether a recording is read. If it is, its remarks are calculated as well.
+/// Whether a recording is accepted. For an accepted one, also computes the remarks that the program prints on it.
 pub fn is_read(text: &str) -> bool {
     match Recording::parse(text, Path::new("m.csv")) {
         Ok(recording) => {

@@ -1,5 +1,6 @@
-//! Scenes (simulation files) generated from the schema: every field at both ends of its range, at 0 and in between, with every
-//! environment. An accepted scene runs to its end in a bounded time; a refused one is refused in one line.
+//! Generates scene files (descriptions of a simulation): every field at both ends of its range, at 0 and in between, with every
+//! environment of walls and detents. Checks that an accepted scene runs to its end in a bounded time, and that a refused one gets a
+//! one-line message.
 
 use super::choices::Choices;
 use std::time::Instant;
@@ -9,11 +10,12 @@ use touchstone_sim::run::work::{self, Work};
 use touchstone_sim::scene::schema::{FIELDS, Field, Kind, Range};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Largest processor time in s of a scene that is accepted without a remark; longer in builds without optimisation.
+/// Largest processor time in s that a generated scene may take if the program did not announce it as long. It is longer in builds
+/// without optimisation.
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
-/// Allowed processor time of a long scene, per second that the scene's own estimate says.
+/// Processor time that a simulation announced as long may take, per second of the program's own estimate.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
-/// Part of a long scene that is run, in s of its estimated time.
+/// Length of the part that is simulated of a scene announced as long, in s of its estimated time.
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
@@ -21,7 +23,7 @@ fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
-/// Names as users choose them, and names that could do harm.
+/// Names of scene files: ones that users choose, and ones that could do harm.
 const TEXTS: [&str; 6] = [
     "\"\"",
     "\"a \\\"quoted\\\" name\"",
@@ -31,7 +33,7 @@ const TEXTS: [&str; 6] = [
     "\"ü 力\"",
 ];
 
-/// A random value for a field, mostly one that the field accepts.
+/// Makes a random value for a field of a scene file, mostly one that the field accepts.
 fn value(field: &Field, seeded: &mut impl Choices) -> String {
     const TINY: f64 = 5e-324;
     let wide = [
@@ -95,7 +97,7 @@ fn value(field: &Field, seeded: &mut impl Choices) -> String {
     }
 }
 
-/// A random scene: the shipped scene that it starts from, and the changes to it.
+/// Makes a random scene (description of a simulation): returns the shipped scene file to start from, and the changes `field=value`.
 pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     let base = seeded.of(&[
         "thesis-knob",
@@ -123,18 +125,18 @@ pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     (base, sets)
 }
 
-/// How a generated scene ended.
+/// Result of trying a generated scene file.
 pub enum Ended {
-    /// It ran to its end.
+    /// The simulation ran to its end.
     Run,
-    /// It was refused in one line.
+    /// The program refused the scene file with a one-line message.
     Refused,
-    /// It was reported as long, and only a part was run.
+    /// The program announced the simulation as long, and only a part of it was run.
     Long,
 }
 
-/// Processor time of this thread in s, which other programs do not affect. Where the system does not report it, the time since
-/// `begun`.
+/// Processor time of this thread in s, which other programs do not affect. Where the system does not report it, returns the time
+/// since `begun`.
 fn processor_s(begun: Instant) -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat");
     let ns = told
@@ -143,7 +145,7 @@ fn processor_s(begun: Instant) -> f64 {
     ns.map_or_else(|| begun.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
-/// Builds and runs a scene; returns how it ended, and its processor time in s.
+/// Reads and simulates a generated scene file. Returns the result and the processor time in s.
 pub fn tried(base: &str, sets: &[String]) -> (Ended, f64) {
     let one_line = |error: touchstone_sim::error::Error| {
         let text = error.to_string();

@@ -1,10 +1,11 @@
-//! STL files (triangle meshes): generated, then damaged. Each is read, or refused in one line.
+//! Generates STL files (triangle meshes) and damages them. Checks that each is read, or refused with a one-line message.
 
 use super::choices::Choices;
 use std::path::Path;
 use touchstone_mesh::Mesh;
 
-/// The twelve triangles of a block; corners are counter-clockwise seen from outside.
+/// The twelve triangles of a block between two opposite corners. The corners of each triangle are counter-clockwise as seen from
+/// outside.
 pub fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     let corner = |n: usize| {
         [0, 1, 2].map(|axis| {
@@ -33,7 +34,7 @@ pub fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     .to_vec()
 }
 
-/// Triangles as a text STL file.
+/// Writes triangles as a text STL file.
 pub fn solid(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
     let vertex = |[x, y, z]: &[f64; 3]| format!("      vertex {x:e} {y:e} {z:e}\n");
     let facets: String = triangles
@@ -46,7 +47,7 @@ pub fn solid(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
     format!("solid {name}\n{facets}endsolid {name}\n")
 }
 
-/// Triangles as a binary STL file.
+/// Writes triangles as a binary STL file.
 pub fn binary(head: &[u8], count: u32, triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes[..head.len()].copy_from_slice(head);
@@ -64,7 +65,7 @@ pub fn binary(head: &[u8], count: u32, triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// A random STL file with up to three damages.
+/// Makes a random STL file with up to three damages.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let sizes = [1e-30, 1.0, 60.0, 1e30, 3e38];
     let mut corner = || [0; 3].map(|_| sizes[seeded.below(5)] * (seeded.below(7) as f64 - 3.0));
@@ -77,7 +78,7 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     bytes
 }
 
-/// Damages a file at up to three places.
+/// Damages the bytes of a file at up to three places.
 pub fn damage(bytes: &mut Vec<u8>, seeded: &mut impl Choices) {
     for _ in 0..seeded.below(4) {
         let at = seeded.below(bytes.len().max(1)).min(bytes.len());
@@ -97,12 +98,12 @@ pub fn damage(bytes: &mut Vec<u8>, seeded: &mut impl Choices) {
     }
 }
 
-/// Whether a file is read. If it is, the mesh's remarks are calculated as well.
+/// Whether an STL file is accepted. For an accepted one, also computes the remarks that the program prints on the mesh.
 pub fn is_read(bytes: &[u8]) -> bool {
     is_read_as("made.stl", bytes)
 }
 
-/// Whether it is read as what its name says.
+/// Whether a mesh file is accepted in the format that the ending of its name says.
 pub fn is_read_as(name: &str, bytes: &[u8]) -> bool {
     match Mesh::parse(bytes, Path::new(name), 1e-3) {
         Ok(mesh) => {

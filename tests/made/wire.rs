@@ -1,5 +1,5 @@
-//! Bytes on the wire between host and device: valid frames of both directions, damaged ones, and random bytes. Nothing panics, and
-//! every decoded message encodes to the same message.
+//! Generates bytes on the serial line between host and device: valid frames of both directions, damaged frames, and random bytes.
+//! Checks that the decoder does not panic, and that every decoded message encodes to the same message.
 
 use super::choices::Choices;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
@@ -9,7 +9,7 @@ use touchstone_protocol::{
     Board, Counters, DeviceCommand, DeviceSettings, Reply, Request, ToDevice,
 };
 
-/// A valid frame with one of many messages.
+/// Makes a valid frame with a random message.
 fn frame_of(seeded: &mut impl Choices) -> Vec<u8> {
     let mut buffer = [0; FRAME_MAX];
     let id = seeded.below(256) as u8;
@@ -34,7 +34,7 @@ fn frame_of(seeded: &mut impl Choices) -> Vec<u8> {
     frame.expect("every message fits").to_vec()
 }
 
-/// Several frames with damages.
+/// Makes several frames, some of them damaged.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let mut bytes = Vec::new();
     for _ in 0..1 + seeded.below(3) {
@@ -52,8 +52,8 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     bytes
 }
 
-/// Decodes bytes as host and device do; returns the number of messages. Asserts that each decodes to the same when it is encoded
-/// again.
+/// Decodes bytes as host and device do; returns the number of messages. Asserts that each message stays the same when it is encoded
+/// and decoded again.
 pub fn messages(bytes: &[u8]) -> usize {
     let (mut decoder, mut count) = (Decoder::new(), 0);
     for &byte in bytes {
@@ -64,7 +64,7 @@ pub fn messages(bytes: &[u8]) -> usize {
     count
 }
 
-/// Whether a payload without a frame is a message; asserts that it decodes to the same when it is encoded again.
+/// Whether a frame's payload is a message. Asserts that the message stays the same when it is encoded and decoded again.
 pub fn looked_into(payload: &[u8]) -> bool {
     let mut buffer = [0; 4 * FRAME_MAX];
     let mut is_message = false;

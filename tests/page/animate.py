@@ -1,4 +1,4 @@
-"""Makes the README's animation: the stage of the live page during one press, as an animated PNG. Standard library only.
+"""Makes the README's animation, an animated PNG: the drawn knob of the live page during one press. Standard library only.
 
     animate.py PROGRAM OUT.png [PRESET]
 """
@@ -15,7 +15,7 @@ from collections import Counter
 from chromium import Chromium
 
 WIDTH, FRAME_S, PERIOD_S = 660, 0.08, 4.8
-# The most frequent colours, and the index of what stays as it was.
+# Number of colours in the palette, and the palette index of a pixel that does not change.
 COLOURS, STAYS = 255, 255
 
 GRAB = """(() => {
@@ -31,7 +31,7 @@ GRAB = """(() => {
 
 
 def frames(page):
-    """One round of the scene's own motion: pictures of three bytes a pixel, evenly in time."""
+    """Returns width, height and pictures (three bytes per pixel) at equal intervals over one period of the scene's hand motion."""
     page.until(f"(runs[0].last.time_s % {PERIOD_S}) < 0.1")
     start = page.run("runs[0].last.time_s")
     taken = []
@@ -44,7 +44,7 @@ def frames(page):
 
 
 def indexed(taken):
-    """The palette, and the frames as indices into it: a rare colour becomes the nearest frequent one."""
+    """Returns the palette, and the frames as indices into it. A rare colour is replaced by the nearest frequent one."""
     split = [[frame[i:i + 3] for i in range(0, len(frame), 3)] for frame in taken]
     counts = Counter(colour for frame in split for colour in frame)
     frequent = [colour for colour, _ in counts.most_common(COLOURS)]
@@ -60,12 +60,12 @@ def chunk(kind, data):
 
 
 def packed(width, height, pixels):
-    """Rows, each with its filter (none)."""
+    """The pixels as compressed rows of a PNG file, each row without a filter."""
     return zlib.compress(b"".join(b"\0" + pixels[y * width:(y + 1) * width] for y in range(height)), 9)
 
 
 def changed(width, height, before, now):
-    """The rectangle in which a frame differs, and what is in it."""
+    """Returns the rectangle in which a frame differs from the one before it, and the rectangle's pixels."""
     rows = [y for y in range(height) if before[y * width:(y + 1) * width] != now[y * width:(y + 1) * width]]
     if not rows:
         return 0, 0, 1, 1, bytes([STAYS])
@@ -77,14 +77,14 @@ def changed(width, height, before, now):
 
 
 def animation(width, height, taken):
-    """The bytes of an animated PNG that begins again for ever."""
+    """The bytes of an animated PNG that repeats without end."""
     palette, taken = indexed(taken)
     parts = [b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)), chunk(b"acTL", struct.pack(">II", len(taken), 0)),
              chunk(b"PLTE", palette), chunk(b"tRNS", b"\xff" * STAYS + b"\0")]
     number = 0
     for i, now in enumerate(taken):
         left, top, w, h, pixels = (0, 0, width, height, now) if i == 0 else changed(width, height, taken[i - 1], now)
-        # Kept as it is afterwards; drawn over what is there.
+        # This frame stays when the next one comes, and is drawn over the one before it.
         parts.append(chunk(b"fcTL", struct.pack(">IIIIIHHBB", number, w, h, left, top, round(FRAME_S * 1000), 1000, 0, 1)))
         number += 1
         data = packed(w, h, pixels)
@@ -107,7 +107,7 @@ def main():
             page.run("stage.canvas.style.height = '230px'")
             page.key(preset)
             page.wait(0.5)
-            # Pictures take time: the run goes at a quarter of its speed, and is shown at all of it.
+            # Taking pictures takes time: the simulation runs at a quarter of its speed, and the animation shows it at full speed.
             page.run("chosen.speed = 0.25; run(true)")
             page.wait(PERIOD_S)
             width, height, taken = frames(page)

@@ -1,4 +1,4 @@
-"""The board's page against a simulated knob behind a socket: every control, what may happen to a cable, and how it looks."""
+"""Tests the web page of a board with a simulated knob on a TCP port: every control, a faulty cable, and how the page looks."""
 
 import contextlib
 import os
@@ -7,7 +7,7 @@ import subprocess
 
 
 class Knob:
-    """`touchstone demo` on a port; what happens to it goes in as lines."""
+    """The program `touchstone demo` on a TCP port. Lines of text to its input simulate faults, such as `pull` for the cable."""
 
     def __init__(self, program):
         self.process = subprocess.Popen([program, "--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -35,7 +35,7 @@ def phase(page, wanted, limit=20):
 
 
 def press(page, what):
-    """A button, as one that can be pressed."""
+    """Waits until a button of the page is enabled, and clicks it."""
     page.until(f"!document.querySelector('[data-do={what}]').disabled")
     page.run(f"document.querySelector('[data-do={what}]').click()")
 
@@ -54,7 +54,7 @@ def arm(page):
 
 
 def stops(page, check):
-    """Every way to the stop, wherever the focus is."""
+    """Checks every way to stop the device, with the focus on different elements of the page."""
     for name, act in (
         ("Esc", lambda: page.key("Escape")),
         ("Space with the focus in a setting", lambda: (page.run("inputs.get('wall.surface_rad').focus()"), page.key(" "))),
@@ -82,7 +82,7 @@ def settings(page, check):
     check(rows > 50, f"{rows} settings, each with its range: {page.run('''document.querySelector('#fields small').textContent''')!r}")
     change(page, "wall.k_desired_n_m_per_rad", "12")
     check(page.run("hello.k_desired_n_m_per_rad") == 12 and text(page, "answer").endswith("done"), "a stiffness is set")
-    # That comes with the state, which may be told after the answer.
+    # The page shows this when it gets the device's state, which may arrive after the answer.
     check(page.comes_true("document.getElementById('unsaved').textContent.startsWith('changed')"), "and is not saved")
     change(page, "wall.k_desired_n_m_per_rad", "-4")
     check("outside" in text(page, "error") and page.run("inputs.get('wall.k_desired_n_m_per_rad').getAttribute('aria-invalid')") == "true", f"a wrong one is refused: {text(page, 'error')}")
@@ -97,7 +97,7 @@ def settings(page, check):
 
 @contextlib.contextmanager
 def served_page(browser, program, address):
-    """The page of a device, and its address; the program ends with it."""
+    """Starts the program that serves a device's page and opens the page. Gives the page and its address; ends the program afterwards."""
     served = subprocess.Popen([program, "live", "--no-open", "--port", address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     page = None
     try:
@@ -118,7 +118,7 @@ def board(browser, program, pictures, check):
         phase(page, "boot")
         check(all(page.run(f"document.querySelector('[data-do={what}]').disabled") for what in ("arm", "disarm")), "what may not be asked cannot be pressed")
         settings(page, check)
-        # One calibration after the other is more than the default motor bears: that it is a fault is the emulator's to show.
+        # With the default current limit, several calibrations in a row raise a fault, so the limit is raised.
         change(page, "motor.continuous_current_a", "2")
         arm(page)
         page.wait(6)
@@ -185,7 +185,7 @@ def board(browser, program, pictures, check):
         if pictures:
             page.picture(os.path.join(pictures, "board-dark.png"))
         check(not page.problems, f"no complaint of the browser {page.problems[:3]}")
-        # A page that is closed leaves nothing on; a foreign place does not get in.
+        # When the page is closed, the device is switched off. A page of another origin cannot connect.
         press(page, "arm")
         phase(page, "armed")
         page.go("about:blank")

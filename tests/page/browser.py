@@ -1,4 +1,4 @@
-"""What the pages' scripts ask of any browser; how it is spoken to is in chromium.py and firefox.py. Standard library only."""
+"""The part of browser control that is the same for every browser; chromium.py and firefox.py have the protocols. Standard library only."""
 
 import shutil
 import tempfile
@@ -6,20 +6,20 @@ import time
 
 
 def found(*names):
-    """Path of the first of these programs that is here, or None."""
+    """Path of the first of these programs that is installed, or None."""
     return next((path for name in names if name and (path := shutil.which(name))), None)
 
 
 class Page:
-    """One page of one browser without a window; what goes wrong in it is kept in `problems`.
+    """One page in a browser without a window. `problems` keeps the errors and warnings of the page.
 
-    A subclass has `message`, `note`, `call`, `run` and what its protocol says differently.
+    A subclass has `message`, `note`, `call`, `run` and the methods that differ between the protocols.
     """
 
     def __init__(self):
         self.profile = tempfile.TemporaryDirectory()
         self.problems, self.number = [], 0
-        # Called some fifty times a second while the script waits: for what stands between page and world.
+        # A function that is called some fifty times a second while the test waits, e.g. to carry the bytes of a simulated cable.
         self.meanwhile = None
 
     def wait(self, seconds):
@@ -32,7 +32,7 @@ class Page:
                 self.note(message)
 
     def comes_true(self, script, limit=20):
-        """Waits until the expression is true; whether it came true in time."""
+        """Waits until a JavaScript expression is true. Returns whether it came true within `limit` seconds."""
         end = time.monotonic() + limit
         while not self.run(script):
             if time.monotonic() > end:
@@ -41,7 +41,7 @@ class Page:
         return True
 
     def until(self, script, limit=20):
-        """Waits until the expression is true."""
+        """Waits until a JavaScript expression is true; an error if it is not within `limit` seconds."""
         if not self.comes_true(script, limit):
             raise TimeoutError(f"never came true: {script}; {self.problems}")
 

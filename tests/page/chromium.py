@@ -1,4 +1,4 @@
-"""Chromium, spoken to through a pair of pipes in the DevTools protocol."""
+"""Controls Chromium by the DevTools protocol, through a pair of pipes."""
 
 import base64
 import json
@@ -11,13 +11,13 @@ from browser import Page, found
 
 
 def find():
-    """Path of a Chromium, or None."""
+    """Path of an installed Chromium, or None."""
     return found(os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome", "chrome")
 
 
 class Chromium(Page):
     name = "Chromium"
-    # Fingers can be played, sound starts without a device for it, and a wish for less motion can be had.
+    # Its protocol can simulate touch and the user's wish for reduced motion, and sound starts without a sound device.
     touches = hears = stills = True
 
     def __init__(self, url, width=1280, height=1000, downloads=None, before=None):
@@ -27,7 +27,7 @@ class Chromium(Page):
         self.read, in_write = os.pipe()
 
         def pipes():
-            # The browser reads its orders from 3 and answers on 4, whatever the numbers here.
+            # The browser reads its commands from file descriptor 3 and answers on 4.
             read, write = os.dup(out_read), os.dup(in_write)
             os.dup2(read, 3)
             os.dup2(write, 4)
@@ -58,14 +58,14 @@ class Chromium(Page):
         self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
 
     def still(self):
-        """For a reader who wants less motion."""
+        """Simulates a user who has asked the system for reduced motion."""
         self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]})
 
     def size(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
 
     def message(self, limit):
-        """The next message, or None after so many seconds."""
+        """The browser's next message, or None after `limit` seconds."""
         end = time.monotonic() + limit
         while b"\0" not in self.buffer:
             ready, _, _ = select.select([self.read], [], [], max(0, end - time.monotonic()))
@@ -79,7 +79,7 @@ class Chromium(Page):
         return json.loads(text)
 
     def note(self, message):
-        """Keeps what the page complains of."""
+        """Keeps errors and warnings of the page in `problems`."""
         method, params = message.get("method"), message.get("params", {})
         if method == "Runtime.exceptionThrown":
             details = params["exceptionDetails"]
@@ -106,7 +106,7 @@ class Chromium(Page):
             self.note(message)
 
     def run(self, script):
-        """The value of an expression in the page."""
+        """Evaluates a JavaScript expression in the page and returns its value."""
         result = self.call("Runtime.evaluate", {"expression": script, "returnByValue": True, "awaitPromise": True, "userGesture": True})
         if "exceptionDetails" in result:
             raise RuntimeError(f"{script}: {result['exceptionDetails']}")
@@ -118,7 +118,7 @@ class Chromium(Page):
         self.call("Input.dispatchKeyEvent", {"type": "keyDown" if down else "keyUp", "key": key, "windowsVirtualKeyCode": virtual, **code})
 
     def mouse(self, kind, x, y):
-        """`down`, `move` (while it is down) or `up`."""
+        """Simulates the mouse button: `kind` is `down`, `move` (with the button down) or `up`."""
         named = {"down": "mousePressed", "move": "mouseMoved", "up": "mouseReleased"}[kind]
         self.call("Input.dispatchMouseEvent", {"type": named, "x": x, "y": y, "button": "left", "clickCount": 1})
 
@@ -126,7 +126,7 @@ class Chromium(Page):
         self.call("Input.dispatchMouseEvent", {"type": "mouseWheel", "x": x, "y": y, "button": "none", "deltaX": 0, "deltaY": by})
 
     def touch(self, kind, x, y):
-        """`start`, `move` or `end`."""
+        """Simulates a touch of the screen: `kind` is `start`, `move` or `end`."""
         self.call("Emulation.setTouchEmulationEnabled", {"enabled": True})
         named = {"start": "touchStart", "move": "touchMove", "end": "touchEnd"}[kind]
         self.call("Input.dispatchTouchEvent", {"type": named, "touchPoints": [] if kind == "end" else [{"x": x, "y": y}]})

@@ -1,12 +1,12 @@
-"""Drives the live page in Chromium and Firefox without a window: every control, every preset, real time, a record that the program repeats; then
-the page of a board.
+"""Tests the live pages in Chromium and Firefox without a window. Page of a simulated knob: every control, every preset, real time, and a record
+that the program repeats. Then the pages of a board, of a report and of three axes.
 
     drive.py PROGRAM EMULATOR FIRMWARE [--short | SECONDS [FOLDER]]
 
-EMULATOR and FIRMWARE are `-` where there is none; ticks are counted over SECONDS (20), pictures
-go to FOLDER. `--short`: the first browser that is here, ticks over 5 s.
+EMULATOR and FIRMWARE are `-` if there is none. Control periods (ticks) are counted over SECONDS (20), pictures
+go to FOLDER. `--short`: only the first installed browser, ticks over 5 s.
 
-Exit code 0: all holds; 1: something does not; 77: no browser here. A browser that is not here is skipped, which is said.
+Exit code 0: all checks passed; 1: a check failed; 77: no browser installed. A browser that is not installed is skipped with a note.
 """
 
 import csv
@@ -28,7 +28,7 @@ from report import report
 from serial import serial
 from space import space
 
-# A page of this many bytes is still one to send by mail; who opens it waits no longer than this for the wall.
+# Largest size of the page in bytes, so that it can be sent by mail. Longest time in s until a newly opened page simulates the wall.
 MOST_BYTES, MOST_WAIT_S = 1_500_000, 10
 failures = []
 
@@ -75,7 +75,7 @@ def presets(page, folder):
         if folder:
             page.picture(os.path.join(folder, f"preset-{step}.png"))
         if step == 6:
-            # In the hold of the press, whichever round of the scene's motion it is.
+            # A time in the hold of the press, in any repetition of the scene's motion.
             page.until("(runs[0].last.time_s % 4.8) > 2.9 && (runs[0].last.time_s % 4.8) < 3.8")
             shown_k = page.run("stiffnessShown(Object.fromEntries(COLUMNS.map((n) => [n, [runs[0].last[n]]])), 0, runs[0])")
             check(abs(shown_k - 14) < 0.7, f"ours shows {shown_k:.2f} of 14 N·m/rad in the press, and lets {1e3 * page.run('runs[0].got'):.2f} mJ out")
@@ -85,8 +85,8 @@ def presets(page, folder):
 
 
 def feels(page, folder):
-    """Every feel in the place of the wall: it moves by itself, its walls and detents are known to the page, the pointer turns it, and the scene of
-    the page comes back."""
+    """Checks every shipped haptic effect in place of the wall: the knob moves by itself, the page shows the effect's walls and detents, the pointer
+    turns the knob, and the page's own scene comes back."""
     for name in page.run("content.feels.map(([name]) => name)"):
         choose(page, "feel", name)
         page.wait(0.3)
@@ -113,7 +113,7 @@ def feels(page, folder):
 
 
 def drawing(page, folder):
-    """A dial of five clicks, made and felt by the keyboard alone; then drawn with the pointer, and exported."""
+    """Checks the editor of torque profiles: five clicks per turn, edited and felt by keyboard alone, then drawn with the pointer, and exported."""
     began = time.monotonic()
     page.run("document.querySelector('#draw summary').focus()")
     page.key(" ")
@@ -259,7 +259,7 @@ def transport(page):
 
 
 def backwards(page):
-    """In the press, with a second law beside it: back and forth gives the same numbers to the bit."""
+    """Checks that turning a run with two control laws back and forth gives the same numbers to the bit."""
     page.key("6")
     running(page)
     page.until("runs[0].last.force_n_m > 0.05")
@@ -288,7 +288,7 @@ def backwards(page):
 
 
 def hands(page):
-    """The four ways to turn the knob."""
+    """Checks the four ways to turn the knob."""
     def depth():
         return page.run("1e3 * (runs[0].last.angle_rad - runs[0].facts.surface_rad)")
 
@@ -374,7 +374,7 @@ def record(page, program, folder):
 
 
 def opened_files(page, program, folder):
-    """A record of the same scene gives the same forces; a recording of a board is drawn; what is neither is refused."""
+    """Checks opened files: a record of the same scene gives the same forces, a recording of a board is drawn, any other file is refused."""
     page.put_file("file", os.path.join(folder, "live-a.csv"))
     page.until("openedFile !== null && runs.length === 2 && runs[1].file && openedFile.at > 1500", 30)
     at, compared, differing = page.run("[openedFile.at, openedFile.compared, openedFile.differing]")
@@ -418,7 +418,7 @@ def link(page, url):
 
 
 def looks(page, pictures):
-    """Narrow and wide, dark."""
+    """Checks that nothing sticks out of a narrow or wide page, and takes pictures, also in the dark colour scheme."""
     for width in (400, 800, 1600):
         page.size(width, 900)
         page.wait(0.4)
@@ -434,7 +434,7 @@ def looks(page, pictures):
 
 
 def simulated(browser, program, seconds, asked_for, pictures):
-    """The page of a simulated knob."""
+    """Tests the page of a simulated knob with one axis."""
     with tempfile.TemporaryDirectory() as folder:
         url = page_file(program, folder)
         page = browser(url, downloads=folder)
@@ -458,7 +458,7 @@ def simulated(browser, program, seconds, asked_for, pictures):
 
 
 def newcomer(page):
-    """From opening the page, which is all that a newcomer does, to a wall that pushes back."""
+    """Checks that a newly opened page soon simulates a wall that pushes back, without any setting."""
     page.until("typeof runs !== 'undefined' && runs.length > 0 && runs[0].last !== null", 60)
     there = page.run("performance.now() / 1e3")
     page.until("runs[0].last.force_n_m > 0.01", 10)
@@ -474,7 +474,7 @@ def newcomer(page):
 
 
 def still(page, url):
-    """A reader who wants less motion sees a knob that waits."""
+    """Checks that the knob does not move by itself for a user who asks for reduced motion."""
     if not page.stills:
         return
     page.still()
@@ -515,7 +515,7 @@ def main():
         its = os.path.join(pictures, browser.name.lower()) if pictures else None
         if its:
             os.makedirs(its, exist_ok=True)
-        # The firmware is the same behind every browser, and frames are counted for long in one of them.
+        # Only the first browser runs the emulated firmware and the long measurement of frames.
         first = browser is browsers[0]
         board(browser, program, its, check)
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,5 @@
-"""The board's page before the firmware itself, emulated: through a socket, and through a pseudo terminal as a serial port is one."""
+"""Tests the web page of a board with the board's firmware in an emulator. It is reached through a TCP port, and through a pseudo terminal that
+stands for a serial port."""
 
 import os
 import pty
@@ -14,12 +15,12 @@ from board import change, click_at, phase, press, served_page, text
 
 
 class Emulator:
-    """The firmware on a port, with a hand that presses while it is armed."""
+    """The emulated firmware on a TCP port, with a simulated hand that presses while the motor is on."""
 
     def __init__(self, program, firmware):
         self.process = subprocess.Popen([program, "serve", firmware, "--tcp", "127.0.0.1:0", "--hand"], stdout=subprocess.PIPE, text=True)
         self.address = re.search(r"tcp:(\S+)", self.process.stdout.readline()).group(1)
-        # What it says later, of clients and of its pace, is read so that it never waits.
+        # Reads all later output, because the emulator would wait if nobody read it.
         threading.Thread(target=self.process.stdout.read, daemon=True).start()
 
     def close(self):
@@ -28,7 +29,7 @@ class Emulator:
 
 
 class Terminal:
-    """A serial port that is none: a pseudo terminal before a socket, by a name that stays when it is plugged in again."""
+    """A pseudo terminal in place of a serial port, connected to the emulator's TCP port. It has the same name after it is plugged in again."""
 
     def __init__(self, address, folder):
         host, port = address.split(":")
@@ -42,7 +43,7 @@ class Terminal:
         beside = self.name + ".new"
         os.symlink(os.ttyname(slave), beside)
         os.replace(beside, self.name)
-        # Kept open until the program has it: a terminal that nobody has open is gone.
+        # Kept open until the program opens it, because a pseudo terminal vanishes if nobody has it open.
         self.slave = slave
         for source, sink in ((self.from_board, self.to_program), (self.from_program, self.to_board)):
             threading.Thread(target=self.carry, args=(source, sink), daemon=True).start()
@@ -68,7 +69,7 @@ class Terminal:
         self.socket.sendall(data)
 
     def noise(self, data):
-        """Bytes that mean nothing, towards the program."""
+        """Sends meaningless bytes to the program, as noise on the cable."""
         for at in range(0, len(data), 1024):
             self.to_program(data[at:at + 1024])
 
@@ -79,11 +80,11 @@ class Terminal:
         os.close(self.master)
 
 
-# Seconds of the firmware's own time that anything may take.
+# Longest time that any step may take, in seconds of the firmware's own clock.
 LONGEST_S = 60
-# Seconds of this machine's time without a record after which the firmware stands still.
+# Seconds of this computer's clock without a telemetry record, after which the firmware counts as stuck.
 STANDSTILL_S = 60
-# The shaft rests: its angle was within 0.002 rad for 0.3 s of the firmware's time. Without a record nothing is known.
+# JavaScript expression for a shaft at rest: its angle stayed within 0.002 rad for 0.3 s of the firmware's time. False without records.
 AT_REST = """(() => {
   let low = Infinity, high = -Infinity;
   run.ring.since(0.3, (i) => { const x = run.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); });
@@ -92,7 +93,7 @@ AT_REST = """(() => {
 
 
 def calibrated(page):
-    """Seconds of the firmware's time that a calibration took, of a shaft at rest."""
+    """Waits until the shaft is at rest, and calibrates. Returns the duration in seconds of the firmware's time."""
     began = own_time_s(page)
     own_time_until(page, "the shaft at rest", lambda: own_time_s(page) > began + 0.3 and page.run(AT_REST))
     press(page, "calibrate")
@@ -103,7 +104,7 @@ def calibrated(page):
 
 
 def own_time_until(page, what, done):
-    """Waits in the firmware's own time, which a busy machine makes as long as it likes; says how much of it has passed."""
+    """Waits until `done` is true, with a limit in the firmware's own time, which is slower on a busy computer. Returns the time that passed, s."""
     began = at = own_time_s(page)
     moved = time.monotonic()
     while not done():
@@ -118,12 +119,12 @@ def own_time_until(page, what, done):
 
 
 def own_time_s(page):
-    """Seconds of the firmware's time that its records tell of, those that were lost included."""
+    """Seconds of the firmware's time since the first telemetry record, from the number of records including lost ones."""
     return page.run("(took.records + took.missing) * hello.decimation / hello.rate_hz")
 
 
 def through(browser, program, address, way, pictures, check):
-    """What a person does with a board, from its settings to the stop."""
+    """Does what a user does with a board, from changing settings to the stop. Gives the page while the motor is on."""
     with served_page(browser, program, address) as (page, url):
         page.until("typeof run !== 'undefined' && run !== null && run.ring.size > 100", 60)
         check("firmware" in text(page, "device") and "simulated" not in text(page, "device"), f"{way}: {text(page, 'device')}")

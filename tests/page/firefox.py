@@ -1,4 +1,4 @@
-"""Firefox, spoken to by WebDriver BiDi through its own remote agent: no driver beside the browser is needed."""
+"""Controls Firefox by WebDriver BiDi through the browser's own remote agent, so that no separate driver is needed."""
 
 import base64
 import json
@@ -13,16 +13,16 @@ KEYS = {"ArrowLeft": "\ue012", "ArrowUp": "\ue013", "ArrowRight": "\ue014", "Arr
 
 
 def find():
-    """Path of a Firefox, or None."""
+    """Path of an installed Firefox, or None."""
     return found(os.environ.get("FIREFOX"), "firefox", "firefox-esr")
 
 
 class Firefox(Page):
     name = "Firefox"
     touches = False
-    # Without a sound device its audio never starts.
+    # Firefox starts no audio without a sound device.
     hears = False
-    # Nor can its protocol say that a reader wants less motion.
+    # The protocol cannot simulate a user who asks for reduced motion.
     stills = False
 
     def __init__(self, url, width=1280, height=1000, downloads=None, before=None):
@@ -49,7 +49,7 @@ class Firefox(Page):
         self.go(url)
 
     def place(self):
-        """Where its remote agent listens, which it writes into its profile."""
+        """Host and port on which the browser's remote agent listens. The agent writes them into a file of the profile."""
         file = os.path.join(self.profile.name, "WebDriverBiDiServer.json")
         for _ in range(600):
             try:
@@ -65,7 +65,7 @@ class Firefox(Page):
         return None if text is None else json.loads(text)
 
     def note(self, message):
-        """Keeps what the page complains of."""
+        """Keeps errors and warnings of the page in `problems`."""
         if message.get("method") == "log.entryAdded" and message["params"]["level"] in ("error", "warn"):
             self.problems.append(message["params"].get("text") or str(message["params"]))
 
@@ -89,10 +89,10 @@ class Firefox(Page):
         self.call("browsingContext.setViewport", {"context": self.tab, "viewport": {"width": width, "height": height}, "devicePixelRatio": 1})
 
     def dark(self):
-        """Its protocol cannot change what a page is told; see `Chromium.dark`."""
+        """Does nothing: the protocol cannot change the colour scheme of a running page, as `Chromium.dark` does."""
 
     def run(self, script):
-        """The value of an expression in the page."""
+        """Evaluates a JavaScript expression in the page and returns its value."""
         result = self.call("script.evaluate", {"expression": script, "target": {"context": self.tab}, "awaitPromise": True, "userActivation": True})
         if result["type"] != "success":
             raise RuntimeError(f"{script}: {result['exceptionDetails']['text']}")
@@ -132,7 +132,7 @@ class Firefox(Page):
 
 
 def plain(value):
-    """What the protocol says of a value, as a value."""
+    """Converts a value from the protocol's form to a Python value."""
     kind = value["type"]
     if kind == "number":
         return float(value["value"].replace("Infinity", "inf")) if isinstance(value["value"], str) else value["value"]

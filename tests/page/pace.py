@@ -1,15 +1,15 @@
-"""Frames and ticks, second by second: what a page says of itself, counted from outside."""
+"""Measures whether a page keeps up: frames drawn and control periods (ticks) simulated in each second."""
 
 import os
 
-# Over some seconds the machine may be doing something else; over minutes the page must keep up. How many frames a machine without a
-# graphics card draws says more of the machine than of the page: that is judged where somebody asked for it (`cargo xtask page SECONDS`).
-# Otherwise the page must go on drawing, and what it asks of the browser for a frame is counted, which is the same on every machine.
+# Over minutes the page must keep up; in a few seconds the computer may be busy with something else. The number of frames per second
+# depends on the computer, in particular without a graphics card, and is judged only on request (`cargo xtask page SECONDS`). Otherwise
+# the page must go on drawing, and its canvas calls per frame are counted, which are the same on every computer.
 LEAST_TICKS, LEAST_FRAMES, LEAST_FRAMES_LONG, LONG_S = 950, 30, 57, 300
 LEAST_AT_ALL = 3
 TRIES = 3
 MOST_CALLS, MOST_CALLS_SPACE = 1_180, 940
-# Drawing without a graphics card takes a processor: where others wait for one as well, neither frames nor ticks say anything of the page.
+# Load (number of waiting processes) above which frames and ticks are not judged. Drawing without a graphics card needs a whole processor.
 BUSY = 2 * (os.cpu_count() or 1)
 
 COUNT = """(() => {
@@ -32,7 +32,7 @@ COUNT = """(() => {
 })()"""
 
 
-# What is asked of the canvases: every call of the 2D context's, counted over some frames.
+# JavaScript that counts every call of a canvas' 2D context over some frames.
 CALLS = """(() => {
   const own = CanvasRenderingContext2D.prototype, kept = [];
   window.asked = { calls: 0, from: drawn };
@@ -64,7 +64,7 @@ def calls_a_frame(page, check, what, most):
 
 
 def counted(page, seconds):
-    """The seconds of a run, each with its length, frames, frames drawn, ticks, and the late and skipped ticks until then."""
+    """Measures for some seconds. Returns a row per second: length in s, frames, drawn frames and ticks per second, late and skipped ticks so far."""
     page.run(COUNT)
     page.wait(seconds + 1.5)
     rows = page.run("paced")
@@ -74,7 +74,7 @@ def counted(page, seconds):
 
 def worst_second(page, seconds, asked_for, check, what, most_calls):
     calls_a_frame(page, check, what, most_calls)
-    # Where nobody asked for a measurement, another program may have taken the processor: a page that is too slow is so each time.
+    # Without a requested measurement, another program may have used the processor, so a slow page is measured again.
     for _ in range(1 if asked_for else TRIES):
         rows = counted(page, seconds)
         took = sum(row[0] for row in rows)

@@ -1,4 +1,4 @@
-"""The report of a run: "try this cell" starts the cell's scene inside it."""
+"""Tests the web page that reports a comparison: "try this cell" starts the simulation of that cell of the table inside the page."""
 
 import functools
 import http.server
@@ -16,7 +16,7 @@ def report(browser, program, pictures, folder, check):
     out = os.path.join(folder, "report")
     subprocess.run([program, "--quiet", "run", "tap", "--law", "fba", "--out", out], check=True)
     size = os.path.getsize(os.path.join(out, "index.html"))
-    # Served, so that the script may look into the frame; from disk every file is a stranger to every other.
+    # Served over HTTP, because the script cannot look into the frame of a page that was opened as a file.
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=out))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     page = browser(f"http://127.0.0.1:{server.server_address[1]}/index.html")

@@ -1,4 +1,4 @@
-"""The board's page with a port of its own: a `navigator.serial` that is none, whose bytes are those of the simulated knob's socket."""
+"""Tests the web page of a board that opens the serial port itself. A fake `navigator.serial` carries the bytes of a simulated knob's TCP port."""
 
 import base64
 import os
@@ -8,7 +8,7 @@ import subprocess
 
 from board import Knob, arm, change, phase, press, settings, text
 
-# As much of WebSerial as a page uses: one port, which a person would choose, and which can be pulled out.
+# JavaScript that replaces the parts of WebSerial that a page uses. It has one port, which can be chosen and pulled out.
 FAKE = """
 window.fakeSerial = (() => {
   const decode = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -40,7 +40,7 @@ window.fakeSerial = (() => {
 
 
 class Cable:
-    """Bytes between the page's port and the knob's socket, whenever the script waits."""
+    """Carries bytes between the page's fake serial port and the knob's TCP port, whenever the test waits."""
 
     def __init__(self, page, address):
         host, port = address.removeprefix("tcp:").split(":")
@@ -82,7 +82,7 @@ def serial(browser, program, pictures, folder, check):
     check(os.path.getsize(file) <= 1_500_000, f"a board's page with the port itself: {os.path.getsize(file)} bytes")
     without = browser(f"file://{file}", height=900)
     try:
-        # No browser here has a port that it could be given without a person: what it says then, and that it goes no further.
+        # Without a person nobody can choose a port. Checks what the page shows then.
         without.wait(1)
         check(text(without, "phase") == "not connected" and "press Connect" in text(without, "lost") and not without.problems, f"without a port: {text(without, 'lost')}")
     finally:
@@ -121,7 +121,7 @@ def serial(browser, program, pictures, folder, check):
         phase(page, "stopped")
         check(True, "Space stops it, with the focus in a setting")
         arm(page)
-        # In pieces as a port gives them; among them what looks like frames.
+        # Random bytes in pieces, as a serial port delivers them; some look like frames.
         noise = random.Random(15).randbytes(100_000)
         for at in range(0, len(noise), 4096):
             page.run(f"fakeSerial.exchange({base64.b64encode(noise[at:at + 4096]).decode()!r})")
@@ -141,7 +141,7 @@ def serial(browser, program, pictures, folder, check):
         phase(page, "ready")
         check("is disarmed" in text(page, "error") and page.run("fakeSerial.opened()") == 2, f"plugged in again: {text(page, 'error')}")
         page.until("took.rate > 900")
-        # A device that is silent while its port stays open.
+        # Simulates a device that is silent while its port stays open.
         cable.pull()
         page.until("!document.getElementById('lost').hidden", 6)
         check("says nothing" in text(page, "lost") or "does not answer" in text(page, "lost"), f"silence is noticed: {text(page, 'lost')[:90]}")

@@ -1,4 +1,4 @@
-"""The page of three axes: every control, the four ways to move a hand, and how it looks."""
+"""Tests the web page of the simulated device with three axes: every control, the four ways to move the hand, and how the page looks."""
 
 import os
 import subprocess
@@ -26,7 +26,7 @@ def rest(page):
 
 
 def presses(page, pictures, check):
-    """Every object under every law that the story is about, in a press of its own."""
+    """Presses every virtual object with every control law that the page explains."""
     for thing in ("sphere", "plane", "inclined"):
         choose(page, "object", thing)
         if page.run("chosen.automatic") is False:

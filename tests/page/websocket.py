@@ -1,4 +1,4 @@
-"""One WebSocket, as a client: text messages both ways (RFC 6455), as much as a browser's remote agent on this machine needs."""
+"""A minimal WebSocket client (RFC 6455): text messages in both directions, for a browser's remote agent on this computer."""
 
 import base64
 import os
@@ -22,7 +22,7 @@ class WebSocket:
             raise RuntimeError(f"no WebSocket: {head}")
 
     def more(self, limit):
-        """Reads what there is; False if nothing came in so many seconds."""
+        """Reads the bytes that have arrived; returns False if none arrives within `limit` seconds."""
         if not select.select([self.socket], [], [], max(0, limit))[0]:
             return False
         some = self.socket.recv(1 << 16)
@@ -39,7 +39,7 @@ class WebSocket:
         self.socket.sendall(bytes([0x80 | kind]) + size + mask + masked)
 
     def frame(self):
-        """The first whole frame of what was read: whether it ends a message, its kind, its data."""
+        """Removes and returns the first complete frame: whether it ends a message, its type, and its data. None if there is no complete frame."""
         if len(self.buffer) < 2:
             return None
         size, at = self.buffer[1] & 0x7f, 2
@@ -55,7 +55,7 @@ class WebSocket:
         return first & 0x80, first & 0x0f, data
 
     def receive(self, limit):
-        """The next message, or None after so many seconds."""
+        """The next message, or None after `limit` seconds."""
         end = time.monotonic() + limit
         while True:
             if (frame := self.frame()) is None:

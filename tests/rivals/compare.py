@@ -1,8 +1,8 @@
-"""A hinge with dry friction pressed into a wall, in MuJoCo, in Drake and in Touchstone: error and time, in one run.
+"""Compares MuJoCo, Drake and Touchstone: error and computing time for a hinge with dry friction that is pressed into a wall.
 
     compare.py RIVALS [TICKS [ROUNDS]]    RIVALS: the program of `cargo build --release -p touchstone-lab --example rivals`
 
-Needs the Python packages mujoco and drake; one that is not there is left out, and that is said. README.md beside this file says what
+Needs the Python packages mujoco and drake; a package that is not installed is left out with a note. README.md in this folder says what
 is compared and what is not.
 """
 
@@ -15,7 +15,7 @@ import time
 import numpy
 
 SUBSTEPS = (1, 4, 16)
-# Speed at which the smoothed friction of an engine without dry friction reaches tanh(1) of its level, rad/s.
+# Speed in rad/s at which the smoothed friction reaches tanh(1) of its level, for a physics engine without dry friction.
 SMOOTHING_RAD_PER_S = 1e-2
 
 
@@ -30,7 +30,7 @@ def problem(program, name, ticks):
 def mujoco_model(given, integrator, substeps, wall):
     import mujoco
 
-    # With a wall, MuJoCo's own: a joint limit with the wall's stiffness and critical damping. Time only; it is another model.
+    # The wall is a joint limit of MuJoCo with the wall's stiffness and critical damping. Only its time is compared, because it is another model.
     inertia, stiffness = given["inertia"], given["stiffness"]
     limit = ('limited="true" range="-10 0.5" '
              f'solreflimit="{-stiffness / inertia} {-2 * (stiffness / inertia) ** 0.5}"') if wall else ""
@@ -48,7 +48,7 @@ def mujoco_model(given, integrator, substeps, wall):
 
 
 def cost_of_a_call_s(given):
-    """What a call of mj_step from Python costs beside the step: a thousand calls against one call for a thousand steps."""
+    """Time in s that a call of mj_step from Python costs in addition to the step. Compares a thousand calls with one call for a thousand steps."""
     import mujoco
 
     model = mujoco_model(given, "Euler", 1, False)
@@ -119,7 +119,7 @@ def drake_rows(given):
             plant = builder.AddSystem(SymbolicVectorSystem(state=[x, v], input=[u], dynamics=[v, acceleration], output=[x]))
             times = given["period"] * numpy.arange(ticks + 1)
             values = numpy.append(given["torque"], given["torque"][-1])[None, :]
-            # Read in the middle of a tick, the value of that tick whatever the rounding of its start.
+            # Shifted by half a tick, so that rounding of a tick's start never gives the value of the tick before.
             source = builder.AddSystem(TrajectorySource(PiecewisePolynomial.ZeroOrderHold(times - 0.5 * given["period"], values)))
             hold = builder.AddSystem(ZeroOrderHold(given["period"], 1))
             builder.Connect(source.get_output_port(), hold.get_input_port())
@@ -131,7 +131,7 @@ def drake_rows(given):
                 ResetIntegratorFromFlags(simulator, scheme, given["period"])
                 simulator.get_mutable_integrator().set_target_accuracy(accuracy)
             else:
-                # This one has no error estimate: its steps are fixed.
+                # This integrator has no error estimate, so its steps are fixed.
                 ResetIntegratorFromFlags(simulator, scheme, step)
             context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
             context.SetContinuousState([given["start"], 0.0])
@@ -172,9 +172,9 @@ def main():
             except ImportError as missing:
                 print(f"{engine} is left out: {missing}")
         ours = ([], [])
-        # In turns, so that a disturbance of the machine does not hit one engine alone.
+        # The engines run in turns, so that a disturbance by other programs does not hit one engine alone.
         for _ in range(rounds):
-            # By the clock, so in pieces short enough for some of them to go undisturbed.
+            # Timed by the clock, in pieces short enough that some of them are not disturbed.
             for _ in range(10):
                 out = subprocess.run([program, "time", name, str(4 * ticks)], check=True, capture_output=True, text=True).stdout
                 for times, word in zip(ours, out.split()):
@@ -183,7 +183,7 @@ def main():
                 took, found = run()
                 times.append(1e9 * took / ticks)
                 angles[:] = [found]
-        # The least times: what is more is other programs of the machine.
+        # The smallest times count, because other programs can only make a time longer.
         whole, alone = min(ours[0]), min(ours[1])
         print(f"{'':<58}{'error, rad':>12}{'ns a tick: least, median':>26}{'over loop, plant':>18}")
         for words, times, error in (

@@ -1,22 +1,24 @@
-//! Simulated hands that try to get energy out: motions and policies of a few numbers each. [`crate::search`] finds the worst of
-//! them.
+//! Simulated hands that try to get energy out of a device. A few numbers describe each hand's motion or reaction. [`crate::search`]
+//! finds the numbers of the worst hand.
 
 use crate::port::{Gripped, Hand, Imposed, Outcome, Port, TICK_S};
 use crate::search;
 
-/// Largest speed of a hand: just below the guard's limit of 60 rad/s, as a measurement may be wrong by an encoder count.
+/// Largest speed of a simulated hand: just below the energy guard's limit of 60 rad/s, because the measured speed may be wrong by
+/// an encoder count.
 pub const FASTEST_RAD_PER_S: f64 = 59.0;
 
 /// A type of simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that repeats every ten ticks; each half of a tick has its own speed.
+    /// A motion that repeats every ten control periods; each half of a period has its own speed.
     Periodic,
-    /// Three sines below 200 Hz around a mean depth.
+    /// A sum of three sines below 200 Hz around a mean depth in the wall.
     Sines,
-    /// A speed for each half of a tick that depends on the force and its change, so the hand reacts to the force at once.
+    /// A hand that reacts to the force at once: its speed in each half of a control period depends on the force and the force's
+    /// change.
     Policy,
-    /// A hand with mass that holds the device by a spring and pushes.
+    /// A hand with mass that holds the device by a spring, and pushes.
     Gripped,
 }
 
@@ -26,7 +28,7 @@ impl Way {
     /// All types of hand.
     pub const ALL: [Way; 4] = [Way::Periodic, Way::Sines, Way::Policy, Way::Gripped];
 
-    /// Number of parameters that describe a hand.
+    /// Number of parameters that describe a hand of this type.
     #[must_use]
     pub fn dimensions(self) -> usize {
         match self {
@@ -37,7 +39,7 @@ impl Way {
         }
     }
 
-    /// Runs the hand with these parameters; returns how much energy it got out.
+    /// Simulates the hand with the parameters `numbers` for `ticks` control periods; returns how much energy it got out.
     #[must_use]
     pub fn play(self, port: &Port, numbers: &[f64], ticks: u32) -> Outcome {
         match self {
@@ -69,8 +71,8 @@ impl Way {
         }
     }
 
-    /// Searches for the worst hand with this many evaluations. Returns its parameters and the most energy that it got beyond the
-    /// refill, J.
+    /// Searches for the worst hand of this type with this many evaluations. Returns its parameters, and the most energy in J that
+    /// it got beyond the energy that refills the energy guard's account.
     #[must_use]
     pub fn worst(self, port: &Port, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(self.dimensions(), 0.5, evaluations, seed, |numbers| {
@@ -109,7 +111,7 @@ fn sines(n: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     }
 }
 
-/// Limits a displacement in rad to what is possible in this time at [`FASTEST_RAD_PER_S`].
+/// Limits a displacement in rad to what a hand can move in this time at [`FASTEST_RAD_PER_S`].
 fn limited(wanted: f64, seconds: f64) -> f64 {
     let most = FASTEST_RAD_PER_S * seconds;
     wanted.clamp(-most, most)

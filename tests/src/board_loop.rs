@@ -1,32 +1,35 @@
-//! Simulates a board's current loop at the hand's port: how a force comes about after the tick that commands it.
+//! Simulates a board's current loop: how the motor's force changes over the control period after a command.
 
 use touchstone_drive::change::{ChangeConfig, law_settings};
 use touchstone_drive::wire::hardware;
 use touchstone_protocol::{Board, DeviceSettings};
 
-/// PWM periods per tick at 1 kHz.
+/// PWM periods per control period at 1 kHz.
 const PERIODS: u16 = 20;
 const PERIOD_S: f64 = 50e-6;
 
-/// A span of time with one mean force: whether it comes after the second encoder reading, the force in N·m, and the duration in s.
+/// A span of time with a constant mean force: whether the span comes after the board's second encoder reading, the force in N·m,
+/// and the duration in s.
 pub type Stretch = (bool, f64, f64);
 
-/// The current loop alone, in `f64`. A PWM period's sample gives an error; half a period later, the loop begins to integrate it.
+/// A board's current loop without motor and sensors, in `f64`. Each PWM period samples the error between commanded and actual
+/// force; half a period later, the loop begins to integrate the error.
 #[derive(Debug, Clone, Copy)]
 pub struct BoardLoop {
-    /// How the firmware uses its encoder readings at the change of force.
+    /// How the firmware uses the encoder reading that it takes while the force changes.
     pub change: ChangeConfig,
-    /// Fraction of an error that the loop removes in half a period.
+    /// Fraction of a force error that the loop removes in half a PWM period.
     half: f64,
     force: f64,
-    /// The force that the loop regulates to, N·m.
+    /// Commanded force, to which the loop regulates, N·m.
     asked: f64,
-    /// Error of the previous period's sample, N·m.
+    /// Force error sampled in the previous PWM period, N·m.
     error: f64,
 }
 
 impl BoardLoop {
-    /// A board's current loop as shipped, with the law's settings. The guard's delay in them is the one that the board calculates.
+    /// The current loop and the control law's settings of the board Nucleo-G474RE by default. The energy guard's delay in the
+    /// settings is the one that the board calculates.
     ///
     /// # Panics
     /// The board refuses its own default settings.
@@ -46,8 +49,8 @@ impl BoardLoop {
         (this, law)
     }
 
-    /// Forces from one encoder reading, a quarter of a period after the tick's sample, to that of the next tick. The loop receives
-    /// a command one period after the sample.
+    /// Simulates one control period after the command `wanted` (N·m). Writes the forces between two encoder readings, each a
+    /// quarter of a PWM period after a control tick's sample. The loop receives the command one PWM period after the sample.
     pub fn tick(&mut self, wanted: f64, into: &mut Vec<Stretch>) {
         into.clear();
         for period in 0..=PERIODS {

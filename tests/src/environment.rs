@@ -1,4 +1,4 @@
-//! Walls, detents and an encoder for the tests of environments.
+//! Walls, detents and an encoder that the tests of environments (several walls and detents on one knob) share.
 
 use crate::si::si;
 use touchstone_control::environment::{
@@ -6,13 +6,13 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Reported, Settings, Si};
 
-/// Encoder counts per turn.
+/// Encoder counts per turn in the tests of environments (several walls and detents on one knob).
 pub const COUNTS: u32 = 40_000;
 
 /// One encoder count, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
 
-/// The encoder of the environment tests, with [`COUNTS`] per turn.
+/// The scale of the tests' encoder: [`COUNTS`] per turn, angle 0 at count 0.
 ///
 /// # Panics
 /// Never.
@@ -21,7 +21,7 @@ pub fn encoder() -> CountScale {
     CountScale::new(COUNTS, Si::ZERO).unwrap()
 }
 
-/// A reading of that encoder at a count.
+/// The encoder reading at a count of the encoder returned by [`encoder`].
 #[must_use]
 pub fn at(count: i64) -> Counted {
     Counted {
@@ -30,7 +30,7 @@ pub fn at(count: i64) -> Counted {
     }
 }
 
-/// Settings of a wall of 5 N·m/rad.
+/// Settings of a virtual wall of 5 N·m/rad with its surface at `surface` (rad) and solid on `side`.
 #[must_use]
 pub fn wall(surface: &str, side: Side) -> WallSettings {
     WallSettings {
@@ -42,7 +42,7 @@ pub fn wall(surface: &str, side: Side) -> WallSettings {
     }
 }
 
-/// Settings of the wall's mirror image.
+/// Settings of a wall mirrored at angle 0: the surface at the negative angle, solid on the other side.
 #[must_use]
 pub fn mirrored(wall: &WallSettings) -> WallSettings {
     let side = match wall.face.side {
@@ -56,7 +56,7 @@ pub fn mirrored(wall: &WallSettings) -> WallSettings {
     }
 }
 
-/// Settings of detents, 12 in half a turn; one lies between two encoder counts.
+/// Settings of 12 detents in half a turn. One of them lies between two encoder counts.
 #[must_use]
 pub fn detents() -> DetentSettings {
     DetentSettings {
@@ -66,7 +66,7 @@ pub fn detents() -> DetentSettings {
     }
 }
 
-/// An environment built from walls and detents.
+/// Builds an environment: several walls and, if given, detents on one knob.
 ///
 /// # Panics
 /// The environment is refused.

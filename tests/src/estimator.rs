@@ -1,4 +1,5 @@
-//! An independent form of the state estimator, calculated with matrices, and devices on which both are compared.
+//! A reference for the state estimator (position and speed from a model of the device). It is calculated independently with
+//! matrices. Also has the devices on which tests compare the estimator with it.
 
 use std::f64::consts::TAU;
 
@@ -6,8 +7,8 @@ use touchstone_control::{Estimator, EstimatorSettings, Number, Si};
 
 use crate::random::Random;
 
-/// Matrix over `[x, d, g, f]` with time in ticks: penetration, displacement per tick, the hand's push per tick², and the held
-/// force.
+/// Matrix for the state `[x, d, g, f]`, with the control period as unit of time: penetration, displacement per period, the hand's
+/// acceleration per period², and the held force.
 type Four = [[f64; 4]; 4];
 type Three = [[f64; 3]; 3];
 
@@ -15,7 +16,7 @@ fn product<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> [[f64; N]; N
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// The matrix exponential `exp(M t)`, by scaling and squaring.
+/// The matrix exponential `exp(M t)`, calculated by scaling and squaring.
 fn exponential(m: &Four, t: f64) -> Four {
     let identity: Four = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)));
     let small = m.map(|row| row.map(|x| x * t / 1024.0));
@@ -43,22 +44,25 @@ fn inverse(m: &Three) -> Three {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / determinant))
 }
 
-/// The estimator in matrix form, for a device that is as the estimator assumes.
+/// The state estimator in matrix form, for a device that is exactly as the estimator assumes.
 pub struct Reference {
     motion: Four,
-    /// Matrix of one tick for `[x, d, g]`.
+    /// Matrix that moves the state `[x, d, g]` (penetration, displacement per period, hand's acceleration) on by one control
+    /// period.
     pub step: Three,
-    /// Gains of the correction by the measured position.
+    /// Gains by which the measured position corrects the state `[x, d, g]` (penetration, displacement per period, hand's
+    /// acceleration).
     pub gains: [f64; 3],
     delay: f64,
-    /// `[x, d, g]` at the last sample; `None` before the first.
+    /// State `[x, d, g]` (penetration, displacement per period, hand's acceleration) at the last sample; `None` before the first.
     pub state: Option<[f64; 3]>,
-    /// Past commands in N·m, the latest last.
+    /// Past force commands in N·m, the latest last.
     commands: Vec<f64>,
 }
 
 impl Reference {
-    /// The estimator with all poles at `z`, for a device with `loss` = `b T/J`, `per_force` = `T²/J`, and a delay in ticks.
+    /// The estimator with all poles at `z`. The device has damping `b` and inertia `J`, the control period is `T`: `loss` is `b
+    /// T/J`, `per_force` is `T²/J`, and `delay` is in control periods.
     pub fn new(z: f64, loss: f64, per_force: f64, delay: f64) -> Self {
         let motion = [
             [0.0, 1.0, 0.0, 0.0],
@@ -91,12 +95,13 @@ impl Reference {
         std::array::from_fn(|i| e[i][0] * x + e[i][1] * d + e[i][2] * g + e[i][3] * force)
     }
 
-    /// The command of this many ticks ago; 1 is the last command.
+    /// The force command `ticks` control periods ago, N·m; 1 is the last command.
     fn back(&self, ticks: usize) -> f64 {
         self.commands[self.commands.len() - ticks]
     }
 
-    /// Runs one tick at a measured position; returns position and displacement per tick for when the next command begins to act.
+    /// Runs one control period with a measured position. Returns position and displacement per period at the time when the next
+    /// command begins to act.
     pub fn tick(&mut self, measured: f64) -> (f64, f64) {
         let (whole, fraction) = (self.delay.floor() as usize, self.delay.fract());
         let state = match self.state {
@@ -116,25 +121,27 @@ impl Reference {
         (ahead[0], ahead[1])
     }
 
-    /// Reports a command, N·m, which begins to act after the delay.
+    /// Reports the commanded force to the estimator, N·m. The force begins to act after the delay.
     pub fn commanded(&mut self, force: f64) {
         self.commands.remove(0);
         self.commands.push(force);
     }
 
-    /// Matrix by which an estimation error changes from tick to tick: `(1 - L C) F`.
+    /// Matrix by which an estimation error changes from one control period to the next: `(1 - L C) F`, with gains `L`, measurement
+    /// row `C` and state matrix `F`.
     pub fn error_step(&self) -> Three {
         let first = self.step[0];
         std::array::from_fn(|i| std::array::from_fn(|j| self.step[i][j] - self.gains[i] * first[j]))
     }
 }
 
-/// Force limit of the devices, N·m.
+/// Force limit of the test devices, N·m.
 pub const LIMIT: Si = Si::lit("0.5");
 
-/// A row of the table of devices: rate in Hz, bandwidth, inertia, damping, delay in ticks.
+/// A row of the table of test devices: control rate in Hz, estimator bandwidth in Hz, inertia in kg·m², damping in N·m·s/rad, and
+/// delay in control periods.
 pub type DeviceRow = (u32, &'static str, &'static str, &'static str, f64);
-/// Devices from slow to quick, with delays from 0 to two ticks.
+/// Test devices from slow to quick, with delays from 0 to two control periods.
 pub const DEVICES: [DeviceRow; 7] = [
     (1000, "60", "0.0001", "0.0004", 1.0),
     (1000, "60", "0.0001", "0.0004", 0.0),
@@ -145,7 +152,7 @@ pub const DEVICES: [DeviceRow; 7] = [
     (500, "90", "0.00001", "0", 1.5),
 ];
 
-/// The estimator's settings for a device.
+/// The state estimator's settings for a test device.
 pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: Si::from_str(p).unwrap(),
@@ -155,16 +162,16 @@ pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     }
 }
 
-/// The estimator for a device.
+/// The control crate's state estimator for a test device.
 ///
 /// # Panics
-/// Its settings are refused.
+/// The estimator refuses its settings.
 pub fn estimator<N: Number>(device: &DeviceRow) -> Estimator<N> {
     let built = settings(device).estimator(device.0, LIMIT);
     built.unwrap_or_else(|error| panic!("{device:?}: {error}"))
 }
 
-/// The matrix form for a device, with parameters rounded as the settings round them.
+/// The state estimator in matrix form for a test device, with parameters rounded as the settings round them.
 pub fn reference(device: &DeviceRow) -> Reference {
     let given = settings(device);
     let rate = f64::from(device.0);
@@ -180,7 +187,8 @@ pub fn reference(device: &DeviceRow) -> Reference {
     )
 }
 
-/// Runs a moving hand for this many ticks; calls `tick` with each measured position and force.
+/// Simulates a moving hand for this many control periods, from a seed. Calls `tick` with each measured position (rad) and a random
+/// force (N·m).
 pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     let mut random = Random::new(seed);
     let (mut x, mut phase) = (0.1, 0.0);
@@ -195,8 +203,8 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     }
 }
 
-/// How much an error of each state is amplified in the outputs: the sum over all ticks of the outputs' magnitudes after an error of
-/// 1.
+/// How much an error in each state of the estimator (position, speed, hand's acceleration) is amplified in its outputs. Sums the
+/// outputs' magnitudes over all control periods after an error of 1.
 pub fn amplification(matrices: &Reference, delay: f64) -> [[f64; 3]; 2] {
     let a = matrices.error_step();
     let mut power: [[f64; 3]; 3] =

@@ -1,5 +1,5 @@
-//! A simulated flash memory like a microcontroller's: words of 8 bytes that can be programmed once after an erase, pages of 2 KiB,
-//! and power that can fail at any moment.
+//! A simulated flash memory like a microcontroller's. Its words of 8 bytes can be programmed once after an erase of their 2 KiB
+//! page. Its power can fail at any moment.
 
 use crate::random::Random;
 use embedded_storage::nor_flash::{
@@ -14,9 +14,10 @@ const PAGE: usize = 2048;
 pub struct Flash {
     bytes: Vec<u8>,
     random: Random,
-    /// Number of operations (word programmed or page erased) until the power fails in the middle of one; `None` for steady power.
+    /// Number of operations (programming a word or erasing a page) until the power fails in the middle of one; `None` for steady
+    /// power.
     left: Option<usize>,
-    /// Words programmed and pages erased so far.
+    /// Number of words programmed and pages erased so far.
     pub operations: usize,
 }
 
@@ -25,7 +26,7 @@ pub struct Flash {
 pub enum FlashFault {
     /// The power has failed.
     PowerGone,
-    /// The word was not erased before it was programmed, or the address does not begin a word or page.
+    /// The word was not erased before, or the address does not begin a word or a page.
     Wrong,
 }
 
@@ -36,7 +37,7 @@ impl NorFlashError for FlashFault {
 }
 
 impl Flash {
-    /// A flash memory of this many erased pages.
+    /// Creates a flash memory of this many erased pages.
     #[must_use]
     pub fn erased(pages: usize) -> Self {
         Self {
@@ -47,30 +48,30 @@ impl Flash {
         }
     }
 
-    /// Address range of all pages.
+    /// Address range of all pages of the flash.
     #[must_use]
     pub fn range(&self) -> core::ops::Range<u32> {
         0..self.bytes.len() as u32
     }
 
-    /// Makes the power fail in the middle of the operation after this many complete ones. The seed decides which bits of the
+    /// Makes the power fail in the middle of an operation, after this many complete ones. The seed decides which bits of the
     /// unfinished operation change.
     pub fn cut_after(&mut self, operations: usize, seed: u64) {
         self.left = Some(operations);
         self.random = Random::new(seed);
     }
 
-    /// Restores the power.
+    /// Restores the power of the flash.
     pub fn power_on(&mut self) {
         self.left = None;
     }
 
-    /// Overwrites the whole memory with this byte.
+    /// Overwrites the whole flash memory with this byte.
     pub fn fill(&mut self, byte: u8) {
         self.bytes.fill(byte);
     }
 
-    /// Begins an operation (programming a word or erasing a page); returns whether the power fails in it.
+    /// Begins an operation (programming a word or erasing a page); returns whether the power fails during it.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {

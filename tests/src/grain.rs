@@ -1,16 +1,17 @@
-//! Smallest steps of forces, stiffnesses and energies in each number format, for error bounds.
+//! Rounding errors of forces, stiffnesses and energies in each number format, from which tests derive their error bounds.
 
 use touchstone_control::{Fixed16, Fixed32, Reported};
 
-/// The smallest steps of a number format, for forces of at most 0.5 N·m.
+/// Rounding errors of a number format, for forces of at most 0.5 N·m.
 pub trait Grain: Reported {
-    /// Largest error of a rounded force, N·m: one step where a format truncates, half a step where it rounds to nearest.
+    /// Largest rounding error of a force, N·m: one step where the format truncates, half a step where it rounds to nearest.
     const FORCE_N_M: f64;
-    /// Largest rounding error of a stiffness that a law calculates, N·m/rad.
+    /// Largest rounding error of a stiffness that a control law calculates, N·m/rad.
     const GAIN_N_M_PER_RAD: f64;
-    /// Largest relative error of one sum or product of energies; 0 for the fixed-point formats.
+    /// Largest relative rounding error of one sum or product of energies; 0 for the fixed-point formats.
     const ENERGY: f64;
-    /// Fractional bits of a grid of angles. This format and `Fixed32` hold every grid point below 0.5 rad exactly.
+    /// Number of fractional bits of a grid of angles. Both this format and `Fixed32` represent every grid point below 0.5 rad
+    /// exactly.
     const ANGLE_BITS: i32;
 }
 

@@ -1,5 +1,5 @@
-//! Shared helpers of the tests across the crates: motions, a flash memory, random numbers, the estimator in matrix form, and every
-//! variant of every law.
+//! Shared helpers of the tests across the crates: motions of a hand, a simulated flash memory, random numbers, a matrix form of the
+//! state estimator, and every variant of every control law.
 
 pub mod adversary;
 pub mod board_loop;
@@ -20,7 +20,7 @@ pub mod variants;
 
 pub use touchstone_knob::knob;
 
-/// A shipped scene with the thesis' law, which most tests use.
+/// Returns the shipped scene (description of a simulation) of this name, with the control law's settings from the DLR thesis.
 ///
 /// # Panics
 /// There is no scene of this name.

@@ -1,6 +1,6 @@
-//! Motions of the HIP, as penetrations per tick.
+//! Motions of a hand into a wall, as a list of penetrations in rad, one per control period.
 
-/// Half a sine wave: one press of `depth_rad`, in and out of the wall in `ticks`, zero at both ends.
+/// One press as half a sine wave: in to `depth_rad` and out again within `ticks` control periods, 0 at both ends.
 #[must_use]
 pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
     (0..=ticks)
@@ -15,7 +15,7 @@ pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A press that comes out by a third and goes in again eight times on its way, like a searching hand.
+/// A press that, on its way in and out, comes out by a third and goes in again eight times, like a searching hand.
 #[must_use]
 pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
     let press = half_sine(depth_rad, ticks);
@@ -30,7 +30,8 @@ pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A motion into the wall in 200 ticks, a little back in 50 (which ends the first contact phase), and a hold there.
+/// A motion into the wall in 200 control periods, a little back in 50, and a hold for `ticks` periods. The way back ends the phase
+/// in which the control law SFA starts with a soft wall.
 #[must_use]
 pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
     let ramp = |tick: u32, of: u32| {
@@ -44,7 +45,7 @@ pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A motion whose positions are rounded to a grid of this many fractional bits.
+/// Rounds the positions of a motion to a grid with `bits` fractional bits.
 #[must_use]
 pub fn on_grid(path: &[f64], bits: i32) -> Vec<f64> {
     let scale = 2_f64.powi(bits);

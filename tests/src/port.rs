@@ -1,7 +1,8 @@
-//! The port between device and hand, with exact energy bookkeeping: a hand, a law, the guard, an encoder and a delay.
+//! Simulates the mechanical port between device and hand, with exact energy bookkeeping: a hand, a control law, the energy guard,
+//! an encoder and a delay.
 //!
-//! Within each half of a tick (before and after the force changes) the position is linear in time, or moves as a hand with masses
-//! lets it. In both cases the energy is summed in `f64` from the true motion, not from the measured one.
+//! Each control period has two parts, before and after the force changes. In each part the position is linear in time, or follows
+//! from the masses of a simulated hand. The energy is summed in `f64` from the true motion, not from the measured one.
 
 use crate::board_loop::{BoardLoop, Stretch};
 use touchstone_control::{
@@ -9,16 +10,16 @@ use touchstone_control::{
     Position, Reported, Settings, Si, Warning,
 };
 
-/// Period of the control law, s.
+/// Control period, s.
 pub const TICK_S: f64 = 1e-3;
-/// Damping of the thesis' knob.
+/// Damping of the simulated knob in the DLR thesis.
 pub const DAMPING_N_M_S_PER_RAD: f64 = 4e-4;
-/// Inertia of the thesis' knob.
+/// Inertia of the simulated knob in the DLR thesis.
 pub const INERTIA_KG_M2: f64 = 1e-4;
 /// One encoder count, rad, at 40,000 counts per turn.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 
-/// A spring with virtual damping on differences of the measured position.
+/// A control law without an estimator: a spring, and virtual damping on differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
     /// Stiffness of the spring, N·m/rad.
@@ -27,14 +28,14 @@ pub struct SpringDamper {
     pub b: f64,
 }
 
-/// The law that chooses the force.
+/// The control law that requests the force.
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
-    /// A law in `f64`, so that the guard meets forces that no shipped law would request.
+    /// A spring and damper in `f64`. They can request forces from the energy guard that no shipped control law would request.
     SpringDamper(SpringDamper),
-    /// A law of the controller with its estimator, at 1 kHz. Guard and force limit of the settings are not used, as the port has
-    /// its own.
+    /// A control law of the control crate with its state estimator, at 1 kHz. Guard and force limit in these settings are not used,
+    /// because [`Port`] has its own.
     Controlled(Settings),
 }
 
@@ -50,7 +51,7 @@ impl From<Settings> for PortLaw {
     }
 }
 
-/// A running law with its memory.
+/// A control law that runs, with its state.
 enum Working {
     SpringDamper(SpringDamper, Position<Fixed32>),
     Controlled(Box<Controller<Fixed32>>),
@@ -93,57 +94,58 @@ impl Working {
     }
 }
 
-/// A hand that moves the device.
+/// A simulated hand that moves the device.
 pub trait Hand {
-    /// Position of the device at the first tick, rad inside the wall.
+    /// Position of the device in the first control period, rad inside the wall.
     fn start(&self) -> f64;
-    /// Moves the device for a part of a tick against a force. `late` says whether the force has already changed. Returns the
-    /// position in rad, and the energy in J that the device's damping dissipated.
+    /// Moves the device for a part of a control period against a force. `late` says whether the force has already changed in this
+    /// period. Returns the position in rad, and the energy in J that the device's damping dissipated.
     fn go(&mut self, tick: u32, late: bool, force_n_m: f64, seconds: f64) -> (f64, f64);
 }
 
-/// The port: device, law and guard, which a hand moves.
+/// The simulated port: device, control law and energy guard, which a hand moves.
 #[derive(Debug, Clone)]
 pub struct Port {
-    /// Delay from sample to force in ticks, 0 to 1; not used with a board's current loop.
+    /// Delay from the encoder's sample to the force in control periods, 0 to 1. Not used with a board's current loop.
     pub delay_ticks: f64,
-    /// Whether a board (`board`) reads its encoder when the force changes.
+    /// Whether the board in `board` reads its encoder a second time when the force changes.
     pub reads: bool,
-    /// A board's current loop, by which the force changes; `None` if it changes at once.
+    /// A board's current loop, which changes the force gradually; `None` if the force changes at once.
     pub board: Option<BoardLoop>,
     /// Whether positions are measured in whole encoder counts.
     pub counts: bool,
     /// One encoder count, rad.
     pub count_rad: f64,
-    /// Whether the guard is configured with the encoder count.
+    /// Whether the energy guard is configured with the size of an encoder count (else with 0).
     pub told: bool,
-    /// The law that chooses the force.
+    /// The control law that requests the force.
     pub law: PortLaw,
-    /// Settings of the guard; `None` for no guard.
+    /// Settings of the energy guard; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// The law's force limit, N·m.
+    /// Force limit of the control law, N·m.
     pub force_limit_n_m: f64,
 }
 
-/// Result of running a hand.
+/// Result of simulating a hand at the port.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
     /// Most energy that the hand got out in any window of time, J.
     pub worst_window_j: f64,
-    /// Most energy that the hand got out in any window, minus the refill in that window, J.
+    /// Most energy in J that the hand got out in any time window, minus the energy that refilled the energy guard's account in that
+    /// window.
     pub above_refill_j: f64,
-    /// `above_refill_j` with the tick in which the device exceeded the guard's speed limit, if the run ended so, J. The other
-    /// figures are without that tick, as the guard's bound is.
+    /// As `above_refill_j`, in J, but including the control period in which the device exceeded the energy guard's speed limit, if
+    /// the run ended so. The other energies exclude that period, as the guard's bound does.
     pub with_overspeed_j: f64,
-    /// Lowest level of the guard's account, J.
+    /// Lowest level of the energy guard's account, J.
     pub lowest_account_j: f64,
-    /// Level of the guard's account at the end, J.
+    /// Level of the energy guard's account at the end, J.
     pub last_account_j: f64,
-    /// Number of ticks in which the guard changed the force.
+    /// Number of control periods in which the energy guard changed the requested force.
     pub changed_ticks: u32,
-    /// Ticks that were run: fewer than requested if an over-speed ended the run.
+    /// Number of control periods that were simulated: fewer than requested if an over-speed ended the run.
     pub ticks: u32,
-    /// Sum of all changes of the commanded force, N·m.
+    /// Sum of the magnitudes of all changes of the commanded force, N·m.
     pub changes_n_m: f64,
 }
 
@@ -152,7 +154,8 @@ fn si(value: f64) -> Si {
 }
 
 impl Port {
-    /// The guard's settings: capacity 20 mJ, refill 0.5 mW, 80 % of the damping, and a delay in ticks.
+    /// The energy guard's usual settings in these tests: an account of at most 20 mJ that is refilled by 0.5 mW, 80 % of the
+    /// device's damping, and a delay in control periods.
     #[must_use]
     pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
@@ -162,7 +165,8 @@ impl Port {
         }
     }
 
-    /// A port with the guard of [`Self::settings`], or without a guard.
+    /// A port with this control law, and the energy guard of [`Self::settings`] if `guarded` is true. `counts` says whether
+    /// positions are measured in encoder counts.
     #[must_use]
     pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {
@@ -178,7 +182,7 @@ impl Port {
         }
     }
 
-    /// Properties of the device as the guard is given them.
+    /// The properties of the device with which the energy guard is configured.
     #[must_use]
     pub fn device(&self) -> GuardedDevice {
         GuardedDevice {
@@ -192,17 +196,17 @@ impl Port {
         }
     }
 
-    /// Warnings about the guard's settings.
+    /// Warnings that the energy guard's settings cause.
     #[must_use]
     pub fn warnings(&self) -> [Option<Warning>; 2] {
         self.guard
             .map_or([None; 2], |guard| guard.warnings(&self.device()))
     }
 
-    /// Runs a hand for this many ticks.
+    /// Simulates a hand for this many control periods.
     ///
     /// # Panics
-    /// Guard or law refuse their settings.
+    /// Guard or control law refuse their settings.
     pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
         let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
         let mut guard = self
@@ -309,7 +313,8 @@ impl Port {
     }
 }
 
-/// A hand whose motion is a given function of time, whatever the force. The damping dissipates what it would in linear motion.
+/// A hand whose position is a given function of time, whatever the force. The device's damping dissipates as in a motion at
+/// constant speed between the function's values.
 #[derive(Debug, Clone)]
 pub struct Imposed<F> {
     path: F,
@@ -318,7 +323,7 @@ pub struct Imposed<F> {
 }
 
 impl<F: Fn(f64) -> f64> Imposed<F> {
-    /// The imposed motion, which starts at time 0.
+    /// Creates a hand with the position `path(t)` in rad, from time 0 on.
     pub fn new(path: F) -> Self {
         let at = path(0.0);
         Self {
@@ -342,10 +347,10 @@ impl<F: Fn(f64) -> f64> Hand for Imposed<F> {
     }
 }
 
-/// Two masses, integrated in fine steps: the knob, and a hand that holds it by a spring and a damper, and pushes.
+/// A hand with mass, simulated in fine steps: it holds the knob by a spring and a damper, and pushes.
 #[derive(Debug, Clone)]
 pub struct Gripped<F> {
-    /// Push on the hand in N·m, as a function of time.
+    /// Torque in N·m with which the hand pushes, as a function of time in s.
     pub push: F,
     /// The hand's inertia, kg·m².
     pub inertia: f64,
@@ -353,11 +358,11 @@ pub struct Gripped<F> {
     pub stiffness: f64,
     /// Damping of the grip, N·m·s/rad.
     pub grip_damping: f64,
-    /// Position and speed of the knob, rad and rad/s.
+    /// Position and speed of the knob, in rad and rad/s.
     pub knob: (f64, f64),
-    /// Position and speed of the hand, rad and rad/s.
+    /// Position and speed of the hand, in rad and rad/s.
     pub hand: (f64, f64),
-    /// Time since the start, s.
+    /// Time since the start of the simulation, s.
     pub time_s: f64,
 }
 
@@ -376,7 +381,8 @@ impl<F: Fn(f64) -> f64> Gripped<F> {
     }
 }
 
-/// A push that rises to 0.1 N·m in 0.3 s, and then adds a sine of 0.03 N·m at `hz`; 0 Hz is a constant push.
+/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is
+/// constant.
 pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
     move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
 }

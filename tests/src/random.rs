@@ -1,11 +1,11 @@
 //! Random numbers that are the same on every machine and with every compiler.
 
-/// SplitMix64 generator (Steele, Lea, Flood 2014): 64 good random bits per step.
+/// The random number generator SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// The generator for a seed; each seed has its own random-number sequence.
+    /// Creates the generator from a seed; each seed has its own random-number sequence.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)

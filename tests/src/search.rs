@@ -1,5 +1,6 @@
-//! Optimisation without gradients: the matrix adaptation evolution strategy, (μ/μ_w, λ)-MA-ES. Source: Beyer and Sendhoff,
-//! "Simplify your covariance matrix adaptation evolution strategy", 2017; it is CMA-ES without an eigendecomposition.
+//! Finds the largest value of a function without its gradient, by the matrix adaptation evolution strategy (μ/μ_w, λ)-MA-ES.
+//! Source: Beyer and Sendhoff, "Simplify your covariance matrix adaptation evolution strategy", 2017; it is CMA-ES without an
+//! eigendecomposition.
 
 use crate::random::Random;
 
@@ -9,11 +10,12 @@ fn normal(random: &mut Random) -> f64 {
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
 
-/// One trial: its value, the random vector drawn for it, and the step to its point.
+/// One trial of the evolution strategy: the function's value, the random vector drawn for the trial, and the step from the mean to
+/// its point.
 type Child = (f64, Vec<f64>, Vec<f64>);
 
-/// Searches for the largest value; returns the best point and its value. It takes `evaluations` (at most one whole generation
-/// more), from around the origin with a first step size of `step`.
+/// Searches for the point with the largest `value`; returns the point and its value. Evaluates the function `evaluations` times (at
+/// most one generation more), beginning around the origin with a step size of `step`.
 pub fn largest(
     dimensions: usize,
     step: f64,

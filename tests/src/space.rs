@@ -1,4 +1,5 @@
-//! Helpers for tests on three axes: positions in millimetres, forces in newtons, settings of an omega.3 haptic device.
+//! Helpers for tests on three axes: positions in millimetres, forces in newtons, settings for an omega.3 (haptic device with three
+//! axes).
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::space::{Direction, LengthUnit, Vector};
@@ -6,19 +7,19 @@ use touchstone_control::{Fixed32, Force, LawKind, Position, Settings, Si};
 
 use crate::si::si;
 
-/// The number format of these tests.
+/// The number format of the tests on three axes.
 pub type F = Fixed32;
 /// A position or displacement on three axes.
 pub type Place = Vector<Position<F>>;
 /// A force on three axes.
 pub type Push = Vector<Force<F>>;
 
-/// Quanta of a position per millimetre; positions are in centimetres.
+/// Steps of the position's number format (2^-24 cm) per millimetre.
 const QUANTA_PER_MM: f64 = 16_777_216.0 / 10.0;
-/// Quanta of a force per newton.
+/// Steps of the force's number format (2^-24 N) per newton.
 const QUANTA_PER_N: f64 = 16_777_216.0;
 
-/// A length given in mm.
+/// Converts a length in mm to the tests' number format.
 #[must_use]
 pub fn mm(length: f64) -> Position<F> {
     Position(fixed::types::I8F24::from_bits(
@@ -26,25 +27,25 @@ pub fn mm(length: f64) -> Position<F> {
     ))
 }
 
-/// A length, in mm.
+/// Converts a length from the tests' number format to mm.
 #[must_use]
 pub fn in_mm(length: Position<F>) -> f64 {
     f64::from(length.0.to_bits()) / QUANTA_PER_MM
 }
 
-/// A position given in mm.
+/// Makes a position from coordinates in mm.
 #[must_use]
 pub fn at(x: f64, y: f64, z: f64) -> Place {
     Vector([mm(x), mm(y), mm(z)])
 }
 
-/// A position, in mm.
+/// The coordinates of a position, in mm.
 #[must_use]
 pub fn place_in_mm(place: Place) -> [f64; 3] {
     place.0.map(in_mm)
 }
 
-/// A force given in N.
+/// Converts a force in N to the tests' number format.
 #[must_use]
 pub fn newton(force: f64) -> Force<F> {
     Force(fixed::types::I8F24::from_bits(
@@ -52,28 +53,28 @@ pub fn newton(force: f64) -> Force<F> {
     ))
 }
 
-/// A force, in N.
+/// Converts a force from the tests' number format to N.
 #[must_use]
 pub fn in_n(force: Force<F>) -> f64 {
     f64::from(force.0.to_bits()) / QUANTA_PER_N
 }
 
-/// A force vector, in N.
+/// The components of a force, in N.
 #[must_use]
 pub fn push_in_n(force: Push) -> [f64; 3] {
     force.0.map(in_n)
 }
 
-/// The components of a direction as `f64`.
+/// The components of a unit vector as `f64`.
 #[must_use]
 pub fn numbers(direction: &Direction<F>) -> [f64; 3] {
     direction.0.map(|x| f64::from(x.to_bits()) / 16_777_216.0)
 }
 
-/// The direction of a vector given by three numbers.
+/// The unit vector with the direction of (x, y, z).
 ///
 /// # Panics
-/// The vector is zero.
+/// The vector (x, y, z) is zero.
 #[must_use]
 pub fn direction(x: f64, y: f64, z: f64) -> Direction<F> {
     let longest = x.abs().max(y.abs()).max(z.abs());
@@ -108,7 +109,9 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     length(cross).atan2(dot(a, b))
 }
 
-/// Law settings in SI units for an omega.3 at 1 kHz: k_c 5 N/mm (thesis §5.2). The knob's filter is scaled in proportion to k_c.
+/// Settings of a control law in SI units for an omega.3 (haptic device with three axes) at 1 kHz. Its largest stable stiffness is 5
+/// N/mm (§5.2 of the DLR thesis). The virtual mass and coupling of the enhanced law are scaled from those of the knob in proportion
+/// to it.
 #[must_use]
 pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     Settings {
@@ -133,5 +136,5 @@ pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     }
 }
 
-/// The unit of length of these tests.
+/// The unit in which the control laws of these tests measure lengths.
 pub const UNIT: LengthUnit = LengthUnit::Centimetre;

@@ -1,5 +1,5 @@
-//! The port between a three-axis device and a hand, with exact energy bookkeeping, and simulated hands that try to get energy out;
-//! as `port` and `adversary` for one axis.
+//! Simulates the mechanical port between a three-axis device and a hand, with exact energy bookkeeping, and hands that try to get
+//! energy out. The modules `port` and `adversary` do the same for one axis.
 
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
 use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
@@ -7,23 +7,24 @@ use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 use crate::search;
 use crate::space::{F, Push, at, dot, length, newton, push_in_n};
 
-/// Period of the control law, s.
+/// Control period, s.
 pub const TICK_S: f64 = 1e-3;
-/// Damping that the guard trusts, N/mm per tick: 80 % of the device's. The simulated device has no more than that.
+/// Damping that the energy guard relies on, N/mm per control period: 80 % of the device's. The simulated device has no more damping
+/// than that.
 pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
 /// One encoder count, mm.
 pub const COUNT_MM: f64 = 0.01;
-/// Displacement in a tick above which the guard trips, mm.
+/// Displacement per control period, mm, above which the energy guard switches the force off.
 pub const FASTEST_MM: f64 = 1.0;
-/// Capacity `C` of the guard's energy account, mJ.
+/// Capacity of the energy guard's account, mJ.
 pub const CAPACITY_MJ: f64 = 20.0;
-/// Power `P` that refills the guard's energy account, mW.
+/// Power that refills the energy guard's account, mW.
 pub const REFILL_MW: f64 = 0.5;
 
-/// A law: the requested force in N as a function of the position in mm.
+/// A control law: the requested force in N as a function of the position in mm.
 pub type Law = fn([f64; 3]) -> [f64; 3];
 
-/// The force of a ball of 30 mm radius: a spring outwards of 25 N/mm, at most 12 N.
+/// Force in N of a virtual ball of 30 mm radius: a spring outwards of 25 N/mm, at most 12 N.
 #[must_use]
 pub fn ball(x: [f64; 3]) -> [f64; 3] {
     let r = length(x).max(1e-9);
@@ -31,7 +32,7 @@ pub fn ball(x: [f64; 3]) -> [f64; 3] {
     x.map(|part| force * part / r)
 }
 
-/// A force that drives the hand in circles. It gives energy, so only the guard bounds it.
+/// Force in N that drives the hand in circles. It gives energy in every circle, so that only the energy guard bounds it.
 #[must_use]
 pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = x.map(|part| part / 2.0);
@@ -42,25 +43,26 @@ pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// The port: device, law and guard, which a hand moves.
+/// The simulated port on three axes: device, control law and energy guard, which a hand moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Port {
-    /// The law that requests the force.
+    /// The control law that requests the force.
     pub law: Law,
-    /// Delay from sample to force in ticks, 0 to 1.
+    /// Delay from sample to force in control periods, 0 to 1.
     pub delay_ticks: f64,
-    /// Delay in ticks that the guard is configured for; `None` for no guard.
+    /// Delay in control periods for which the energy guard is configured; `None` for no guard.
     pub guard_delay: Option<f64>,
 }
 
-/// Result of a run; energies in mJ.
+/// Result of simulating a hand on three axes; energies in mJ.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
-    /// Most energy that the hand got out in any window, minus the refill in that window, mJ.
+    /// Most energy in mJ that the hand got out in any time window, minus the energy that refilled the energy guard's account in
+    /// that window.
     pub above_refill: f64,
-    /// Ticks in which the guard shortened the force.
+    /// Number of control periods in which the energy guard reduced the force.
     pub shortened: u32,
-    /// Largest angle by which the guard turned a force, rad.
+    /// Largest angle between the requested force and the force that the energy guard let through, rad.
     pub turned: f64,
 }
 
@@ -88,7 +90,7 @@ impl Port {
         VectorGuard::new(&settings, &device).expect("settings")
     }
 
-    /// Runs a hand with these parameters for this many ticks.
+    /// Simulates a hand of this type with the parameters `numbers` for this many control periods.
     #[must_use]
     pub fn play(&self, way: Way, numbers: &[f64], ticks: u32) -> Outcome {
         let guard = self.guard_delay.map(Self::guard);
@@ -143,7 +145,8 @@ impl Port {
         outcome
     }
 
-    /// The worst hand that a search finds: its parameters and the most energy beyond the refill, mJ.
+    /// Searches for the worst hand of this type with this many evaluations. Returns its parameters, and the most energy in mJ that
+    /// it got beyond the energy that refills the energy guard's account.
     #[must_use]
     pub fn worst(&self, way: Way, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(way.dimensions(), 0.5, evaluations, seed, |numbers| {
@@ -152,14 +155,14 @@ impl Port {
     }
 }
 
-/// A type of simulated hand.
+/// A type of simulated hand on three axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that repeats every six ticks; each half of a tick has its own speed.
+    /// A motion that repeats every six control periods; each half of a period has its own velocity.
     Periodic,
-    /// A speed for each half of a tick that depends on the force and its change.
+    /// A hand that reacts to the force: its velocity in each half of a control period depends on the force and the force's change.
     Policy,
-    /// Circles: two perpendicular sines, and one along the circle's axis.
+    /// A circular motion from two perpendicular sines, and a third sine along the circle's axis.
     Circles,
 }
 
@@ -169,7 +172,7 @@ impl Way {
     /// All types of hand.
     pub const ALL: [Way; 3] = [Way::Periodic, Way::Policy, Way::Circles];
 
-    /// Number of parameters that describe a hand.
+    /// Number of parameters that describe a hand of this type.
     #[must_use]
     pub fn dimensions(self) -> usize {
         match self {
@@ -206,7 +209,7 @@ impl HandState {
         }
     }
 
-    /// Limits a step, as a vector, to the guard's speed limit for this many ticks.
+    /// Limits a displacement vector to the energy guard's speed limit over this many control periods.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
         // Leaves room for the counts by which a measurement may be wrong: the bound does not hold at an over-speed.
         let most = 0.97 * FASTEST_MM * ticks;

@@ -1,4 +1,5 @@
-//! Leads a HIP along straight lines through an object, and records the path of its surface point.
+//! Moves a haptic interface point (HIP, the position of the hand) along straight lines through a virtual object, and records the
+//! point on the surface that the force points to.
 
 use touchstone_control::Position;
 use touchstone_control::space::environment::{Cuboid, Plane, Plate};
@@ -6,19 +7,19 @@ use touchstone_control::space::{Direction, Rule, Surface, SurfacePoint, Touch, T
 
 use crate::space::{F, angle, at, mm, numbers};
 
-/// Tangent of the cone's half angle, which is about one degree.
+/// Tangent of the half angle, about one degree, of the cone that limits how fast the surface point may turn.
 pub const RATIO: f64 = 0.02;
-/// Rounding error of a direction and of the angle between two directions, rad.
+/// Rounding error of a unit vector, and of the angle between two unit vectors, rad.
 pub const ROUNDING: f64 = 1e-6;
 
-/// The rule "restricted surface point", with the cone of [`RATIO`].
+/// The rule by which the surface point of a contact turns only within a cone, with the half angle of [`RATIO`].
 #[must_use]
 pub fn restricted() -> Rule<F> {
     // As a position in centimetres, the number 1 is 10 mm.
     Rule::Restricted(Turn::of_ratio(mm(10.0 * RATIO).0))
 }
 
-/// A plane with a normal and a height in mm.
+/// A plane with this normal, at `height` mm from the origin.
 #[must_use]
 pub fn plane(normal: Direction<F>, height: f64) -> Plane<F> {
     Plane {
@@ -27,7 +28,8 @@ pub fn plane(normal: Direction<F>, height: f64) -> Plane<F> {
     }
 }
 
-/// All touches along a path of straight lines between points in mm, with this many ticks per line.
+/// Moves the HIP (hand's position) along straight lines between points in mm, with `ticks` steps per line. Returns the contact with
+/// the surface at each step.
 #[must_use]
 pub fn along(
     rule: Rule<F>,
@@ -48,13 +50,13 @@ pub fn along(
     touches
 }
 
-/// Whether the HIP of a touch is inside the object.
+/// Whether the HIP (hand's position) is inside the object at this contact.
 #[must_use]
 pub fn inside(touch: &Touch<F>) -> bool {
     touch.depth > Position::zero()
 }
 
-/// Largest angle by which the surface direction turns in a tick while the HIP is inside, rad.
+/// Largest angle in rad by which the surface's direction turns in one step while the HIP (hand's position) is inside the object.
 #[must_use]
 pub fn largest_turn(touches: &[Touch<F>]) -> f64 {
     touches
@@ -64,7 +66,7 @@ pub fn largest_turn(touches: &[Touch<F>]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A plate of 0.2 mm, thinner than the 0.48 mm by which 12 N press into a wall of 25 N/mm.
+/// A plate of 0.2 mm. It is thinner than the 0.48 mm that a force of 12 N presses into a virtual wall of 25 N/mm.
 #[must_use]
 pub fn thin() -> Plate<F> {
     Plate {

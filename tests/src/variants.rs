@@ -1,4 +1,4 @@
-//! Every law with every option that changes how it runs.
+//! Every control law with every option that changes what it computes, for tests over all of them.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
@@ -15,9 +15,10 @@ const UPDATES: [OffsetUpdate; 3] = [
 const IDEAL_STEPS: [IdealStep; 2] = [IdealStep::Position, IdealStep::Force];
 const REGULATES: [Regulate; 3] = [Regulate::Mass, Regulate::MassCompensated, Regulate::Hip];
 
-/// Every law with every option, based on the given settings; each with a name for messages.
+/// Every control law with every option, based on the given settings; each with a name for messages.
 ///
-/// The enhanced law with the compensated regulator needs `k_de < k_f`, and gets a coupling stiffness `k_f` of twice `k_de` for it.
+/// One option of the enhanced law (SFA with a virtual mass), the compensated regulator, needs a desired stiffness `k_de` below the
+/// coupling stiffness `k_f`. For this option the coupling stiffness is set to twice `k_de`.
 #[must_use]
 pub fn all(base: &Settings) -> Vec<(String, Settings)> {
     let mut variants = Vec::new();

@@ -1,4 +1,5 @@
-//! The second encoder reading, at the change of force: what a failed reading costs, and drives that make no such reading.
+//! Tests of the encoder reading that a board takes while the commanded force changes: the effect of a failed reading, and motor
+//! drives that take none.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_drive::change::law_settings;
@@ -13,12 +14,12 @@ use touchstone_world::motor::{GIMBAL, as5047p_frame};
 
 const BOARD: Board = Board::NucleoG474re;
 
-/// Replaces the readings at the change of force within a range of ticks.
+/// Replaces the encoder readings taken at changes of force, in the control ticks from `from` up to `until`.
 #[derive(Default)]
 struct Spoilt {
     from: u32,
     until: u32,
-    /// The reading that is given instead; `None` if none is made.
+    /// The reading that replaces the true one; `None` for a missing reading.
     reading: Option<EncoderReading>,
 }
 
@@ -32,7 +33,7 @@ impl Tamper for Spoilt {
     }
 }
 
-/// An armed knob that is pressed against the wall.
+/// A simulated knob with its motor on, which a hand presses against the wall.
 fn leaning() -> Knob<Spoilt> {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.surface_rad = Si::lit("0.2");

@@ -1,8 +1,9 @@
-//! The largest stable stiffness of the whole sampled loop, `K_max = b/(T/2 + t_d)`, found by bisection on the running loop.
+//! Tests that the simulated control loop becomes unstable at the stiffness `K_max = b/(T/2 + t_d)`, with damping `b`, control
+//! period `T` and delay `t_d`. The largest stable stiffness of the loop is found by bisection.
 //!
-//! The spring runs through plan, law (f64) and `cycle` as in any scene, with the exact angle, a knob without a hand and no dry
-//! friction. A wall pushes one way only, so a constant torque presses the knob into it. That moves the equilibrium inside the wall
-//! and changes nothing else in a linear loop. A stiffness is stable if the oscillation around that equilibrium does not grow.
+//! The control law is a spring, computed in f64 from the exact angle. The knob has neither a hand nor dry friction. A wall pushes
+//! one way only, so a constant torque presses the knob into it. The press moves the equilibrium inside the wall and changes nothing
+//! else in a linear loop. A stiffness is stable if the oscillation around the equilibrium does not grow.
 
 use touchstone_sim::run::chain::{Stage, Staged};
 use touchstone_sim::run::plan::Plan;
@@ -12,15 +13,15 @@ use touchstone_world::plant::{self, Device};
 
 const INERTIA: f64 = 1e-4;
 const DAMPING: f64 = 5e-4;
-/// Penetration at which the press holds the knob, rad.
+/// Penetration at which the constant torque holds the knob in the wall, rad.
 const EQUILIBRIUM: f64 = 0.1;
-/// First deflection of the knob from the equilibrium, rad.
+/// Deflection of the knob from the equilibrium at the start, rad.
 const DEFLECTION: f64 = 0.01;
-/// Duration of a run. At a stiffness `K` the oscillation grows at `(K/K_max - 1) b/(2J)`, which is 2.5/s times the relative
-/// distance of `K` from `K_max`.
+/// Duration of a simulation. At a stiffness `K` the oscillation grows at `(K/K_max - 1) b/(2J)` (damping `b`, inertia `J`). This is
+/// 2.5/s times the relative distance of `K` from the largest stable stiffness `K_max`.
 const DURATION_S: f64 = 12.0;
 
-/// A constant torque, added behind the amplifier.
+/// A constant torque that is added to the motor's torque and presses the knob into the wall.
 #[derive(Debug, Clone, Copy)]
 struct Pressed {
     press_n_m: f64,
@@ -32,7 +33,8 @@ impl Stage for Pressed {
     }
 }
 
-/// Root mean square deflection in the second and in the last quarter of a run.
+/// Sums of squared deflections from the equilibrium in the second and in the last quarter of a simulation. They show whether the
+/// oscillation grows.
 struct Growth {
     quarter: u64,
     squares: [f64; 2],
@@ -94,7 +96,7 @@ fn is_stable(rate_hz: u32, delay_s: f64, stiffness: f64) -> bool {
     !growth.left && growth.squares[1] < growth.squares[0]
 }
 
-/// Largest stable stiffness of the running loop, N·m/rad, to one part in 10,000.
+/// Finds the largest stable stiffness of the simulated loop by bisection, N·m/rad, to one part in 10,000.
 fn found(rate_hz: u32, delay_s: f64) -> f64 {
     let expected = DAMPING / (0.5 / f64::from(rate_hz) + delay_s);
     let (mut stable, mut unstable) = (0.5 * expected, 1.5 * expected);

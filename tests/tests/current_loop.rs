@@ -1,4 +1,4 @@
-//! The current loop with the simulated motor: its speed, its accuracy, and how it acts at its limits.
+//! Tests of the firmware's current loop with a simulated motor: its speed, its accuracy, and what it does at its limits.
 
 use touchstone_control::{Fixed32, Position, Si};
 use touchstone_drive::change::ChangeConfig;
@@ -14,7 +14,7 @@ use touchstone_world::plant::{BareLinear, Device, State};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The current loop and the motor; the rotor's true angle is in the mailbox.
+/// The current loop and the simulated motor. Each command to the loop contains the rotor's true angle.
 struct Setup {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
@@ -25,7 +25,7 @@ struct Setup {
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
-    /// Whether the compare values of the last period came too late.
+    /// Whether the PWM compare values of the last period were written too late.
     late: bool,
 }
 
@@ -60,7 +60,7 @@ impl Setup {
         setup
     }
 
-    /// Runs one PWM period, with a new command whenever one is due.
+    /// Runs one PWM period, and the control tick if one is due in this period.
     fn period(&mut self) -> CurrentOutput {
         let now = self.rig.now();
         let sample = CurrentSample {
@@ -94,7 +94,7 @@ impl Setup {
         out
     }
 
-    /// Runs the control tick, which reads the shaft's present angle.
+    /// Runs the control tick, which gives the current loop a new command with the shaft's present angle.
     fn control(&mut self) {
         let now = self.rig.now();
         let turn = |rad: f64| rad / std::f64::consts::TAU;
@@ -108,7 +108,7 @@ impl Setup {
         };
     }
 
-    /// Runs periods up to and including the next control tick.
+    /// Runs PWM periods up to and including the one with the next control tick.
     fn tick(&mut self) {
         while !self.period().pend_control {}
     }
@@ -121,7 +121,7 @@ impl Setup {
     }
 }
 
-/// A device whose inertia is so large that the shaft does not move.
+/// A knob whose inertia is so large that the shaft does not move.
 const BLOCKED: Device = Device {
     inertia: 1e3,
     ..KNOB
@@ -150,9 +150,9 @@ fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
     }
 }
 
-/// The guard's energy account assumes how much of a change of force is missing at the encoder's second reading, and the mean delay
-/// of the change. The test compares both with the simulated motor and bridge, with a reading a quarter of a period after each
-/// sample.
+/// Checks two assumptions of the energy guard with the simulated motor and bridge: how much of a change of force is still missing
+/// when the encoder is read a second time, and the mean delay of the change. The encoder is read a quarter of a PWM period after
+/// each current sample.
 #[test]
 fn a_step_of_current_comes_as_the_guard_counts_on() {
     let settings = DeviceSettings::defaults(Board::NucleoG474re);

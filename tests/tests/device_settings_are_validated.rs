@@ -1,4 +1,4 @@
-//! Validation of a device's settings: both sides of every bound, bounds between settings, and the text of a refusal.
+//! Tests of the check of a device's settings: both sides of every bound, bounds between settings, and the message of a refusal.
 
 use touchstone_control::{LawKind, Regulate, Si};
 use touchstone_drive::wire::{checked, hardware};
@@ -8,7 +8,7 @@ use touchstone_protocol::settings::{
 };
 use touchstone_protocol::{Board, Decimal, DeviceSettings};
 
-/// Settings with which every single setting may take its whole range.
+/// Settings of a board with which each single setting may take its whole range.
 fn roomy(board: Board) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(board);
     let largest = hardware(board).current_max_a;
@@ -27,7 +27,7 @@ fn roomy(board: Board) -> DeviceSettings {
     settings
 }
 
-/// Sets a numeric field, whatever its type.
+/// Sets a numeric field of the settings, whatever its number type. Returns whether the field exists and takes the value.
 fn set(settings: &mut DeviceSettings, field: &Field, value: Decimal) -> bool {
     let mut buffer = [0; VALUE_MAX];
     let bytes = match field.kind {
@@ -38,7 +38,7 @@ fn set(settings: &mut DeviceSettings, field: &Field, value: Decimal) -> bool {
     settings.set(field.path, bytes.expect("room")).is_ok()
 }
 
-/// Changes other settings so that the field at `path` may take both ends of its range.
+/// Changes other settings so that the setting at `path` may take both ends of its range.
 fn companions(settings: &mut DeviceSettings, path: &str) {
     let small = Si::lit("0.05");
     match path {
@@ -55,8 +55,9 @@ fn companions(settings: &mut DeviceSettings, path: &str) {
     }
 }
 
-/// Settings whose range is wider than the device's format holds, with the power of the rate in their coefficient. They are the
-/// terms of the filter's sum `m/T² + k_f + d_f/T + d_g/T`. Their ranges are those of the law, for all number formats and rates.
+/// Settings whose range is wider than the device's number format holds, each with the power of the control rate in its coefficient.
+/// Their coefficients add up to the stiffness `m/T² + k_f + d_f/T + d_g/T` of the filter, with control period `T`. Their ranges are
+/// those of the control crate, for all number formats and rates.
 const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
     ("law.filter.mass_kg_m2", 2),
     ("law.filter.stiffness_n_m_per_rad", 0),
@@ -64,11 +65,11 @@ const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
     ("law.filter.ground_damping_n_m_s_per_rad", 1),
 ];
 
-/// The damper's setting. Its range is that of the law, for all number formats and rates; a device's format holds `B/T` up to 2^19
-/// N·m/rad.
+/// Path of the setting for the virtual damping `B`. Its range is that of the control crate, for all number formats and rates; a
+/// device's number format holds `B/T` (control period `T`) up to 2^19 N·m/rad.
 const DAMPER: &str = "law.virtual_damping_n_m_s_per_rad";
 
-/// The answer of each board to a field's value: `None`, or the refusal.
+/// For each board, checks the settings with this value in this field: `None` if they are accepted, else the error.
 fn said(field: &Field, value: Decimal) -> [Option<SettingsError>; Board::ALL.len()] {
     Board::ALL.map(|board| {
         let mut settings = roomy(board);
@@ -100,8 +101,9 @@ fn both_ends_of_every_range_are_accepted_on_some_board() {
     }
 }
 
-/// Twice the filter's sum must fit a gain of `fixed32`, which has 12 fractional and 19 integer bits. With the other terms at their
-/// least, each term may reach just below 2^18 N·m/rad, and a refusal of more names that term.
+/// Checks the largest coefficient of each term of the filter `m/T² + k_f + d_f/T + d_g/T`. Twice the sum must fit the number format
+/// `fixed32`, with 12 fractional and 19 integer bits. With the other terms at their least, each term may reach just below 2^18
+/// N·m/rad, and the refusal of a larger one names that term.
 #[test]
 fn a_part_of_the_filters_sum_may_be_what_the_format_holds() {
     let room = Si::from_num(1 << 18);
@@ -172,7 +174,7 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
     }
 }
 
-/// The text with which a change of the defaults is refused.
+/// The message with which a board refuses its default settings after `change`.
 fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
     let mut settings = DeviceSettings::defaults(board);
     settings.law = LawSettings::thesis();

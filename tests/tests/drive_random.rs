@@ -1,5 +1,5 @@
-//! A million random inputs into the two interrupts (control tick and current loop). Nothing panics, and this build checks
-//! arithmetic. Outputs are on only while calibrating or armed. Only stop and calibration lead from a fault back to armed.
+//! Tests the firmware's two interrupt functions (control tick and current loop) with a million random inputs. Nothing panics or
+//! overflows. Outputs are on only while calibrating or armed. Only stop and calibration lead from a fault back to armed.
 
 use touchstone_drive::encoder::{Asked, Frames};
 use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
@@ -11,14 +11,14 @@ use touchstone_drive::{
 use touchstone_protocol::{Board, Command, FaultCode, Outputs, State};
 use touchstone_tests::random::Random;
 
-/// A number with a random number of significant bits, so that the ends of the range occur as often as its middle.
+/// A random integer with a random number of significant bits. The ends of the 32-bit range then occur as often as its middle.
 fn bits(random: &mut Random) -> u32 {
     let word = random.bits();
     let shifted = (word >> 32) as u32 >> (word & 31);
     if word & 32 == 0 { shifted } else { !shifted }
 }
 
-/// True in one of `times` calls on average.
+/// Returns true in one of `times` calls on average.
 fn once_in(random: &mut Random, times: u64) -> bool {
     (random.bits() >> 20).is_multiple_of(times)
 }
@@ -90,7 +90,8 @@ struct Visits {
     on: u32,
 }
 
-/// Feeds random reports and readings into `Device`, and its commands with random samples into `CurrentLoop`.
+/// Feeds random current reports and encoder readings into the control code (`Device`), and its commands with random samples into
+/// `CurrentLoop`. Checks the outputs and states.
 fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
     let mut random = Random::new(seed);
     let mut device = Device::new(settings, &IHM08M1).unwrap();

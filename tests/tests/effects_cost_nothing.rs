@@ -1,7 +1,8 @@
-//! An effect that a scene does not name costs no instruction. An effect with a neutral value changes no bit of a run.
+//! Tests that an effect (such as friction) that a scene file does not name costs no instruction. An effect with a neutral value
+//! changes no bit of the results.
 //!
-//! Callgrind counts the instructions of the example `tick_cost` in two runs of different length; the difference is what the ticks
-//! in between cost. Without valgrind that half of the test is skipped, with a note.
+//! Callgrind counts the instructions of the example `tick_cost` in two runs of different length; the difference is the cost of the
+//! additional control periods. Without valgrind this half of the test is skipped, with a note.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,8 +11,8 @@ use touchstone_sim::run::{self, record::Trace};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// Difference in ticks between the two runs. It is large, as hash seeds make the start of a process differ by some hundred
-/// instructions.
+/// Difference between the two runs, in control periods. It is large, because random hash seeds change the start of a process by
+/// some hundred instructions.
 const TICKS: u64 = 50_000;
 
 fn example() -> PathBuf {
@@ -61,7 +62,7 @@ fn instructions(example: &Path, name: &str, ticks: u64) -> u64 {
         .unwrap_or_else(|| panic!("no count in {said}"))
 }
 
-/// Mean instructions per tick of the example `tick_cost` with the named effect.
+/// Mean number of instructions per control period of the example `tick_cost` with the named effect.
 fn per_tick(example: &Path, name: &str) -> f64 {
     let (short, long) = (
         instructions(example, name, 1_000),
@@ -70,7 +71,7 @@ fn per_tick(example: &Path, name: &str) -> f64 {
     (long - short) as f64 / TICKS as f64
 }
 
-/// State at the end of the loop, as bits.
+/// State of the simulation at the end of the example `tick_cost`, as printed bits.
 fn end(example: &Path, name: &str) -> String {
     let output = Command::new(example).args([name, "5000"]).output().unwrap();
     assert!(output.status.success());
@@ -134,11 +135,11 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions that a stage may cost beyond its own calculation. They are two calls (of the stage, and by the stage of the loop
-/// inside it) and the check whether it changed the torque, which is reported to estimator and guard.
+/// Number of instructions that an effect, such as friction, may cost beyond its own calculation. They are two function calls, and
+/// the check whether the effect changed the torque.
 const STAGE: f64 = 32.0;
 
-/// Every column of a run's trace, as bits.
+/// The columns of a simulation's trace, as bits.
 fn bits(trace: &Trace) -> Vec<Vec<u64>> {
     [
         &trace.angle_rad,
@@ -158,7 +159,7 @@ fn trace(scene: &Scene) -> Trace {
     run::run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Whether a setting changes any bit of a run.
+/// Whether a changed setting changes any bit of a simulation's results.
 fn changes(scene: &Scene, setting: &str) -> bool {
     let changed = scene.with_overrides(&[setting]).unwrap();
     bits(&trace(scene)) != bits(&trace(&changed))

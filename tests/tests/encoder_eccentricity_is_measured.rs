@@ -1,6 +1,6 @@
-//! A calibration with measurement also finds the encoder's error from an off-centre magnet. The errors of both orders are found to
-//! within a count and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` prints the
-//! deviations.
+//! Tests that a calibration with measurement also finds the encoder's angle error from an off-centre magnet. The errors with one
+//! and two periods per turn are found to within an encoder count and a hundredth of their amplitude, and within twice their stated
+//! uncertainty. `-- --nocapture` prints the deviations.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ use touchstone_world::motor::{GIMBAL, MotorParameters};
 use touchstone_world::plant::train::Harmonic;
 use touchstone_world::plant::{BareCoulomb, Coulomb, Device};
 
-/// The thesis' knob with some dry friction.
+/// The simulated knob of the DLR thesis, with some dry friction.
 const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,
@@ -29,7 +29,7 @@ const KNOB: Device = Device {
 
 const COUNTS: u32 = 16_384;
 const COUNT_RAD: f64 = TAU / COUNTS as f64;
-/// Allowed relative deviation of a found amplitude, beside one encoder count.
+/// Allowed relative deviation of a measured amplitude, in addition to one encoder count.
 const OFF_MOST: f64 = 0.01;
 
 const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -40,17 +40,17 @@ const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Cogging of a motor of 12 slots and 14 poles.
+/// Cogging torque of a motor with 12 slots and 14 poles.
 const COGGING: [Harmonic; 4] = [
     torque(2e-3, 84.0, 0.4),
     torque(4e-4, 168.0, 2.0),
     torque(6e-4, 12.0, -1.0),
     torque(5e-4, 14.0, 3.0),
 ];
-/// Torque of a weight on the shaft, 1 mN·m: ten grams, ten millimetres from the axis.
+/// Torque of an unbalanced weight on the shaft, 1 mN·m: ten grams, ten millimetres from the axis.
 const WEIGHT: Harmonic = torque(1e-3, 1.0, 0.7);
 
-/// Adds noise to the readings: 1.15 codes rms to the current sensors, 0.8 counts rms to the encoder.
+/// Adds random noise to the readings: 1.15 converter codes rms to the current sensors, 0.8 counts rms to the encoder.
 struct Noisy(Random);
 
 impl Tamper for Noisy {
@@ -68,15 +68,16 @@ impl Tamper for Noisy {
     }
 }
 
-/// A test case: amplitude in degrees and phase of the encoder's error of each order, and other disturbances.
+/// A test case: amplitude in degrees and phase of the encoder's error with one and with two periods per turn, and other
+/// disturbances.
 #[derive(Clone, Copy)]
 struct Case {
     degrees: [f64; 2],
     phase_rad: [f64; 2],
-    /// Resistance, flux, inertia, damping and friction, as factors of the usual ones.
+    /// Resistance, flux, inertia, damping and friction, as multiples of the usual values.
     parts: [f64; 5],
     weight: bool,
-    /// Whether the encoder counts the other way, and whether the motor's phases are in another order.
+    /// Whether the encoder counts in the opposite direction, and whether the motor's phases are swapped.
     reversed: [bool; 2],
 }
 
@@ -101,7 +102,8 @@ fn settings(case: &Case) -> DeviceSettings {
     settings
 }
 
-/// Telemetry of a calibration, the known encoder, and the true error relative to the calibration's zero.
+/// Simulates a calibration. Returns its telemetry, the encoder's known properties, and the true encoder error relative to the
+/// calibration's zero.
 fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex<f64>; 2]) {
     let settings = settings(case);
     let [r, flux, j, b, friction] = case.parts;
@@ -170,13 +172,14 @@ fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex
     (ticks, known, truth)
 }
 
-/// The measured eccentricity, and the true one.
+/// The encoder error that the desktop calculates from a simulated calibration, and the true one.
 fn measured(case: &Case, seed: u64) -> (Eccentricity, [Complex<f64>; 2]) {
     let (ticks, known, truth) = told(case, seed);
     (Eccentricity::new(&ticks, &known).unwrap(), truth)
 }
 
-/// Deviation of each order: in rad, and as a fraction of the allowed one (twice the stated uncertainty, at least half a count).
+/// Deviation of the measured encoder error with one and with two periods per turn. Each is given in rad, and as a fraction of the
+/// allowed deviation (twice the stated uncertainty, at least half a count).
 fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     std::array::from_fn(|index| {
         let it = &found.harmonics[index];
@@ -186,7 +189,8 @@ fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Asserts that each deviation is within its limits; prints the largest and the smallest in degrees.
+/// Simulates each case and asserts that the encoder errors are found within their limits. Prints the largest and the smallest
+/// deviation in degrees.
 fn all_found(cases: &[Case]) {
     let (mut worst, mut best, mut surest) = (0.0_f64, f64::INFINITY, 0.0_f64);
     for (seed, case) in (1..).zip(cases) {
@@ -263,7 +267,7 @@ fn another_motor_and_other_directions_make_no_difference() {
     ]);
 }
 
-/// Factors of a knob with little damping: inertia as usual, friction half, a fortieth of the damping.
+/// Multiples, for `Case::parts`, of a knob with little damping: a fortieth of the damping and half the friction.
 const SMOOTH: [f64; 5] = [1.0, 1.0, 1.0, 0.025, 0.5];
 
 #[test]

@@ -1,4 +1,5 @@
-//! Energy over ten million ticks: the law's own sum, the energy that crossed the port, and where that energy went.
+//! Checks the energies of a wall over ten million control periods: the control law's own sum, the energy that passed between device
+//! and hand, and where that energy went.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
@@ -11,10 +12,10 @@ use touchstone_world::plant::{
 
 const TICKS: u64 = 10_000_000;
 const PERIOD_S: f64 = 1e-3;
-/// Position of the wall's surface, rad. It is not a sum of powers of two, so penetrations are rounded.
+/// Position of the wall's surface, rad. The value is not a sum of powers of two, so that penetrations are rounded.
 const SURFACE_RAD: f64 = 0.3;
 
-/// A sum whose rounding error does not grow with its length (Neumaier).
+/// A sum whose rounding error does not grow with the number of terms (Neumaier's compensated summation).
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     total: f64,
@@ -36,7 +37,7 @@ impl Sum {
     }
 }
 
-/// Energies in J that go into and out of device and hand.
+/// Energies in J that flow into and out of device and hand.
 #[derive(Debug, Clone, Copy, Default)]
 struct Books {
     motor: Sum,
@@ -47,7 +48,7 @@ struct Books {
     last_rest: Option<f64>,
 }
 
-/// A simulated device and hand whose energies are summed in every tick.
+/// A simulated device and hand whose energies are added up in every control period.
 struct Audited<'a, S> {
     plant: S,
     books: &'a mut Books,
@@ -83,12 +84,12 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     }
 }
 
-/// Energy observers that get the law's own inputs.
+/// Energy observers that get the same positions and forces as the control law.
 struct Observers {
     exact: ExactObserver<f64>,
     thesis: ThesisObserver<f64>,
     contact: u64,
-    /// Energy of the port as the simulated device calculates it, with compensated summation.
+    /// Energy in J that passed between device and hand, as the simulated device calculates it.
     port: Sum,
 }
 
@@ -102,7 +103,7 @@ impl Recorder for Observers {
     }
 }
 
-/// The rest position of a hand that presses harder and softer, and leaves the wall now and then, rad.
+/// Rest position in rad of a simulated hand that presses harder and softer, and leaves the wall now and then.
 fn rest_rad(time_s: f64) -> f64 {
     let slow = (0.7 * time_s).sin();
     let fast = (12.6 * time_s).sin();

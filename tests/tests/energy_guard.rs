@@ -1,5 +1,5 @@
-//! The energy guard keeps its bound at the hand's port. In every window of time no hand gets out more than the capacity and the
-//! refill, for every delay and law, also hands that a search has optimised.
+//! Tests that the energy guard keeps its bound: in no time window does a hand get out more than the guard's energy account holds
+//! plus what refills it. The bound holds for every delay and control law, also against hands that a search has optimised.
 
 use std::f64::consts::TAU;
 use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
@@ -10,17 +10,18 @@ use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringD
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 const CAPACITY_J: f64 = 0.02;
 const REFILL_W: f64 = 0.0005;
-/// Energy of half an encoder count at each end of a window, under the largest force that the account allows, 0.33 N·m.
+/// Energy of half an encoder count at each end of a time window, under 0.33 N·m, the largest force that the energy account allows.
 const ENCODER_J: f64 = 0.34 * COUNT_RAD;
 
-/// Mean delay in ticks from a board's sample until its force acts: a tenth of a tick, and a current loop of 600 Hz.
+/// Mean delay from a board's encoder sample until its force acts, in control periods of 1 ms: 0.1 until the motor voltage changes,
+/// plus 0.265 for a current loop of 600 Hz.
 const LATE_TICKS: f64 = 0.365;
 
 const STIFF: SpringDamper = SpringDamper { k: 20.0, b: 0.055 };
 const SOFT: SpringDamper = SpringDamper { k: 5.0, b: 0.0076 };
 const SPRING: SpringDamper = SpringDamper { k: 20.0, b: 0.0 };
 
-/// Runs a motion at 20 Hz for 20 s against a spring of 20 k_c without damping.
+/// Simulates a motion at 20 Hz for 20 s against a spring of 20 N·m/rad without damping.
 fn at_20_hz(port: &Port) -> Outcome {
     let path = |t: f64| 0.0075 * (1.0 + (TAU * 20.0 * t).sin());
     port.play(&mut Imposed::new(path), 20_000)
@@ -46,8 +47,9 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
     }
 }
 
-/// A hand presses, rests and then leaves faster than the guard's speed limit. The guard switches the force off one tick later, and
-/// the energy of that tick comes on top of the bound. At 50 rad/s, below the limit, there is no such tick.
+/// Checks a hand that presses, rests and then leaves faster than the energy guard's speed limit. The guard switches the force off
+/// one control period later, so the energy of that period comes on top of the bound. At 50 rad/s, below the limit, there is no such
+/// energy.
 #[test]
 fn a_tick_of_overspeed_counts_by_itself() {
     let gone = |rad_per_s: f64| {
@@ -83,8 +85,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
     );
 }
 
-/// A guard that is configured without the delay has a wrong account, and a search finds a hand that gets more out. So the tests in
-/// this file can fail.
+/// Shows that the tests in this file can fail: against an energy guard that is configured for no delay, a search finds a hand that
+/// gets out more than the bound.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
@@ -99,9 +101,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// A board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One guard reads positions once a tick and is configured
-/// for no delay. It is compared with a guard that is configured for the delay and reads the position at the change of force. The
-/// law is the shipped one without its damper.
+/// Compares two energy guards on a board whose motor voltage changes 0.1 ms after the encoder sample and whose current loop takes
+/// 0.265 ms. One guard reads positions once per control period and is configured for no delay. The other is configured for the
+/// delay and also reads the position when the force changes. The control law is the shipped one without its virtual damping.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -134,9 +136,9 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     }
 }
 
-/// A board as shipped: its current loop, and a second encoder reading when half of a change of force has taken place. Only the part
-/// of a change after the tick remains uncounted. With the same guard without that reading, or with one reading per tick, the same
-/// search gets more energy out. The hands found there are also run against the shipped board.
+/// Checks the energy bound of a board as shipped: with its current loop, and with a second encoder reading halfway through each
+/// change of force. Without this second reading, the same search finds hands that get more energy out. These hands are also run
+/// against the shipped board.
 #[test]
 fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let (board, law) = BoardLoop::shipped();
@@ -215,7 +217,8 @@ fn a_search_finds_no_hand_that_gets_out_more() {
     }
 }
 
-/// Runs a hand that moves inwards for eight seconds, and then to and fro for ten seconds where 32-bit positions end, at 128 rad.
+/// Simulates a hand that moves inwards for eight seconds, and then to and fro for ten seconds around 128 rad, where the 32-bit
+/// format of positions ends.
 fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> Outcome {
     let path = |t: f64| {
         let inwards = (centre_rad / 8.0 * t).min(centre_rad);
@@ -224,8 +227,8 @@ fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> 
     port.play(&mut Imposed::new(path), 18_000)
 }
 
-/// The search found this motion beyond the end of positions: with measured positions that stand still there, the hand got 1.5 J
-/// out.
+/// Checks motions beyond 128 rad, where the 32-bit format of positions ends. With measured positions that stand still at that end,
+/// the hand got 1.5 J out.
 #[test]
 fn no_motion_goes_uncounted_where_positions_end() {
     let mut worst = 0.0_f64;
@@ -252,7 +255,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
-/// The bound also holds if the position at the change of force is measured.
+/// Checks that the energy guard's bound also holds if the encoder is read a second time, when the force changes.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
     for delay in [0.1, 0.5, 0.9] {
@@ -270,8 +273,8 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// A hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the account; `--example untouched -- 3600` runs it
-/// for an hour.
+/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the energy guard's account. The example
+/// `untouched -- 3600` simulates an hour.
 #[test]
 fn a_good_wall_is_left_untouched() {
     for (law, name, delay) in [(SOFT, "5", 0.0), (SOFT, "5", 0.5), (STIFF, "20", 0.0)] {
@@ -294,7 +297,8 @@ fn a_good_wall_is_left_untouched() {
     }
 }
 
-/// At a wall whose account is nearly empty, the force never falls faster than the hand itself reduces it by moving.
+/// Checks that the force of a wall does not break down when the energy account is nearly empty: it never falls faster than the hand
+/// itself reduces it by moving.
 #[test]
 fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
     let mut port = Port::new(SOFT, 0.0, true, true);

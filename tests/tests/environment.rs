@@ -1,4 +1,5 @@
-//! Walls on both sides, several walls and detents: what they guarantee together, over hostile motions and with every law.
+//! Tests of environments (several walls on both sides and detents on one knob): what they guarantee together, for fast and abrupt
+//! motions and with every control law.
 
 use touchstone_control::environment::{
     Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, Spacing,
@@ -13,7 +14,7 @@ use touchstone_tests::environment::{
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Motions of a hand in encoder counts: slow and fast, to and fro, with jumps over a wall.
+/// A random motion of a hand in encoder counts, within ±`reach`: slow and fast, to and fro, with jumps over a wall.
 fn path(seed: u64, ticks: usize, reach: i64) -> Vec<i64> {
     let mut random = Random::new(seed);
     let (mut at, mut speed) = (0_i64, 0_i32);
@@ -126,8 +127,8 @@ fn two_walls_are_two_scenes() {
     }
 }
 
-/// On estimated states each wall has an estimator that gets every force. While only one wall was ever touched, the force equals
-/// that of a scene with that wall alone.
+/// Checks that a second wall which was never touched does not change the force. With estimated states each wall has its own
+/// estimator, which gets every commanded force.
 #[test]
 fn a_wall_that_is_not_touched_is_not_there() {
     let settings = Settings::default();
@@ -277,10 +278,10 @@ fn a_reading_is_odd() {
     }
 }
 
-/// A number of turns so large that a position there does not occur by chance.
+/// Number of turns for tests far from angle 0. It is so large that a position there does not occur by chance.
 const FAR: i64 = 10_000;
 
-/// The same wall, this many whole turns further on.
+/// The same wall, moved by this many whole turns.
 fn further(wall: &WallSettings, turns: i64) -> WallSettings {
     // A turn in units of 2^-64 rad.
     let way = (i128::from(turns) * 0x6_487e_d511_0b46_11a6 + (1 << 31)) >> 32;
@@ -333,8 +334,8 @@ fn a_knob_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// A knob that was turned there step by step feels the same: nothing on the way is remembered. A wall is off where the knob is
-/// deeper than positions reach.
+/// Checks that walls and detents feel the same after the knob was turned ten thousand times in steps: the code keeps no memory of
+/// the way. A wall is off where the knob is deeper inside it than the format of positions reaches.
 #[test]
 fn a_knob_that_was_turned_there_is_the_same() {
     let settings = Settings::default();

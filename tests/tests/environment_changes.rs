@@ -1,4 +1,5 @@
-//! An environment that changes under a hand: the force jumps no faster than the stated rate, and the energy account is kept.
+//! Tests of an environment (walls and detents) that is replaced while a hand touches it: the force changes no faster than the
+//! stated rate, and the energy account keeps its level.
 
 use touchstone_control::environment::{DetentSettings, Environment, Side, WallSettings};
 use touchstone_control::{Controller, Fixed32, Force, LawKind, Settings, Si, StatesKind};
@@ -7,7 +8,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
 const RATE_HZ: u32 = 1_000;
-/// Rate at which a force that was left behind fades, N·m/s.
+/// Rate in N·m/s at which the force difference fades after walls or detents were replaced.
 const RATE: &str = "0.5";
 
 fn settings(law: LawKind, states: StatesKind) -> Settings {
@@ -29,7 +30,8 @@ fn laws() -> impl Iterator<Item = Settings> {
         })
 }
 
-/// Environments to change between: empty, walls near and far and on either side, detents.
+/// Environments (sets of walls and detents) that the tests replace by one another: empty, walls near and far and on either side,
+/// detents.
 fn environments(settings: &Settings) -> Vec<Environment<Fixed32>> {
     let near = wall("0.05", Side::Above);
     let below = wall("0.09", Side::Below);
@@ -57,8 +59,9 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
     force.0.to_num()
 }
 
-/// A change adds the difference of forces in its first tick, and lets it fade at the rate. It is compared with the same environment
-/// without a change, both without a guard, which would react to the added force.
+/// Checks that replacing an environment (walls and detents) adds the difference of forces in the first control period, and lets it
+/// fade at the rate. The force is compared with that of the new environment alone. Both run without an energy guard, which would
+/// react to the added force.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
@@ -126,8 +129,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// A hand at rest feels only a change of force at the rate, whatever appears or disappears. Changes of force by the law itself
-/// would come on top; a spring has none.
+/// Checks that a hand at rest feels no faster change of force than the rate, whatever wall or detent appears or disappears. The
+/// control law is a spring, because other laws also change the force themselves.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
@@ -163,8 +166,8 @@ fn a_hand_that_rests_feels_the_rate_and_no_more() {
     assert_eq!(reached as usize, all.len() * all.len());
 }
 
-/// A change from a wall alone, which a board runs without an environment, is the same as one from an environment that has only that
-/// wall.
+/// Checks the change from a single wall to an environment (several walls and detents). The forces are the same as for the change
+/// from an environment with only that wall.
 #[test]
 fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     let mut touched = 0;
@@ -199,7 +202,7 @@ fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     assert!(touched > 40, "{touched}");
 }
 
-/// One energy account bounds what a hand gets out when walls are placed under it again and again.
+/// Checks that one energy account bounds what a hand gets out when walls appear under it again and again.
 #[test]
 fn many_changes_have_one_account() {
     let mut settings = settings(LawKind::Spring, StatesKind::Measured);

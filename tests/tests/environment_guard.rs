@@ -1,5 +1,5 @@
-//! The guard of an environment: one energy account for all walls and detents, one force limit, and no force where a motion would
-//! not be counted.
+//! Tests of the energy guard of an environment (walls and detents): it has one energy account and one force limit for all, and no
+//! force where a motion would not be counted.
 
 use touchstone_control::environment::{
     Environment, Extent, MOST_POINTS, ProfileSettings, Reached, Reading, Shape, Side, WHOLE,
@@ -9,7 +9,7 @@ use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wal
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Energy in J that a hand has got out of the motor so far, calculated at the true positions.
+/// Adds up the energy in J that a hand has got out of the motor, from the true positions.
 struct Audit {
     force: f64,
     at: f64,
@@ -29,8 +29,8 @@ impl Audit {
         }
     }
 
-    /// Moves the device to `at` under the last force; then `force` acts. `refill` is the energy that a hand may get in a tick
-    /// without cost.
+    /// Moves the device to `at` (rad) under the last force; then `force` (N·m) acts. `refill` is the energy in J that the energy
+    /// guard's account gains per control period.
     fn step(&mut self, at: f64, force: f64, refill: f64) {
         // A force against +x is work for the hand on the way to -x.
         self.taken -= self.force * (at - self.at) + refill;
@@ -40,8 +40,8 @@ impl Audit {
     }
 }
 
-/// The hand goes into one wall within a tick and out within the next, then into the other wall. On each way out a wall without a
-/// guard gives more than the hand put in.
+/// Checks the energy guard's bound for a hand that goes into one wall within a control period and out within the next, then into
+/// another wall. On each way out, a wall without a guard gives more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
     let mut settings = Settings {
@@ -163,7 +163,7 @@ fn overspeed_between_two_walls_takes_the_force_away_for_good() {
     assert!(account(&again) < account(&fresh));
 }
 
-/// An encoder reading at an angle far from every wall, rad.
+/// An encoder reading at this angle in rad, which is far from every wall.
 struct Far(Si);
 impl Reading<Fixed32> for Far {
     fn angle(&self) -> Si {
@@ -174,7 +174,8 @@ impl Reading<Fixed32> for Far {
     }
 }
 
-/// Angles end after 340 million turns. A motion beyond would not be counted, so there is no force.
+/// Checks that there is no force at the end of the range of angles, after 340 million turns, because a motion beyond it would not
+/// be counted.
 #[test]
 fn no_force_where_angles_end() {
     let mut settings = Settings::thesis();
@@ -215,8 +216,9 @@ fn a_knob_turns_on_without_end() {
     assert!(!environment.tripped() && pushes > 200_000);
 }
 
-/// The worst of 400 profiles with random points, each between two walls and under a random hand as fast as the guard counts, 0.06 rad
-/// in a tick. A profile changes its force between any two positions, as a hostile field would.
+/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls. A random hand moves as fast
+/// as the guard counts, 0.06 rad per control period. Such a profile changes its force between any two positions, as a hostile force
+/// field would.
 #[test]
 fn one_account_answers_for_hostile_profiles() {
     let mut settings = Settings {

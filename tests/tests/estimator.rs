@@ -1,4 +1,5 @@
-//! The state estimator compared with an independent matrix form, and its guarantees.
+//! Compares the state estimator (position and speed from a model of the device) with an independent matrix form, and tests its
+//! guarantees.
 
 use std::f64::consts::TAU;
 use touchstone_control::estimator::EstimatorState;
@@ -31,8 +32,9 @@ fn float_agrees_with_the_matrices() {
     }
 }
 
-/// Bounds of the rounding errors: of each state in one tick, and of the outputs, from the format's quanta and the size of states
-/// and commands. Half a quantum of a weight is 2^-27 of a motion and 2^-31 of a torque; a part is cut at 2^-28.
+/// Bounds of the estimator's rounding errors: of each state in one control period, and of the outputs. Rounding a coefficient costs
+/// 2^-27 of a motion and 2^-31 of a torque; a product is cut at 2^-28. `largest` is the size of the states, `force` that of the
+/// commands.
 fn rounding(largest: [f64; 3], delay: f64, force: f64) -> ([f64; 3], [f64; 2]) {
     let (weight, torque, part) = (2f64.powi(-27), 2f64.powi(-31), 2f64.powi(-28));
     let [d, g, r] = largest;

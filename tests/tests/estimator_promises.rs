@@ -1,4 +1,5 @@
-//! What the state estimator guarantees where its assumptions fail: a wrong inertia, jumps, settings out of range.
+//! Tests the state estimator (position and speed from a model of the device) where its assumptions fail: a wrong inertia, jumps,
+//! settings out of range.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -8,8 +9,8 @@ use touchstone_control::{
 use touchstone_tests::estimator::{DEVICES, LIMIT, amplification, estimator, reference, settings};
 use touchstone_tests::random::Random;
 
-/// Simulates a knob with this inertia in a soft grip, against a force that changes every 50 ms. `tick` gets the motion at each
-/// sample and the force from then on.
+/// Simulates a knob with this inertia in a soft grip, against a force that changes every 50 ms. Calls `tick` in every control
+/// period with its number, the knob's position and displacement per period, and the force from then on.
 fn knob(inertia: f64, ticks: u32, mut tick: impl FnMut(u32, f64, f64, f64)) {
     const PARTS: u32 = 200;
     let t = 1e-3 / f64::from(PARTS);
@@ -108,7 +109,7 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
     let good = EstimatorSettings::default();
     let lit = |text: &str| Si::from_str(text).unwrap();
     assert_eq!(good.validate(1000, LIMIT), Ok(()));
-    /// Setting, function that sets it, both ends of the accepted range, and refused values beyond them.
+    /// A test case: setting, function that sets it, both ends of the accepted range, and refused values beyond both.
     type Case = (
         Field,
         fn(&mut EstimatorSettings, Si),

@@ -1,5 +1,6 @@
-//! Guarantees of every law with every option, for any motion. No force outside the wall, never more than the limit, no pull except
-//! where a law may pull, nothing remembered after leaving, and the same result for the same input.
+//! Tests of what every control law with every option guarantees for any motion: no force outside the wall, never more than the
+//! limit, and no pull except where a law may pull. A law also remembers nothing after leaving, and gives the same result for the
+//! same input.
 
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Force, LawKind, Position, Reported, Settings};
@@ -16,7 +17,7 @@ fn walls<N: Reported>() -> Vec<(String, Settings, Controller<N>)> {
         .collect()
 }
 
-/// Positions of a random walk around the surface, with jumps and rests.
+/// Positions of a random walk around the wall's surface, with jumps and rests.
 fn walk<N: Reported>(random: &mut Random, ticks: usize) -> Vec<Position<N>> {
     let mut e = 0.0_f64;
     (0..ticks)
@@ -70,8 +71,8 @@ fn the_force_stays_within_its_limit<N: Reported>() {
     }
 }
 
-/// Forces push outwards. Only TDPA with the exact observer (against a deficit) and the coupling of the enhanced law may pull, and
-/// only inside the wall.
+/// Checks that forces push outwards. Only two control laws may pull, and only inside the wall: TDPA (time-domain passivity) with
+/// the exact energy observer, against an energy deficit, and the enhanced law, with its virtual mass.
 fn a_wall_pushes<N: Reported>() {
     let mut random = Random::new(7);
     let path = walk::<N>(&mut random, 20_000);
@@ -87,8 +88,8 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// Equation (2.15) of the thesis that this project implements allows an offset to push outside the undeformed wall. A law without
-/// an offset gives no force there.
+/// Checks that a control law that does not shift the wall's surface gives no force outside the wall. Equation (2.15) of the thesis
+/// that this project implements allows the laws that shift it (by an offset) to push there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);
@@ -123,7 +124,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
     }
 }
 
-/// Outside the wall by more than any offset, a law clears its memory.
+/// Checks that a control law clears its memory outside the wall, farther out than it can shift the wall's surface.
 fn leaving_clears_the_memory<N: Reported>() {
     let mut random = Random::new(6);
     for (name, _, fresh) in walls::<N>() {

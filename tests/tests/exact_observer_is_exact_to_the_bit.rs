@@ -1,5 +1,6 @@
-//! The energy observers of the fixed-point formats add exact products. Over ten million ticks the 32-bit observer equals a sum of
-//! the raw integers in 128 bits, bit for bit in every tick. At the ends of their range observers saturate and do not wrap.
+//! Tests that the energy observers of the fixed-point formats add up exact products. Over ten million control periods the 32-bit
+//! observer equals a sum of the raw integers in 128 bits, bit for bit. At the ends of their range the observers saturate and do not
+//! wrap.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position};
@@ -9,10 +10,10 @@ type Signal32 = <Fixed32 as Number>::Signal;
 type Signal16 = <Fixed16 as Number>::Signal;
 type Signal8 = <Fixed8 as Number>::Signal;
 
-/// 2 rad in quanta of the 32-bit format: the motion stays within this distance of the surface, on both sides.
+/// Largest distance of the motion from the wall's surface, on both sides: 2 rad in steps of the 32-bit format (2^-24 rad).
 const REACH: i32 = 2 << 24;
-/// Largest displacement in a tick in quanta: 1/64 rad, which is about 15 rad/s at 1 kHz. With forces of up to 128 N·m the sum stays
-/// far inside its format.
+/// Largest displacement per control period: 1/64 rad (about 15 rad/s at 1 kHz) in steps of 2^-24 rad. With forces of up to 128 N·m
+/// the energy sum then stays far inside its format.
 const STEP: i32 = 1 << 18;
 
 #[test]
@@ -54,7 +55,8 @@ fn over_ten_million_ticks_of_random_motion_and_force() {
     assert!(largest > 1 << 50 && largest < 1 << 62, "{largest:e}");
 }
 
-/// The test for a narrow format, whose sum leaves its range now and then; the expected sum saturates as well.
+/// The test of the energy observer for a narrower number format. The sum leaves the format's range now and then; the expected sum
+/// saturates as well.
 macro_rules! narrow {
     ($name:ident, $format:ty, $signal:ty, $int:ty, $wide:ty) => {
         #[test]

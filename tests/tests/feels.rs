@@ -1,4 +1,5 @@
-//! Haptic effects of a knob (detents, end stops): every shipped effect under every grip, and scenes that extend another.
+//! Tests of the shipped haptic effects of a knob (detents, end stops and others) under every simulated grip, and of scene files
+//! that extend another scene file.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -18,7 +19,7 @@ fn traced(scene: &Scene) -> Trace {
     run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Every shipped effect is quiet at rest, and stays within the guard's energy account.
+/// Checks that every shipped haptic effect is quiet at rest, and stays within the energy guard's account.
 #[test]
 fn every_feel_is_quiet_under_every_grip() {
     for name in scene::feels() {
@@ -43,7 +44,8 @@ fn every_feel_is_quiet_under_every_grip() {
     }
 }
 
-/// At 2 rad/s the energy that sampling costs is within the guard's refill. If the knob is spun faster, clicks get softer.
+/// Checks that a hand that turns at 2 rad/s feels every haptic effect unreduced: the energy that sampling gives is then within the
+/// power that refills the energy guard's account. If the knob is spun faster, clicks get softer.
 #[test]
 fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     for name in scene::feels() {
@@ -73,8 +75,8 @@ fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     }
 }
 
-/// A hand feels the torque that the scene names, to within 5 %, and the knob comes to rest in a detent, as near its centre as dry
-/// friction allows.
+/// Checks that a hand feels the detent torque that the scene file states, to within 5 %, and that the knob comes to rest in a
+/// detent, as near its centre as dry friction allows.
 #[test]
 fn detents_have_their_torque_and_hold() {
     for name in scene::feels() {
@@ -122,7 +124,7 @@ fn detents_have_their_torque_and_hold() {
     }
 }
 
-/// A hand feels a drawn profile at every angle as it is drawn, within 5 % of its strength.
+/// Checks that a hand feels a drawn torque profile as it is drawn at every angle, to within 5 % of its strength.
 #[test]
 fn a_profile_is_felt_as_it_is_drawn() {
     let mut felt = 0;
@@ -162,7 +164,8 @@ fn a_profile_is_felt_as_it_is_drawn() {
     assert!(felt > 12 * 1000, "{felt}");
 }
 
-/// The force of the lower end is negative. The largest force, the verdict and the torque limit are those of the upper end.
+/// Checks that a press on the lower end stop, whose force is negative, gives the same largest force, verdict and torque limit as a
+/// press on the upper one.
 #[test]
 fn an_end_is_judged_alike_from_either_side() {
     let pressed = |angle: &str, sets: &[&str]| {
@@ -193,7 +196,8 @@ fn an_end_is_judged_alike_from_either_side() {
     }
 }
 
-/// A program that counts positions with a hysteresis of a quarter of a pitch always has the knob's true position.
+/// Checks that a program that counts detents by position, with a hysteresis of a quarter of their pitch, always has the knob's true
+/// position.
 #[test]
 fn positions_are_neither_lost_nor_doubled() {
     for name in [

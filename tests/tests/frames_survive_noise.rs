@@ -1,4 +1,4 @@
-//! For any bytes that arrive, errors are counted, no message is invented, and the next complete frame is decoded.
+//! Tests the frame decoder with any bytes: errors are counted, no message is invented, and the next complete frame is decoded.
 
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX, FrameError};
 use touchstone_protocol::reply::{FromDevice, version_of_hello};
@@ -11,7 +11,7 @@ use touchstone_tests::random::Random;
 
 const FRAMES: usize = 1_000_000;
 
-/// Decodes some bytes: the payloads, and the number of errors.
+/// Decodes bytes; returns the payloads of the frames, and the number of errors.
 fn take(decoder: &mut Decoder, bytes: &[u8]) -> (Vec<Vec<u8>>, u32) {
     let (mut payloads, mut errors) = (Vec::new(), 0);
     for &byte in bytes {
@@ -24,7 +24,7 @@ fn take(decoder: &mut Decoder, bytes: &[u8]) -> (Vec<Vec<u8>>, u32) {
     (payloads, errors)
 }
 
-/// A telemetry record with numbers of all sizes.
+/// A random telemetry record with numbers of all sizes.
 fn telemetry(random: &mut Random) -> Telemetry {
     let mut word = || {
         let bits = random.bits();
@@ -48,7 +48,7 @@ fn telemetry(random: &mut Random) -> Telemetry {
     }
 }
 
-/// A complete frame with one of many messages.
+/// A complete frame with a random message.
 fn any_frame(random: &mut Random) -> Vec<u8> {
     let mut buffer = [0; FRAME_MAX];
     let id = random.bits() as u8;
@@ -74,8 +74,8 @@ fn any_frame(random: &mut Random) -> Vec<u8> {
     frame.expect("every message fits").to_vec()
 }
 
-/// Decodes a payload as a message of either direction. Asserts only that a message encodes to the same again, and that nothing
-/// panics.
+/// Decodes a payload as a message of either direction. Asserts that nothing panics, and that a decoded message stays the same when
+/// it is encoded and decoded again.
 fn look_into(payload: &[u8]) {
     let mut buffer = [0; 4 * FRAME_MAX];
     if let Some(message) = frame::message::<ToDevice<'_>>(payload) {

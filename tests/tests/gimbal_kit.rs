@@ -1,4 +1,4 @@
-//! The board with the small gimbal motor starts with the wall of the scene `gimbal-knob`.
+//! Tests that the default settings of the board with the small gimbal motor are the wall of the shipped scene file `gimbal-knob`.
 
 use touchstone_control::ChangeOfForce;
 use touchstone_drive::wire::checked;

@@ -1,5 +1,5 @@
-//! The settings that `touchstone setup` writes keep the guard's bound on a board, whatever a law file says. The bound also holds
-//! for a hand that was optimised against the file's guard.
+//! Tests that the settings which `touchstone setup` writes keep the energy guard's bound on a board, whatever an imported law file
+//! contains. The bound also holds for a hand that was optimised against the guard in that file.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_drive::change::law_settings;
@@ -10,8 +10,9 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::board_loop::BoardLoop;
 use touchstone_tests::port::{Port, SpringDamper};
 
-/// Settings from a law file, whose guard is configured for positions read once a tick and a delay of one and a half PWM periods, a
-/// fifth of the board's. The trusted 0.8 of its damping is all that the device has.
+/// Settings from an imported law file. Its energy guard is configured for positions read once per control period, and for a delay
+/// of one and a half PWM periods, a fifth of the board's. The damping that the guard relies on (0.8 of the configured one) is all
+/// that the device has.
 fn of_a_file() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     let guard = &mut settings.law.guard;
@@ -21,7 +22,7 @@ fn of_a_file() -> DeviceSettings {
     settings
 }
 
-/// The board's port with a guard of these settings.
+/// The simulated port between board and hand, with an energy guard of these settings, and the guard's settings.
 fn port(settings: &DeviceSettings) -> (Port, GuardSettings) {
     let (board, _) = BoardLoop::shipped();
     let (law, change) = law_settings(settings, hardware(Board::NucleoG474re)).unwrap();

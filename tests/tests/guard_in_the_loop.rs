@@ -1,4 +1,4 @@
-//! The guard between law and motor, in scenes and devices.
+//! Tests of the energy guard between control law and motor, in simulations and devices.
 
 use touchstone_control::{
     Controller, CountScale, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si,
@@ -18,8 +18,9 @@ fn at(rad: f64) -> Position<Fixed32> {
     Position::from_f64(rad)
 }
 
-/// Laws that ring and kick under three simulated grips (light, medium, firm), with every delay. A hand gets out at most the
-/// account's capacity, its refill, the encoder's part, and the kinetic energy of the device.
+/// Checks control laws that ring and kick, under three simulated grips (light, medium, firm) and without a hand, with several
+/// delays. The hand gets out at most what the guard's energy account holds, what refills it, the error of the encoder, and the
+/// device's kinetic energy.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);
@@ -110,7 +111,7 @@ fn overspeed_switches_off_until_the_next_arming() {
     assert!(force(&mut again, 0.02) > 0.0);
 }
 
-/// Encoder counts per turn of a knob; the counter goes on where positions end.
+/// Encoder counts per turn of the knob. The counter also counts beyond the range of the position format.
 const COUNTS_PER_REV: u32 = 40_000;
 const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS_PER_REV as f64;
 
@@ -119,8 +120,9 @@ fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
     wall.tick(scale.penetration(count)).to_f64()
 }
 
-/// Runs a hand that moves about the end of positions. Returns the most energy beyond the refill in any window, J, and how often it
-/// armed again.
+/// Simulates a hand that moves to and fro at the end of the range of positions, and switches the motor on again after each
+/// over-speed. Returns the most energy in J that it got in any time window beyond the refill of the guard's account, and how often
+/// the motor was switched on again.
 fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
     let fresh = Controller::<N>::new(settings).unwrap();
     let mut wall = fresh;
@@ -154,7 +156,8 @@ fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64,
     (most, armed)
 }
 
-/// A hand that arms again whenever the guard has tripped, in every number format: no motion under a force goes uncounted.
+/// Checks that the energy guard counts every motion under a force, in every number format, also for a hand that crosses the end of
+/// the range of positions and switches the motor on again after each over-speed.
 #[test]
 fn no_way_across_the_end_of_positions_goes_uncounted() {
     let mut settings = Settings::thesis();
@@ -179,8 +182,9 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// Runs a hand that has the force switched off now and then, with or without a report to the guard. Returns the most energy beyond
-/// the refill in any window, J, and how much of it came under the last force of an arming.
+/// Simulates a hand that has the motor switched off now and then; `told` says whether this is reported to the energy guard. Returns
+/// the most energy in J that it got in any time window beyond the refill of the guard's account, and how much of it the hand got
+/// under the last force before a switch-off.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;
@@ -215,7 +219,7 @@ fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     (most, last)
 }
 
-/// A hand that has the force switched off gets no more energy by that, however often.
+/// Checks that a hand gets no more energy by having the motor switched off, however often.
 #[test]
 fn what_the_last_force_of_an_arming_does_is_counted() {
     let capacity_j = Settings::thesis().guard.capacity.to_num::<f64>();
@@ -263,7 +267,8 @@ fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
     assert!(counted(&mut again, at_rad(120.0)) > 0.0 && !again.tripped());
 }
 
-/// Twenty turns away from the wall the law requests no force, and a knob that is turned back meets its wall again.
+/// Checks a knob that is turned out of the wall beyond the range of positions, 20 turns away. It gets no force and no fault, and
+/// meets its wall again when it is turned back.
 #[test]
 fn a_free_knob_beyond_the_end_of_positions_is_no_fault() {
     let mut wall = wall(|_| ());

@@ -1,5 +1,6 @@
-//! `proofs/coq/Boards.v` describes the shipped boards' guards: the coefficients from each board's default settings with its current
-//! loop's delay and lag, and the device that they assume.
+//! Tests that `proofs/coq/Boards.v` describes the energy guards of the shipped boards. Its numbers must equal the guard
+//! coefficients from each board's default settings, with the delay and lag of the board's current loop, and the device that they
+//! assume.
 
 use touchstone_control::{Fixed32, Guard};
 use touchstone_drive::{change, wire};
@@ -66,7 +67,7 @@ fn the_theorem_is_about_the_guards_of_the_boards() {
     }
 }
 
-/// Asserts that a calculated number is near the wanted one; returns the text of that number in Coq.
+/// Asserts that `found` is within 1e-5 of `wanted`; returns `text`, the same number as written in Coq.
 fn near(found: f64, wanted: f64, text: &'static str) -> &'static str {
     assert!((found - wanted).abs() < 1e-5 * wanted, "{found}");
     text

@@ -1,9 +1,11 @@
-//! An integrator that a scene names replaces the exact step and converges to it. It costs nothing in scenes that name none.
+//! Tests a numerical integrator that a scene file (description of a simulation) names in place of the exact solution of the motion.
+//! The integrator's result converges to the exact solution, and simulations without a named integrator do not pay for it.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::{Choice as _, Integrator, Scene};
 
-/// A press without encoder or friction, by a linear law in floating point, so that small differences are not amplified.
+/// Description of a simulated press without encoder and friction, with a linear control law in floating point. Small differences of
+/// the motion are then not amplified.
 fn smooth() -> Scene {
     Scene::load("press-hold")
         .unwrap()

@@ -1,4 +1,4 @@
-//! Parts that break while the motor drives: which fault is raised, and the energy that the hand got until then.
+//! Tests of parts that break while the motor is on: which fault the firmware raises, and the energy that the hand gets until then.
 
 use touchstone_drive::calibration::Reason;
 use touchstone_drive::encoder::Frames;
@@ -13,7 +13,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// An encoder whose magnet has slipped by this many counts since the calibration.
+/// Falsifies the encoder as if its magnet had slipped by this many counts since the calibration.
 struct Slip {
     counts: i64,
 }
@@ -38,8 +38,8 @@ impl Tamper for Slip {
     }
 }
 
-/// Runs a slipped magnet: the knob is armed, and a hand presses 1.5 rad through the wall. Returns the most energy that the motor
-/// gave in J, the ticks in which it pushed, and the fault.
+/// Simulates a magnet that has slipped by this many electrical degrees. The motor is switched on, and a hand presses 1.5 rad
+/// through the wall. Returns the most energy in J that the motor gave, the control ticks in which it pushed, and the fault.
 fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Slip { counts: 0 });
     assert_eq!(knob.calibrate(), State::Ready);
@@ -89,7 +89,8 @@ fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     }
 }
 
-/// Loses one in this many of the readings at the tick and at the change of force, from tick 8,000 on.
+/// Loses encoder readings from control tick 8,000 on: every n-th one of the readings at the tick (`tick`), and of those taken when
+/// the force changes (`change`).
 struct Lossy {
     tick: Option<u32>,
     change: Option<u32>,
@@ -107,7 +108,8 @@ impl Tamper for Lossy {
     }
 }
 
-/// Which reading the fault names, and the number of ticks until the fault.
+/// Simulates lost encoder readings. Returns the fault's value, which names the sort of reading, and the number of control ticks
+/// until the fault; `None` without a fault.
 fn lost(tick: Option<u32>, change: Option<u32>) -> Option<(i32, u32)> {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Lossy { tick, change }).armed();
     for _ in 0..60_000 {
@@ -141,16 +143,16 @@ fn bad_readings_that_are_not_in_a_row_are_a_fault_and_a_few_are_not() {
     assert_eq!(lost(Some(100), Some(100)), None);
 }
 
-/// A fault of a current sensor from tick 8,000 on.
+/// A defect of a motor current sensor from control tick 8,000 on. Each variant holds the number of the phase.
 #[derive(Debug, Clone, Copy)]
 enum Sensor {
-    /// The sensor always gives its value at zero current.
+    /// The sensor always returns its value for zero current.
     Rests(usize),
-    /// The sensor keeps giving its value of the moment at which it froze.
+    /// The sensor always returns the value that it had when it froze.
     Frozen(usize, Option<u16>),
-    /// The sensor gives half of the true current.
+    /// The sensor returns half of the true current.
     Half(usize),
-    /// The sensor gives a sixteenth of the true current.
+    /// The sensor returns a sixteenth of the true current.
     Weak(usize),
 }
 impl Tamper for Sensor {
@@ -225,7 +227,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
     }
 }
 
-/// Current sensors that are faulty from the start.
+/// Current sensors that are defective from the start. The function falsifies their readings.
 struct Always(fn(&mut CurrentSample));
 impl Tamper for Always {
     fn sample(&mut self, _: u32, sample: &mut CurrentSample) {
@@ -279,7 +281,7 @@ fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
     );
 }
 
-/// A good device, of whose readings one in a thousand of each sort is bad.
+/// A good device, which nevertheless loses one in a thousand of its readings of each sort. Holds the state of the random numbers.
 struct Good(u32);
 impl Good {
     fn is_bad(&mut self) -> bool {
@@ -299,7 +301,7 @@ impl Tamper for Good {
     }
 }
 
-/// Runs a fast hand at a good device for this many ticks; asserts that no fault is raised.
+/// Simulates a fast hand on a good device for this many control ticks; asserts that no fault is raised.
 fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     let mut knob = Knob::new(&settings(), motor, 0.0, Good(ticks));
     knob.rig.bridge.dead_share = dead_share;
@@ -321,7 +323,8 @@ fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     assert!(touched > ticks / 50, "{touched} of {ticks}");
 }
 
-/// Good devices raise no fault. `TOUCHSTONE_TICKS` sets the ticks per device; the default is 10,000, which is 10 s.
+/// Checks that good devices raise no fault. `TOUCHSTONE_TICKS` sets the control ticks per device; the default is 10,000, which is
+/// 10 s.
 #[test]
 fn good_devices_raise_no_alarm() {
     let ticks =

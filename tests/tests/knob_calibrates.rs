@@ -1,4 +1,5 @@
-//! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses implausible results.
+//! Tests that the calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses implausible
+//! results.
 
 use std::f64::consts::TAU;
 use touchstone_drive::encoder::Frames;
@@ -16,7 +17,7 @@ fn settings(kind: EncoderKind, pole_pairs: u8) -> DeviceSettings {
     settings
 }
 
-/// Error of the alignment that the calibration finds, electrical degrees.
+/// Error of the rotor alignment that the calibration has found, in electrical degrees.
 fn error_deg<T: Tamper>(
     knob: &Knob<T>,
     motor: &MotorParameters,
@@ -111,7 +112,7 @@ fn wrong_pole_pairs_are_a_mismatch() {
     assert!(Knob::new(&counts, GIMBAL, 0.0, Honest).calibrate() == State::Ready);
 }
 
-/// An encoder that always gives the same count.
+/// Falsifies the encoder so that it always reads the same count.
 struct Frozen;
 impl Tamper for Frozen {
     fn input(&mut self, _tick: u32, input: &mut ControlInput) -> bool {
@@ -128,7 +129,7 @@ fn an_encoder_that_does_not_move_is_stuck() {
     );
 }
 
-/// A motor phase whose current sensor measures nothing.
+/// Falsifies the current sensors as if the motor phases were not connected: they measure no current.
 struct Open;
 impl Tamper for Open {
     fn sample(&mut self, _tick: u32, sample: &mut CurrentSample) {
@@ -150,7 +151,7 @@ fn a_current_that_does_not_come_is_noticed() {
     );
 }
 
-/// A current sensor with a wrong offset, or with noise.
+/// Falsifies a current sensor: a wrong offset in converter codes, and noise in converter codes.
 struct Offset(u16, u16);
 impl Tamper for Offset {
     fn sample(&mut self, tick: u32, sample: &mut CurrentSample) {

@@ -1,5 +1,5 @@
-//! Every fault that the supervisor detects, injected into an armed knob. Outputs are off in the tick that detects it, its code and
-//! value are latched, and only stop and calibration lead back to armed.
+//! Tests every fault that the firmware's supervisor detects, on a knob whose motor is on. The outputs are off in the tick that
+//! detects the fault, the fault's code and value are latched, and only stop and calibration lead back to the armed state.
 
 use touchstone_drive::encoder::Frames;
 use touchstone_drive::{
@@ -9,7 +9,7 @@ use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
 use touchstone_world::motor::{Drive, GIMBAL};
 
-/// Falsifies one input from a given tick on.
+/// Falsifies one input of the firmware from control tick `from` up to `until`.
 struct Inject {
     from: u32,
     until: u32,
@@ -57,7 +57,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// An armed knob that is pressed against the wall; the fault is injected at the next control tick.
+/// A knob with its motor on that is pressed against the wall. The fault `what` begins at the next control tick.
 fn armed(what: What) -> Knob<Inject> {
     let inject = Inject {
         from: u32::MAX,
@@ -74,7 +74,7 @@ fn armed(what: What) -> Knob<Inject> {
     knob
 }
 
-/// Checks that no command arms the device until it was stopped and calibrated.
+/// Checks that no command switches the motor on until the device was stopped and calibrated.
 fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     for command in [
         Command::Arm,
@@ -112,8 +112,8 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     assert_eq!(knob.device.state(), State::Armed);
 }
 
-/// Injects a fault. Asserts that it is latched within this many control ticks, with the outputs off from the first bad tick;
-/// returns the fault's value.
+/// Injects a fault into a pressed knob. Asserts that the fault is latched within this many control ticks, with the outputs off from
+/// the first bad tick on. Returns the fault's value.
 fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
     let mut knob = armed(what);
     for tick in 1..=ticks {

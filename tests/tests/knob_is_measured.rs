@@ -1,4 +1,4 @@
-//! A calibration with measurement finds the properties of motor and knob, whatever the settings were before. Resistance,
+//! Tests that a calibration with measurement finds the properties of motor and knob, whatever the settings were before. Resistance,
 //! inductance, flux and inertia are found to within 5 %, damping and friction to within 20 %.
 
 use nalgebra::Complex;
@@ -10,7 +10,7 @@ use touchstone_tests::knob::{Honest, Knob, PERIOD_S, Tamper};
 use touchstone_world::motor::{GIMBAL, MotorParameters};
 use touchstone_world::plant::{BareCoulomb, Coulomb, Device};
 
-/// The thesis' knob with some dry friction.
+/// The simulated knob of the DLR thesis, with some dry friction.
 const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,
@@ -35,7 +35,7 @@ fn known(settings: &DeviceSettings) -> KnownMotor {
     }
 }
 
-/// The desktop's form of a telemetry record.
+/// Converts a telemetry record to the form in which the desktop program evaluates a measurement; `None` outside of a measurement.
 fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     let milli = |value: i32| 1e-3 * f64::from(value);
     telemetry.measuring.map(|it| MotorTick {
@@ -47,7 +47,7 @@ fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     })
 }
 
-/// Runs a calibration; returns the telemetry, and the final state.
+/// Simulates a calibration; returns its telemetry, and the knob in its final state.
 fn calibrated<T: Tamper>(
     settings: &DeviceSettings,
     truth: MotorParameters,
@@ -75,8 +75,8 @@ fn measured(truth: MotorParameters, knob: Device) -> MeasuredMotor {
     motor(&ticks, &known(&settings)).unwrap()
 }
 
-/// Errors of the measurement: resistance, inductance, flux and inertia relative to the truth, damping and friction relative to the
-/// allowed error.
+/// Errors of the measured properties: resistance, inductance, flux and inertia relative to the true values, damping and friction as
+/// multiples of the allowed error.
 fn errors(found: &MeasuredMotor, truth: &MotorParameters, knob: &Device) -> [f64; 6] {
     let part = |found: f64, truth: f64| found / truth - 1.0;
     let allowed = |found: f64, truth: f64, floor: f64| (found - truth) / (0.2 * truth).max(floor);

@@ -1,5 +1,5 @@
-//! A stored alignment (rotor angle of the encoder) is checked at the next start: used if it is right, and refused if it is wrong
-//! for any reason.
+//! Tests that a stored alignment (rotor angle relative to the encoder) is checked at the next start: used if it is right, and
+//! refused if it is wrong for any reason.
 
 use std::f64::consts::TAU;
 use touchstone_drive::calibration::Alignment;
@@ -15,7 +15,7 @@ fn settings(kind: EncoderKind) -> DeviceSettings {
     settings
 }
 
-/// A knob with dry friction and without a hand.
+/// A simulated knob with dry friction and without a hand, at rest at `angle_rad`.
 fn knob<T: Tamper>(
     settings: &DeviceSettings,
     motor: MotorParameters,
@@ -35,7 +35,7 @@ fn knob<T: Tamper>(
     Knob::with_plant(settings, motor, plant, angle_rad, tamper)
 }
 
-/// The alignment that a whole calibration finds, to be stored.
+/// The rotor alignment that a full calibration finds, as stored for the next start.
 fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     let mut knob = knob(settings, motor, 1e-3, 0.3, Honest);
     assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
@@ -43,11 +43,12 @@ fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     knob.device.found().expect("an absolute encoder's")
 }
 
-/// Result of a check.
+/// Result of the check of a stored alignment at the start.
 #[derive(Debug)]
 struct Checked {
     state: State,
-    /// Largest distance of the shaft from its start during the check, mechanical degrees. `end_deg` is the distance at the end.
+    /// Largest angle between the shaft and its start position during the check, in mechanical degrees. `end_deg` is the angle at
+    /// the end.
     most_deg: f64,
     end_deg: f64,
     time_s: f64,
@@ -81,7 +82,7 @@ fn reason(state: State) -> Option<Reason> {
     }
 }
 
-/// Error of the rotor angle that the device calculates, electrical degrees.
+/// Error of the rotor angle that the device calculates, in electrical degrees.
 fn wrong_deg<T: Tamper>(knob: &Knob<T, BareCoulomb>, motor: &MotorParameters, start: f64) -> f64 {
     // Count 0 is the position at which the device was switched on.
     let truth = motor.electrical_rad(start) / TAU * 65_536.0;
@@ -223,7 +224,7 @@ fn phases_in_another_order_and_a_shaft_that_is_held_are_refused() {
     );
 }
 
-/// An encoder that reports a turning shaft.
+/// Falsifies the encoder so that it reports a shaft that turns at this speed in rad/s.
 struct Turning(f64);
 
 impl Tamper for Turning {

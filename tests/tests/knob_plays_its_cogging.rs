@@ -1,5 +1,5 @@
-//! The cogging torque of a simulated motor is measured by a sweep and compensated; only a small part of it remains. A map of
-//! another motor is recognised.
+//! Tests that the cogging torque of a simulated motor is measured by a sweep and compensated, with only a small part of it left.
+//! The firmware recognises a cogging map of another motor.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ use touchstone_world::plant::{
     BareCoulomb, Coulomb, Device, FIRM, HeldCoulomb, HeldLinear, LIGHT, Stepper,
 };
 
-/// The thesis' knob with some dry friction.
+/// The simulated knob of the DLR thesis, with some dry friction.
 const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,
@@ -36,8 +36,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Cogging of a motor of 12 slots and 14 poles: at their least common multiple and twice that, and at the orders that unequal slots
-/// and magnets add.
+/// Cogging torque of a motor with 12 slots and 14 poles. It has 84 periods per turn (their least common multiple), 168, and those
+/// that unequal slots (14) and magnets (12) add.
 const COGGING: [Harmonic; 4] = [
     part(2e-3, 84.0, 0.4),
     part(4e-4, 168.0, 2.0),
@@ -64,7 +64,7 @@ fn known(settings: &DeviceSettings, reversed: bool) -> KnownKnob {
     }
 }
 
-/// Adds random noise of 1.15 codes rms to the readings of the current sensors.
+/// Adds random noise of 1.15 converter codes rms to the readings of the current sensors.
 struct Noisy(Random);
 
 impl Tamper for Noisy {
@@ -89,7 +89,7 @@ fn bare<T: Tamper>(
     knob
 }
 
-/// Runs a calibration with a sweep; returns the sweep's telemetry.
+/// Simulates a calibration with a sweep (a slow turn that measures the cogging torque); returns the sweep's telemetry.
 fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<SweepTick> {
     knob.ask(Command::Stop);
     knob.tick();
@@ -104,7 +104,7 @@ fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<Swee
     ticks
 }
 
-/// The desktop's form of a telemetry record.
+/// Converts the present telemetry record to the form in which the desktop program evaluates a sweep; `None` outside of a sweep.
 fn told<T: Tamper, S: Stepper>(knob: &Knob<T, S>) -> Option<SweepTick> {
     let record = knob.telemetry();
     record.measuring.map(|it| SweepTick {
@@ -120,7 +120,7 @@ fn play<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, map: &CoggingMap, settings
     knob.device.play(&mut knob.around, Some(&played));
 }
 
-/// Root mean square difference between a map and the true cogging, N·m.
+/// Root mean square difference between a measured cogging map and the true cogging torque, N·m.
 fn error(map: &CoggingMap, cogging: &[Harmonic], known: &KnownKnob) -> f64 {
     let places = 2_520;
     let squares: f64 = (0..places)
@@ -188,11 +188,11 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
     }
 }
 
-/// Orders (periods per turn) of the cogging, and of the torque that an offset of the current sensors causes.
+/// Periods per turn of the cogging torque, and of the torque that an offset of the current sensors causes.
 const ORDERS: [f64; 5] = [7.0, 12.0, 14.0, 84.0, 168.0];
 
-/// Root mean square torque, N·m, of motor and cogging together at their orders, on a hand that turns the armed knob at a constant
-/// speed.
+/// Root mean square torque in N·m on a hand that turns the switched-on knob at a constant speed. Only the torque ripple of motor
+/// and cogging at the periods in `ORDERS` counts.
 fn felt(
     settings: &DeviceSettings,
     map: Option<&CoggingMap>,

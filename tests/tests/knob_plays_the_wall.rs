@@ -1,5 +1,5 @@
-//! The whole knob, from encoder frame to motor current. Its force equals that of the simulator's controller bit for bit for the
-//! counts that it read, the motor's torque is that force, and the wall holds the hand.
+//! Tests the whole simulated knob, from encoder frame to motor current. Its force equals that of the simulator's controller bit for
+//! bit at the same encoder counts, the motor gives this force as torque, and the wall holds the hand.
 
 use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::change::law_settings;
@@ -25,7 +25,8 @@ fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings 
     settings
 }
 
-/// Arms where the calibration ended, presses into the wall for a second, holds, and comes out again; returns the records.
+/// Lets a hand press into the wall from the present angle, hold, and come out again, within two seconds. Returns the record of
+/// every control tick.
 fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
     let start = knob.rig.now().angle_rad;
     knob.rest_rad = start;
@@ -40,7 +41,7 @@ fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
     records
 }
 
-/// Runs a fresh controller on the recorded counts; asserts that each force equals the recorded one.
+/// Runs a new controller on the recorded encoder counts; asserts that each of its forces equals the recorded one.
 fn replayed(settings: &DeviceSettings, records: &[Record]) {
     let (law, change) = law_settings(settings, &IHM08M1).unwrap();
     let mut wall = Controller::<Fixed32>::new(&law).unwrap();
@@ -86,8 +87,8 @@ fn the_force_is_the_simulators_to_the_bit() {
     }
 }
 
-/// A guard that is configured for the board's delay, and reads the encoder at the change of force, does not reduce the force of an
-/// ordinary press.
+/// Checks that the energy guard does not reduce the force of an ordinary press if it is configured for the board's delay and reads
+/// the encoder a second time when the force changes.
 #[test]
 fn a_guard_that_is_told_changes_no_force_of_a_press() {
     for (k, kind) in [

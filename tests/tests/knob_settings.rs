@@ -1,4 +1,4 @@
-//! New settings take effect from the next calibration on, and never if they were refused.
+//! Tests that new settings take effect from the next calibration on, and never if they were refused.
 
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{Device, DeviceSettings, Si};

@@ -1,4 +1,4 @@
-//! Reset reasons of the microcontroller: which ones are faults, and with which value.
+//! Tests which reset reasons of the microcontroller the firmware reports as faults, and with which value.
 
 use touchstone_drive::{DeviceSettings, ResetFlags, ResetReason};
 use touchstone_protocol::FaultCode;

@@ -1,4 +1,5 @@
-//! An unattended start: the board gives the start commands once if everything is in order, and none otherwise.
+//! Tests the unattended start of a board: it gives itself the start commands once if everything is in order, and no command
+//! otherwise.
 
 use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
 use touchstone_drive::{DeviceSettings, ResetReason, Si};
@@ -8,7 +9,7 @@ use touchstone_world::motor::GIMBAL;
 
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
-/// Inputs of the supervisor in which everything is in order for a start.
+/// Inputs of the unattended start with which everything is in order.
 const GOOD: Glance = Glance {
     state: State::Boot,
     is_supplied: true,
@@ -29,7 +30,8 @@ fn asked() -> Autostart {
     Autostart::new(true, ResetReason::PowerOn, true)
 }
 
-/// Runs steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
+/// Runs the steps of the unattended start with the inputs `now` for at most this many seconds. Returns the first command that it
+/// gives, and the number of its step.
 fn until(
     autostart: &mut Autostart,
     seconds: u32,
@@ -232,7 +234,8 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
     }
 }
 
-/// Runs the supervisor's step with a whole knob and without a host computer: the knob arms, and its force fades in.
+/// Checks the unattended start with a whole simulated knob and without a desktop program: the motor is switched on, and its force
+/// fades in.
 #[test]
 fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     let mut settings = DeviceSettings::default();

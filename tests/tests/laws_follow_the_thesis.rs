@@ -1,4 +1,4 @@
-//! Places in which a law once differed from the thesis' equations, each with its own test.
+//! Tests that the control laws follow equations of the thesis that this project implements, in places that are easily got wrong.
 
 use touchstone_control::law::{Contact, EnhancedState, Law, Sample, Sfa, SfaState};
 use touchstone_control::{
@@ -22,8 +22,9 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     law
 }
 
-/// Equation (2.16) of the thesis that this project implements and (2.17): the first contact phase ends at `n_r`, with the force
-/// that `k_de` gives in that tick, not in the tick before.
+/// Checks equations (2.16) and (2.17) of the thesis that this project implements, for the control law SFA. The first contact phase,
+/// while the wall is soft, ends in control period `n_r`, with the force that the desired stiffness `k_de` gives in that period, not
+/// in the one before.
 #[test]
 fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
@@ -45,8 +46,8 @@ fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
 }
 
-/// Equation (2.14c) of the thesis that this project implements, third line from below: if the displayed stiffness is the desired
-/// one, the offset stays.
+/// Checks equation (2.14c), third line from below, of the thesis that this project implements, for the control law SFA. If the
+/// displayed stiffness is the desired one, the law does not shift the wall's surface.
 #[test]
 fn the_offset_stays_where_the_stiffness_is_right() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -79,8 +80,8 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
-/// A hand that presses a wall at the force limit and trembles there does not change the offset. When it lets go, the wall is where
-/// it was.
+/// Checks that the control law SFA does not shift the wall's surface while a hand presses at the force limit and trembles there.
+/// When the hand lets go, the wall is where it was.
 #[test]
 fn leaning_at_the_force_limit_winds_up_no_offset() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -115,8 +116,8 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
     }
 }
 
-/// A wall only pushes. Inside it no force pulls, however fast the HIP leaves the virtual mass behind. The energy of the mass,
-/// credit included, stays what it was plus the work of the force on it.
+/// Checks that the enhanced control law never pulls inside the wall, however fast the hand leaves the law's virtual mass behind.
+/// The energy of this mass, including the energy that the law may lend, changes only by the work of the force on it.
 #[test]
 fn the_enhanced_law_never_pulls_inside_the_wall() {
     let stiff = Settings {
@@ -167,7 +168,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
     }
 }
 
-/// The published observer lends no energy: the thesis' form reaches its force by its own energy sum.
+/// Checks that the enhanced control law lends the hand no energy if it uses the energy observer in the thesis' form.
 #[test]
 fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {

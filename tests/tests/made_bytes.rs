@@ -1,4 +1,5 @@
-//! Random wire bytes and settings images, generated from seeds by the generators that the fuzzer uses.
+//! Tests the reading of random bytes from the serial line and random settings images. The generators are those of the fuzzer, with
+//! seeds.
 
 #[path = "../made/choices.rs"]
 mod choices;

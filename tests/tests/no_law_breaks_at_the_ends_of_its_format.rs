@@ -1,5 +1,5 @@
-//! The most extreme positions of a number format, in every order, through every law with every option. The force stays within its
-//! limit, nothing overflows (the tests are built with overflow checks), and the floating-point formats never give a NaN.
+//! Tests every control law with every option at the most extreme positions of each number format, in every order. The force stays
+//! within its limit, nothing overflows (the tests are built with overflow checks), and the floating-point formats never give a NaN.
 
 use touchstone_control::{
     Controller, Fixed8, Fixed16, Fixed32, Force, Number, Position, Reported, Settings, Si,
@@ -8,10 +8,10 @@ use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 use touchstone_tests::variants::all;
 
-/// Length of the sequences of positions; every sequence is tried.
+/// Number of positions in a sequence. Every sequence of the positions in `worst` is tried.
 const LENGTH: u32 = 6;
 
-/// Extreme measured positions: the ends of the format, and next to the surface.
+/// Extreme measured positions: the ends of the number format, and positions next to the wall's surface.
 fn worst<N: Reported>() -> [Position<N>; 6] {
     [
         Position::from_f64(-1e9),
@@ -23,7 +23,7 @@ fn worst<N: Reported>() -> [Position<N>; 6] {
     ]
 }
 
-/// The default settings, and settings at the ends of what `validate` accepts.
+/// The default settings, and settings at the ends of the ranges that the settings' check accepts; each with a name.
 fn settings() -> Vec<(String, Settings)> {
     let usual = Settings::thesis();
     let mut hard = Settings {
@@ -46,7 +46,7 @@ fn settings() -> Vec<(String, Settings)> {
         .collect()
 }
 
-/// The walls whose coefficients the format can hold, each with its name and force limit.
+/// The walls whose coefficients the number format can hold, each with its name and force limit.
 fn walls<N: Reported>() -> Vec<(String, Force<N>, Controller<N>)> {
     settings()
         .into_iter()
@@ -57,7 +57,7 @@ fn walls<N: Reported>() -> Vec<(String, Force<N>, Controller<N>)> {
         .collect()
 }
 
-/// Whether a force is within the limit; `false` for a NaN, as comparisons with it are false.
+/// Whether a force is within ±`limit`. A NaN is not, because comparisons with it are false.
 fn is_within<N: Reported>(f: Force<N>, limit: Force<N>) -> bool {
     f <= limit && f >= -limit
 }

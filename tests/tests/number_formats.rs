@@ -1,7 +1,8 @@
-//! The enhanced law in every number format compared with f64, on the same encoder counts.
+//! Compares the enhanced control law (a force behind a virtual mass) in every number format with the same law in f64, on the same
+//! encoder counts.
 //!
-//! The counts are recorded from a closed loop with the default format, for each thesis scene, and given to all formats. So a
-//! difference comes from the format and not from another motion.
+//! The counts are recorded from a simulated closed loop with the default format, for each case of the thesis, and then given to all
+//! formats. A difference then comes from the format and not from another motion.
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
@@ -10,7 +11,7 @@ use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// The recorded encoder counts.
+/// Encoder counts recorded from a simulation, with the size of a count and the wall's surface in rad.
 struct Counts {
     step_rad: f64,
     surface_rad: f64,
@@ -43,7 +44,7 @@ fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     counts.iter().map(|&count| wall.at_count(count)).collect()
 }
 
-/// Largest difference in N·m, and the tick of it.
+/// Largest difference between two lists of forces in N·m, and its control period.
 fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
     a.iter()
         .zip(b)
@@ -55,7 +56,7 @@ fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
         )
 }
 
-/// The thesis scenes with the enhanced law, each with its name.
+/// The simulations of the thesis' comparison with the enhanced control law, each with its name.
 fn scenes() -> Vec<(String, Scene)> {
     let base = thesis("thesis-knob");
     let mut scenes = Vec::new();
@@ -74,7 +75,8 @@ fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Largest difference in N·m over all scenes, which is also printed.
+/// Largest difference of the force in N·m between this number format and f64 over all simulations. Prints the difference for each
+/// of them.
 fn worst<N: Reported>() -> f64 {
     let mut worst = (0.0, String::new());
     for (name, scene) in scenes() {

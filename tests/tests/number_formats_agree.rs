@@ -1,8 +1,8 @@
-//! The same law in every number format compared with the 32-bit one, on simple presses. The forces differ by no more than the
-//! formats' own quanta explain. Every bound in this file is derived, tick by tick where errors add up; none is fitted.
+//! Compares each control law in every number format with the 32-bit one, on simple presses. The forces differ by no more than the
+//! formats' rounding explains. Every bound in this file is derived, period by period where errors add up; none is fitted.
 //!
-//! Angles lie on the coarser format's grid and every stiffness is a multiple of 2^-6, so both formats get the same press and the
-//! same wall. Only their rounding differs. `q` is the sum of the two formats' rounding errors of one force.
+//! Angles lie on the coarser format's grid and every stiffness is a multiple of 2^-6. So both formats get the same press and the
+//! same wall, and only their rounding differs. `q` is the sum of the two formats' rounding errors of one force.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
@@ -12,10 +12,12 @@ use touchstone_tests::grain::Grain;
 use touchstone_tests::motion::{half_sine, hold, on_grid, wiggle};
 use touchstone_tests::si::si;
 
-/// Stiffness of the wall, 301/64 N·m/rad: its products with angles fit no format's force exactly.
+/// Stiffness of the wall in N·m/rad, 301/64. Its products with angles fit no number format's force exactly, so that every force is
+/// rounded.
 const STIFFNESS: f64 = 4.703_125;
 
-/// A wall whose coefficients are the same numbers in all formats, except for FBA's root and the enhanced law's steps.
+/// Settings of a wall whose coefficients are the same numbers in all formats. Exceptions are the square root in the control law FBA
+/// and the steps by which the enhanced law shifts the surface.
 fn wall(law: LawKind) -> Settings {
     Settings {
         law,
@@ -37,25 +39,26 @@ fn wall(law: LawKind) -> Settings {
     }
 }
 
-/// One tick in both formats.
+/// One control period of the same control law in two number formats.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tick {
     e: f64,
-    /// Displacement in this tick; `moved_before` is that of the tick before.
+    /// Displacement in this control period, rad; `moved_before` is the displacement in the period before.
     moved: f64,
     moved_before: f64,
-    /// Force, observed energy and offset: each first in the format under test, then in 32 bits.
+    /// Force, observed energy, and the shift of the wall's surface by the control law. Each is given first in the format under
+    /// test, then in the 32-bit format.
     force: [f64; 2],
     energy: [f64; 2],
     offset: [f64; 2],
 }
 
 impl Tick {
-    /// The larger of the two energies, for relative errors.
+    /// The larger magnitude of the two formats' observed energies, for relative errors.
     fn energy_size(&self) -> f64 {
         self.energy[0].abs().max(self.energy[1].abs())
     }
-    /// Whether a law reduced the spring's force.
+    /// Whether the control law gave another force than a plain spring, in either number format.
     fn held_back(&self) -> bool {
         let spring = (STIFFNESS * self.e).min(0.5);
         self.force
@@ -64,7 +67,8 @@ impl Tick {
     }
 }
 
-/// Runs both formats. `bound` gets every tick and returns by how much the forces may differ; the largest difference is returned.
+/// Runs both number formats along `path`. The function `bound` gets every control period and returns by how much the forces may
+/// differ. Returns the largest difference, N·m.
 fn compare<N: Grain>(
     settings: &Settings,
     path: &[f64],
@@ -103,12 +107,12 @@ fn compare<N: Grain>(
     largest
 }
 
-/// Sum of both formats' rounding errors of one force, N·m.
+/// Sum of the two number formats' rounding errors of one force, N·m (`q` in the bounds of this file).
 fn quantum<N: Grain>() -> f64 {
     N::FORCE_N_M + Fixed32::FORCE_N_M
 }
 
-/// Checks that a bound is not far too wide: the largest difference must be a large fraction of it.
+/// Checks that an error bound is not far too wide: the largest difference found must be more than an eighth of it.
 fn assert_tight(what: &str, largest: f64, bound: f64) {
     assert!(
         largest > bound / 8.0,
@@ -116,7 +120,7 @@ fn assert_tight(what: &str, largest: f64, bound: f64) {
     );
 }
 
-/// Springs: one exact product, or a sum of two, is rounded once.
+/// Bound for springs with and without damping: their force is one exact product, or the sum of two, which is rounded once.
 fn springs<N: Grain>() {
     for law in [LawKind::Spring, LawKind::SpringDamper] {
         let q = quantum::<N>();
@@ -125,12 +129,13 @@ fn springs<N: Grain>() {
     }
 }
 
-/// Bound for TDPA. Let the two energies differ by `B`. Outwards `f = min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`. In both,
-/// `f` changes by at most `1/|Δ|` per energy. So the forces differ by at most `B/|Δ| + q` if one was corrected, and by `q` if none
-/// was.
+/// Derives by how much two number formats of the control law TDPA may differ, with stiffness `k`, penetration `e`, displacement `Δ`
+/// and observed energy `E`. `q` is the rounding error of a force. Let the energies of the two formats differ by `B`. Outwards `f =
+/// min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`, so `f` changes by at most `1/|Δ|` per energy. The forces differ by at most
+/// `B/|Δ| + q` if one of them was corrected, and by `q` if none was.
 ///
-/// The next energy is `E + f Δ'`. A motion in the same direction reduces the error, by at most `|Δ'|/|Δ|` of it; a reversal adds to
-/// it. The force's rounding adds `q |Δ'|`, and a floating-point sum its own rounding.
+/// The next energy is `E + f Δ'`. A motion in the same direction reduces the energies' difference, by at most `|Δ'|/|Δ|` of it; a
+/// reversal adds to it. The force's rounding adds `q |Δ'|`, and a floating-point sum its own rounding.
 fn tdpa<N: Grain>() {
     let q = quantum::<N>();
     let mut apart = 0.0;
@@ -160,12 +165,14 @@ fn tdpa<N: Grain>() {
     assert!(corrected > 10, "{}: {corrected} corrections only", N::NAME);
 }
 
-/// Bound for FBA: `f = min(k e, G sqrt(E))` with `G = sqrt(4 c_i/T)`. Each format rounds `G` down, so the two differ by at most
-/// `g`; the root is rounded down by less than `q`. If the energies differ by `B`, the forces differ by at most `G (sqrt(E) - sqrt(E
-/// - B)) + g sqrt(E) + (G + 1) q`, as the root is concave and its secant below `E` is the steepest.
+/// Derives by how much two number formats of the control law FBA may differ. Its force is `f = min(k e, G sqrt(E))` with `G =
+/// sqrt(4 c_i/T)`, device damping `c_i`, control period `T`, observed energy `E`, stiffness `k` and penetration `e`. Each format
+/// rounds `G` down, so the two differ by at most `g`; the root is rounded down by less than the force's rounding error `q`. If the
+/// energies differ by `B`, the forces differ by at most `G (sqrt(E) - sqrt(E - B)) + g sqrt(E) + (G + 1) q`. This holds because the
+/// root is concave and its secant below `E` is the steepest.
 ///
-/// The next energy adds `f Δ'` and the damper's energy, rounded by `q |Δ'|`. Inwards the force's error adds to `B`; outwards it
-/// reduces `B`, at most down to the other sign.
+/// The next energy adds `f Δ'` (displacement `Δ'`) and the damper's energy, rounded by `q |Δ'|`. Inwards the force's error adds to
+/// `B`; outwards it reduces `B`, at most down to the other sign.
 fn fba<N: Grain>() {
     let settings = wall(LawKind::Fba);
     let q = quantum::<N>();
@@ -198,10 +205,11 @@ fn fba<N: Grain>() {
     assert_tight(N::NAME, largest, inwards);
 }
 
-/// Bound for SFA. `k_v = 1` and the step's gain are the same in all formats, and steps lie on the grid. The formats differ in the
-/// rounding of the first contact phase's last force. They also differ in the decision "too soft", which may fall either way if it
-/// is that close. Such a tick moves the offsets apart by `2 gain |Δ|`, with `gain = k_c/k_v - 1 = 0.5`; the step itself is rounded
-/// once.
+/// Derives by how much two number formats of the control law SFA may differ, which shifts its surface in steps. The soft stiffness
+/// `k_v = 1` and the step's gain are the same in all formats, and steps lie on the grid. The formats differ in the rounding of the
+/// last force while the wall is soft. They also differ in the decision "too soft", which may fall either way if it is that close.
+/// Such a control period moves the two surfaces apart by `2 gain |Δ|`, with displacement `Δ` and `gain = k_c/k_v - 1 = 0.5`; the
+/// step itself is rounded once.
 fn sfa<N: Grain>() {
     for (law, first_contact) in [
         (LawKind::Sfa, FirstContact::KeepForce),
@@ -233,9 +241,11 @@ fn sfa<N: Grain>() {
     }
 }
 
-/// Bound for the enhanced law at rest. The offset stops where its step `κ |k_de e - f|` is rounded to nothing, with `κ = c/k_de` as
-/// the format holds it. That is below one quantum if a format truncates, and below half the distance of two offsets if it rounds to
-/// nearest. Each format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest at opposite ends of theirs.
+/// Derives by how much two number formats of the enhanced control law may differ at rest. The law shifts its surface by steps `κ
+/// |k_de e - f|` (desired stiffness `k_de`, penetration `e`, force `f`), with `κ = c/k_de` as the format holds it. The surface
+/// stops where a step is rounded to nothing: below one step of a format that truncates, and below half the distance of two
+/// positions if the format rounds to nearest. Each format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest
+/// at opposite ends of their dead bands.
 fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     let band = |lost: f64| lost / (lost * (0.0625 / STIFFNESS / lost).floor());
     // A float holds κ nearly exactly; its error is far below the following terms.
@@ -255,8 +265,8 @@ fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     });
 }
 
-/// From touch to release, with the default settings, the force differs from the f64 law by less than 1e-4 N·m, which is this
-/// project's own requirement.
+/// Checks the enhanced control law from touch to release with the default settings. Its force differs from that in f64 by less than
+/// 1e-4 N·m, which is this project's own requirement.
 fn enhanced_all_the_way<N: Grain>() {
     for first_contact in [FirstContact::ZeroOffset, FirstContact::KeepForce] {
         let settings = Settings {

@@ -1,5 +1,5 @@
-//! What each law with an energy observer guarantees about its own energy, and what it does not, for random and hostile motions. The
-//! laws are compared with sums of raw integers in 128 bits.
+//! Tests what each control law with an energy observer guarantees about its own energy, and what it does not, for random and
+//! hostile motions. The laws are compared with sums of raw integers in 128 bits.
 
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, LawKind, Number, ObserverForm, Position, Settings};
@@ -8,15 +8,16 @@ use touchstone_tests::variants::all;
 
 type Signal = <Fixed32 as Number>::Signal;
 
-/// A wall, with the energy sums of what really passed its port since the contact began, in quanta of the energy's format.
+/// A virtual wall, and the sums of the energy that passed between wall and hand since the contact began. Numbers are raw integers
+/// of the fixed-point formats.
 struct Port {
     wall: Controller<Fixed32>,
-    /// Penetration of the last tick, 0 outside, in quanta.
+    /// Penetration in the last control period, 0 outside, as a raw integer (2^-24 rad).
     last: i128,
     held: i128,
-    /// `Σ f(n-1) Δe(n)`: the energy that the port absorbed.
+    /// `Σ f(n-1) Δe(n)`, with force `f` and penetration `e`: the energy that the wall absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`: the sum that the thesis' observer calculates.
+    /// `Σ f(n) Δe(n)`, with force `f` and penetration `e`: the energy as the energy observer of the DLR thesis calculates it.
     thesis: i128,
 }
 
@@ -31,7 +32,7 @@ impl Port {
         }
     }
 
-    /// Runs one tick at a penetration in quanta of the position's format; returns the force in quanta.
+    /// Runs one control period at the penetration `e`; returns the force. Both are raw integers (2^-24 rad and 2^-24 N·m).
     fn tick(&mut self, e: i32) -> i128 {
         let f = self.wall.tick(Position(Signal::from_bits(e)));
         let f = i128::from(f.0.to_bits());
@@ -59,7 +60,7 @@ fn tdpa(observer: ObserverForm) -> Settings {
     }
 }
 
-/// Penetrations in quanta, mostly inside, with rests, reversals, jumps and exits.
+/// A random list of penetrations as raw integers (2^-24 rad), mostly inside the wall, with rests, reversals, jumps and exits.
 fn walk(random: &mut Random, ticks: usize) -> Vec<i32> {
     let mut e = 0_i32;
     (0..ticks)
@@ -76,9 +77,10 @@ fn walk(random: &mut Random, ticks: usize) -> Vec<i32> {
         .collect()
 }
 
-/// With the thesis' observer TDPA is the plain spring. For every force that grows with `e`, with potential `G`, `f(n) Δe(n) >=
-/// G(e(n)) - G(e(n-1))`. So the thesis' sum over a spring, limited or not, is never negative, and the controller corrects nothing.
-/// This holds if the sum uses positions and not a filtered velocity.
+/// Checks that the control law TDPA with the thesis' energy observer gives the same forces as a plain spring. For every force `f`
+/// that grows with the penetration `e`, with potential `G`, `f(n) Δe(n) >= G(e(n)) - G(e(n-1))`. So the thesis' sum over a spring,
+/// limited or not, is never negative, and the law corrects nothing. This holds if the sum uses positions and not a filtered
+/// velocity.
 #[test]
 fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
     let mut tdpa = Port::new(&tdpa(ObserverForm::Thesis));
@@ -101,7 +103,7 @@ fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
     assert!((given_away as f64) < -1e-3 * joule, "{given_away}");
 }
 
-/// The passivity step chooses the force so that its own sum stays non-negative, for any force and displacement.
+/// Checks the function that reduces a force for passivity: its energy sum stays non-negative, for any force and displacement.
 #[test]
 fn a_passivity_step_leaves_the_remainder_of_its_own_division() {
     let mut random = Random::new(15);
@@ -143,9 +145,9 @@ fn tdpa_with_the_exact_observer_sees_the_port_to_the_bit() {
     }
 }
 
-/// TDPA with the exact observer assumes that the next displacement is like the last. If the motion goes on at least as fast, a
-/// deficit is gone after one tick, except for rounding of less than one force quantum over that displacement. This does not hold if
-/// the force limit cuts the correction short.
+/// Checks the control law TDPA with the exact energy observer, which assumes that the next displacement is like the last. If the
+/// motion goes on at least as fast, an energy deficit is gone after one control period, except for the rounding of the force. This
+/// does not hold if the force limit cuts the correction short.
 #[test]
 fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     let mut port = Port::new(&tdpa(ObserverForm::Exact));
@@ -176,9 +178,9 @@ fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     assert!(repaired > 1_000, "{repaired} repairs only");
 }
 
-/// If the motion reverses at every tick, each correction by TDPA with the exact observer is wrong, and gives away up to the force
-/// limit times the displacement. No sum of past energy can prevent it. FBA's limit, which holds for every next displacement,
-/// prevents it.
+/// Checks a motion that reverses in every control period. Each correction by the control law TDPA with the exact energy observer is
+/// then wrong, and gives away up to the force limit times the displacement. No sum of past energy can prevent it. The control law
+/// FBA prevents it, because its limit holds for every next displacement.
 #[test]
 fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_not_fba() {
     let (near, far) = (167_772_i32, 201_327_i32); // 10 and 12 mrad
@@ -202,8 +204,9 @@ fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_no
     assert!(fba >= 0, "{fba}");
 }
 
-/// With `f <= sqrt(4 E c_i/T)`, `E - f |Δe| + (c_i/T) Δe²` is a square and not negative. The law rounds the damper's energy down by
-/// less than one force quantum times the displacement. Its sum may be too small by that much, and no more.
+/// Checks that the observed energy `E` of the control law FBA never gets negative. Its limit is `f <= sqrt(4 E c_i/T)`, with device
+/// damping `c_i` and control period `T`. The next energy `E - f |Δe| + (c_i/T) Δe²` is then a square and not negative. The law
+/// rounds the damper's energy down by less than one force step times the displacement; its sum may be too small by that much.
 #[test]
 fn fba_keeps_its_energy_whatever_comes_next() {
     let mut port = Port::new(&Settings {

@@ -1,6 +1,6 @@
-//! What a minute of leaning on the enhanced law's wall leaves behind once the law's loan of energy is spent. The offset grows while
-//! the energy holds the virtual mass, and the wall is too stiff until the offset has shrunk again. `docs/hard-cases.md` explains
-//! it.
+//! Tests what a minute of leaning on the wall of the enhanced control law leaves behind. Once the hand has used up the energy that
+//! the law may lend it, the law shifts the wall's surface outwards for as long as the hand leans. The wall is then too stiff until
+//! the surface has moved back. `docs/hard-cases.md` explains it.
 
 use std::f64::consts::TAU;
 use touchstone_control::{
@@ -10,16 +10,16 @@ use touchstone_tests::random::Random;
 
 const COUNTS_PER_REV: u32 = 40_000;
 
-/// Result of leaning on the wall and then easing to half the depth.
+/// The wall's state after a hand leaned on it and then eased to half the depth.
 struct Eased {
     offset_rad: f64,
-    /// Time from the end of the easing until the mean force over a tenth of a second stays within 5 % of that of `k_de`, s; at most
-    /// 119.
+    /// Time in s from the end of the easing until the mean force over 0.1 s stays within 5 % of that of the desired stiffness; at
+    /// most 119.
     settled_s: f64,
 }
 
-/// Runs a lean at this many counts with a jitter of a count; it eases to half the depth within a second and holds there for two
-/// minutes.
+/// Simulates a hand that leans for `lean_s` at `depth` encoder counts with a jitter of a count. It then eases to half the depth
+/// within a second and holds there for two minutes.
 fn eased(settings: &Settings, depth: i64, lean_s: u32) -> Eased {
     let scale = CountScale::new(COUNTS_PER_REV, Si::ZERO).unwrap();
     let stiffness: f64 = settings.k_desired.to_num();
@@ -76,7 +76,8 @@ fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
     }
 }
 
-/// Documents a known weakness and its size: whoever removes the weakness must change this test.
+/// Documents the size of a known weakness of the enhanced control law: after the lent energy is used up, the law shifts the wall's
+/// surface for as long as a hand leans. Whoever removes the weakness must change this test.
 #[test]
 fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     let thesis = Settings::thesis();
@@ -94,7 +95,8 @@ fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     assert!((4.5..5.2).contains(&sixty.offset_rad) && (28.0..35.0).contains(&sixty.settled_s));
 }
 
-/// With the published observer the offset does not wind up: it counts the sampling leak as a gain, so its energy is never spent.
+/// Checks that the enhanced control law hardly shifts the wall's surface if it uses the energy observer in the thesis' form. This
+/// observer counts the energy leak of sampling as a gain, so the energy that the law may lend is never used up.
 #[test]
 fn the_published_form_does_not_wind_up() {
     let published = Settings {

@@ -1,4 +1,4 @@
-//! A drawn torque profile: its points, its copies, its mirror image, its limits and its refusals, in every number format.
+//! Tests of a drawn torque profile in every number format: its points, its copies, its mirror image, its limits and its refusals.
 
 use touchstone_control::environment::{
     Environment, Extent, MOST_POINTS, ProfileSettings, Refused, Shape, WHOLE,
@@ -14,7 +14,7 @@ fn settings() -> Settings {
     settings
 }
 
-/// An environment with nothing but a profile.
+/// A knob with a torque profile (torque over angle) and no wall.
 fn drawn<N: Reported>(profile: &ProfileSettings) -> Environment<N> {
     let settings = settings();
     built::<N>(&settings, &[], None)
@@ -28,7 +28,7 @@ fn random_shape(random: &mut Random, points: usize) -> Vec<i16> {
         .collect()
 }
 
-/// The torque against `+x` that straight lines between the points give, in N·m.
+/// The torque in N·m, positive against larger angles, that straight lines between the profile's points give at an angle in rad.
 fn expected(profile: &ProfileSettings, angle: f64) -> f64 {
     let shape: Vec<f64> = (profile.shape.points().iter())
         .map(|point| f64::from(*point) / f64::from(WHOLE))
@@ -61,7 +61,7 @@ fn extents() -> [Extent; 5] {
     ]
 }
 
-/// Every profile with its shape and place drawn by a seed.
+/// Torque profiles of every extent and several numbers of points, with random shape and position.
 fn profiles() -> Vec<ProfileSettings> {
     let mut random = Random::new(49);
     let mut all = Vec::new();
@@ -183,7 +183,8 @@ fn a_mirrored_profile_gives_mirrored_forces() {
     body::<f64>();
 }
 
-/// A profile that drives the knob at every turn gives the hand what the guard's account has, and no more.
+/// Checks that a torque profile that drives the knob in every turn gives the hand the energy in the energy guard's account, and no
+/// more.
 #[test]
 fn the_guard_pays_for_a_profile_that_is_a_motor() {
     let mut settings = Settings::thesis();

@@ -1,5 +1,6 @@
-//! A recording compared with its simulation. A knob like its scene agrees. With another knob the comparison names the property that
-//! differs. For the whole drive only a bounce is compared, as the coarse current sensors of a motor shield dominate slow motion.
+//! Tests the comparison of a device's recording with its simulation. A knob that equals its description in the scene file agrees.
+//! For another knob the comparison names the property that differs. For the whole drive (control code, current loop and motor) only
+//! a bounce off the wall is compared, because the coarse current sensors of a motor shield dominate slow motion.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// A scene of the thesis' knob with friction and an encoder; a hand presses it twice.
+/// Description of a simulation in which a hand presses twice: the knob of the DLR thesis, with friction and an encoder.
 fn said() -> Scene {
     let friction = Friction {
         kinetic_n_m: FRICTION_N_M,
@@ -43,7 +44,7 @@ fn said() -> Scene {
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }
 
-/// The same scene, but the knob is flicked and let go.
+/// As `said`, but without a hand: the simulated knob is flicked against the wall and let go.
 fn flicked() -> Scene {
     let change = |scene: &mut Scene| {
         scene.operator.grip = Grip::None;
@@ -55,7 +56,7 @@ fn flicked() -> Scene {
     said().with(change).unwrap()
 }
 
-/// Writes a recording as `touchstone monitor` does: count, penetration and force of each tick.
+/// Writes a recording file as `touchstone monitor` does: count, penetration and force of each control tick. Returns its path.
 fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> PathBuf {
     let mut text = String::from("tick,time_s,count,penetration_rad,force_n_m,state,limits\n");
     for (tick, (count, penetration, force)) in ticks.enumerate() {
@@ -72,7 +73,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
     file
 }
 
-/// Records the telemetry of a simulated device.
+/// Runs a simulation and writes the result as a recording of a device. Returns the file's path.
 fn simulated(test: &str, of: &Scene) -> PathBuf {
     let trace = run(of, true).unwrap().trace.unwrap();
     let step = std::f64::consts::TAU / f64::from(COUNTS);
@@ -92,8 +93,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is
-/// 0.025 of that torque.
+/// Allowed difference between recording and simulation, as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one
+/// encoder count (0.4 mrad at 5 N·m/rad) is 0.025 of that torque.
 const LIKE: f64 = 0.02;
 
 #[test]
@@ -161,11 +162,11 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Allowed difference as a fraction of a bounce of 65 mN·m: half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.03
-/// of that torque.
+/// Allowed difference between recording and simulation, as a fraction of the 65 mN·m with which the knob bounces off the wall. Half
+/// a step of the shield's current sensor (7.8 mA at 0.25 N·m/A) is 0.03 of that torque.
 const COARSE: f64 = 0.03;
 
-/// The inertia of the whole drive with its motor is identified from a bounce.
+/// Checks that the inertia of the whole drive (control code, current loop and motor) can be identified from a bounce off the wall.
 #[test]
 fn a_bounce_of_the_whole_drive_tells_the_inertia() {
     for inertia in [0.7, 1.0, 1.3] {

@@ -1,8 +1,8 @@
-//! Every shipped scene, with every combination of effects, gives bit for bit the results of the stored hashes.
+//! Tests that every shipped scene file, with every combination of effects, gives the same results bit for bit as the stored hashes.
 //!
-//! The program's structure may change, its results may not. A hash covers every column of every tick and the measures of the run.
-//! For an intended change of behaviour, `cargo test --test runs_keep_their_bits -- --nocapture` prints the new hashes. They are
-//! then entered in the same commit as that change, and with no other.
+//! The program's structure may change, its results may not. A hash covers every column of every control period and the measures of
+//! the simulation. For an intended change of behaviour, `cargo test --test runs_keep_their_bits -- --nocapture` prints the new
+//! hashes. They are then entered in the same commit as that change, and with no other.
 //!
 //! The bits are the same on every machine: sums are calculated in one order, and sines and exponentials are those of `libm`.
 
@@ -10,7 +10,7 @@ use touchstone_sim::run::{self, record::Run};
 use touchstone_sim::scene::{self, Scene};
 use touchstone_tests::thesis;
 
-/// FNV-1a hash with 64 bits.
+/// State of an FNV-1a hash with 64 bits.
 struct Hash(u64);
 
 impl Hash {
@@ -45,7 +45,7 @@ impl Hash {
     }
 }
 
-/// A scene with each combination of effects: encoder, torque limit, amplifier steps, delay, dry friction.
+/// The simulation with each of the 32 combinations of five effects: encoder, torque limit, amplifier steps, delay, dry friction.
 fn combinations(scene: &Scene) -> Vec<Scene> {
     let mut all = Vec::new();
     for choice in 0..32_u32 {

@@ -1,12 +1,12 @@
-//! Both sides of every bound of [`Settings`]: the last accepted value, and the typed error for the next one. The bounds are
-//! repeated in this file on purpose, so that a change of one shows.
+//! Tests both sides of every bound of [`Settings`]: the last accepted value, and the error for the next one. The bounds are
+//! repeated in this file on purpose, so that a changed bound makes a test fail.
 
 use touchstone_control::{
     Controller, Field, Fixed16, Fixed32, LawKind, Number, Regulate, Settings, SettingsError, Si,
 };
 use touchstone_tests::si::{assert_one_line, next, si};
 
-/// A setting, the function that sets it, and its smallest and largest value.
+/// A setting, the function that sets it, and its smallest and largest accepted value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
 const BOUNDS: [Bound; 26] = [
@@ -238,7 +238,8 @@ fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
     }
 }
 
-/// Asserts that a law accepts a setting whose coefficient just fits the number format, and refuses one coefficient quantum more.
+/// Asserts that a control law accepts the setting value `last`, whose coefficient just fits the number format, and refuses
+/// `first_too_large`, whose coefficient is one step larger.
 fn assert_fits_up_to<N: Number>(
     law: LawKind,
     field: Field,

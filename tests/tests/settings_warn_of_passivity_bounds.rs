@@ -1,5 +1,5 @@
-//! Both sides of every passivity bound: the last setting without a warning, and the named warning for the next one. A law warns
-//! only of settings that it uses.
+//! Tests the warnings on passivity bounds from both sides: the last setting without a warning, and the named warning for the next
+//! one. A law warns only of settings that it uses.
 
 use touchstone_control::{
     Choice as _, Field, LawKind, ObserverForm, Settings, Si, StatesKind, Warning,
@@ -13,7 +13,8 @@ fn warns(settings: &Settings, is: fn(&Warning) -> bool) -> bool {
     settings.warnings().any(|warning| is(&warning))
 }
 
-/// Settings in which every bound is a sum of powers of two. So one quantum of a setting is one quantum across its bound.
+/// Settings in which every passivity bound is a sum of powers of two. The smallest change of a setting then crosses its bound
+/// exactly.
 fn dyadic() -> Settings {
     let mut settings = Settings {
         rate_hz: 1024,

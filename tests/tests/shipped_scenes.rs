@@ -1,4 +1,4 @@
-//! Every shipped scene runs, and ends with its documented verdict.
+//! Tests that the simulation of every shipped scene file ends with its documented verdict.
 
 use std::path::Path;
 use touchstone_control::LawKind;
@@ -7,9 +7,9 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene;
 use touchstone_tests::thesis;
 
-/// Allowed relative difference of the rate-hardness. It is the slope over a depth `w` of a force that is wrong by up to half a
-/// count `q/2`, so it is wrong by at most `3 (q/2)/w`. Counts are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches
-/// 7 mrad, and a tap goes deeper.
+/// Allowed relative difference of the rate-hardness (slope of the force just after contact, over the speed of the touch). The slope
+/// is taken over a depth `w`, where the position is wrong by up to half a count `q/2`; so it is wrong by at most `3 (q/2)/w`.
+/// Counts are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches 7 mrad, and a tap goes deeper.
 const HARDNESS: f64 = 3.0 * 0.0785 / 7.0;
 
 fn summary(name: &str) -> Summary {
@@ -67,8 +67,9 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
     }
 }
 
-/// The tuned law on the small motor, driven by current and by voltage, under every grip. The press of 30 mN·m comes to rest at the
-/// wall's stiffness, no deeper than the scorecard allows, and the guard does not act.
+/// Checks the settings that `touchstone tune` found for the small motor, driven by current and by voltage, under every simulated
+/// grip. A press of 30 mN·m comes to rest at the wall's stiffness, less than 1.1 times as deep as with an ideal spring, and the
+/// energy guard does not act.
 #[test]
 fn the_small_knob_shows_its_wall_to_every_grip() {
     let knobs = ["gimbal-knob", "voltage-knob"];

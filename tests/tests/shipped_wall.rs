@@ -1,5 +1,5 @@
-//! The shipped wall's settings in all these cases: three simulated grips (light, medium, firm) and, each alone, a coarser encoder,
-//! half and double inertia and damping, and up to a tick of delay. The wall is pressed, moved along, and let go.
+//! Tests the shipped wall with three simulated grips (light, medium, firm) and, one change at a time, a coarser encoder, half and
+//! double inertia and damping, and up to a control period of delay. A hand presses the wall, moves along it, and lets go.
 
 use touchstone_control::Settings;
 use touchstone_sim::run::record::{Summary, Verdict};
@@ -7,7 +7,7 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene::{Preset, Scene};
 
 const GRIPS: [&str; 3] = ["light", "medium", "firm"];
-/// A change of the scene, and the delay in seconds.
+/// Test cases: a change of the simulation's settings, and the resulting delay in seconds.
 const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=0", 0.0),
     ("encoder.counts_per_rev=16384", 0.0),
@@ -19,7 +19,7 @@ const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=5e-4", 5e-4),
     ("timing.computational_delay_s=1e-3", 1e-3),
 ];
-/// Dry friction and encoder of the thesis' knob, for scenes with other ones or none.
+/// Changes that give a simulation the dry friction and encoder of the simulated knob in the DLR thesis.
 const KNOB: [&str; 2] = [
     "device.friction.kinetic_n_m=3e-4",
     "encoder.counts_per_rev=40000",
@@ -80,8 +80,8 @@ fn a_press_is_met_at_once_by_every_grip_in_every_case() {
     }
 }
 
-/// A light touch of 0.02 N·m within 50 ms, then the press. A heavy knob goes deeper because of its momentum, but no deeper than
-/// with an ideal spring.
+/// Checks a press that begins with a light touch of 0.02 N·m within 50 ms. A heavy knob goes deeper because of its momentum, but no
+/// deeper than with an ideal spring.
 #[test]
 fn a_brisk_touch_goes_no_deeper_than_its_momentum() {
     let mut worst: f64 = 0.0;
@@ -137,7 +137,7 @@ fn a_moving_hand_feels_the_stiffness() {
     }
 }
 
-/// The guard changes no bit in any shipped scene.
+/// Checks that the energy guard changes no bit of the results in any shipped simulation (scene file).
 #[test]
 fn the_guard_leaves_the_shipped_scenes_alone() {
     for name in touchstone_sim::scene::names() {
@@ -153,7 +153,7 @@ fn the_guard_leaves_the_shipped_scenes_alone() {
     }
 }
 
-/// Settings are in seconds instead of ticks, so the same scene works at other control rates.
+/// Checks that the same settings work at other control rates, because they are in seconds and not in control periods.
 #[test]
 fn the_same_settings_serve_other_rates() {
     for rate_hz in [1_000, 2_000, 5_000, 10_000] {

@@ -1,4 +1,4 @@
-//! Estimated states on three axes: on a plane they equal those of one axis, and at rest they equal the true state.
+//! Tests of estimated states on three axes: on a plane they equal those of one axis, and at rest they equal the true state.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -12,7 +12,8 @@ use touchstone_tests::variants;
 
 const RATE_HZ: u32 = 1000;
 
-/// Estimator settings for one axis of an omega.3, with commands that act half a tick late.
+/// Estimator settings for one axis of an omega.3 (haptic device with three axes), with commands that act half a control period
+/// late.
 fn axis() -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: si("62.6"),
@@ -40,7 +41,8 @@ fn wall(shape: Shape<F>, shell: Shell<F, AnyLaw<F>>) -> SpaceWall<F, Shape<F>, A
     wall
 }
 
-/// A press and release in counts of 10 µm, while the HIP moves to and fro along the floor.
+/// Position of the hand in mm, rounded to encoder counts of 10 µm: it presses into the floor and releases, and moves to and fro
+/// along it.
 fn press(tick: u32) -> [f64; 3] {
     let t = f64::from(tick) / 1000.0;
     let count = |x: f64| (x * 100.0).round() / 100.0;
@@ -91,7 +93,8 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// At rest, at any place and under any force, the estimate equals the measured place to one quantum, also if the surface moves.
+/// Checks that the estimated position at rest equals the measured one, to one step of the number format. Holds at any position and
+/// under any force, also if the surface moves.
 #[test]
 fn at_rest_the_place_is_the_measured_one() {
     let centre = Vector::default();
@@ -116,7 +119,8 @@ fn at_rest_the_place_is_the_measured_one() {
     }
 }
 
-/// The estimator uses the force that was commanded in the end: if no force is reported, it predicts another motion.
+/// Checks that the state estimator uses the force that was commanded in the end: if the reported force is 0, it predicts another
+/// motion.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

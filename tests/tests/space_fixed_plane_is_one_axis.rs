@@ -1,5 +1,5 @@
-//! On a plane the three-axis form of a law (shell) equals the one-axis law bit for bit, for every law with every option and planes
-//! of any inclination.
+//! Tests that the three-axis form of a control law equals its one-axis form bit for bit on a plane, for every law with every option
+//! and planes of any inclination.
 
 use touchstone_control::law::Sample;
 use touchstone_control::space::environment::Plane;
@@ -11,7 +11,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::space::{F, Place, UNIT, at, direction, mm, omega};
 use touchstone_tests::variants;
 
-/// Presses of up to 2 mm with slides of up to 0.1 mm per tick, and releases in between, in steps of 0.01 mm and smaller.
+/// A path of the hand near a plane: presses of up to 2 mm with slides of up to 0.1 mm per control period, and releases in between.
 fn path(ticks: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut random = Random::new(seed);
     let (mut depth, mut drift) = (0.0_f64, [0.0, 0.0]);
@@ -46,7 +46,7 @@ fn planes() -> [Plane<F>; 5] {
     })
 }
 
-/// A place on the path, at this `depth` below the plane.
+/// The point at these coordinates along the plane, `depth` mm below it.
 fn below(plane: &Plane<F>, [a, b, depth]: [f64; 3]) -> Place {
     let n = plane.normal;
     // Any two directions across the normal.
@@ -97,8 +97,8 @@ fn every_law_gives_the_bits_of_one_axis() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// On a plane across an axis, the law of that axis gets the bits of one axis and the other laws get nothing, under every rule for
-/// leaving.
+/// Checks one control law per axis on a plane at right angles to one axis. The law of this axis gives the bits of the one-axis law,
+/// and the other two laws see no penetration, under every rule for the end of a contact.
 #[test]
 fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     let plane = planes()[0];
@@ -117,7 +117,7 @@ fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     }
 }
 
-/// A law that was reset is the same as a new one.
+/// Checks that a control law that was reset equals a new one.
 #[test]
 fn a_reset_is_a_new_law() {
     for (name, settings) in variants::all(&omega(touchstone_control::LawKind::Spring, 25.0)) {

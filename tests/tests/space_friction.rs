@@ -1,5 +1,5 @@
-//! Friction across the normal: it does not creep, slides at its coefficient, and gives no energy beyond what the device's own
-//! damping dissipates.
+//! Tests the simulated friction along a surface: it does not creep, slides at its coefficient, and gives no energy beyond what the
+//! device's own damping dissipates.
 
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
@@ -40,8 +40,8 @@ fn floor(normal: Direction<F>) -> Plane<F> {
     }
 }
 
-/// A mass under a push along x, held by friction, does not creep. Its motion between ticks is exact, except for the damping, which
-/// uses a first-order step of a fiftieth of a tick.
+/// Checks that a mass which is pushed along x and held by friction does not creep. The mass' motion between control periods is
+/// exact, except for the damping, which is calculated in steps of a fiftieth of a period.
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;
@@ -90,7 +90,7 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     assert_eq!(push_in_n(back), [0.0; 3]);
 }
 
-/// A million ticks of tremor across an inclined plane: the same place always has the same force.
+/// Checks a million control periods of tremor along an inclined plane: friction at the same position always has the same force.
 #[test]
 fn on_an_inclined_plane_the_same_place_has_the_same_force() {
     let law = friction();
@@ -184,7 +184,7 @@ fn it_slides_at_its_coefficient() {
     assert!(worst < 0.01);
 }
 
-/// A random closed path, back to its first place, on a surface or around it.
+/// A random path of the hand that ends where it began, as displacements from its start in mm.
 fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
     let ticks = 10 + (random.bits() % 50) as usize;
     let size = 2.0_f64.powf(4.0 * random.real() - 2.0);
@@ -203,7 +203,8 @@ fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
     path
 }
 
-/// Energy in mJ around a closed path: what friction takes, and what the device's damping dissipates.
+/// Moves a hand around a closed path on a surface. Returns energies in mJ: what friction takes, what the device's damping
+/// dissipates, and the rounding error of the sum.
 fn around(
     law: &Friction<F>,
     surface: &impl Surface<F>,

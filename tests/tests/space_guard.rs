@@ -1,4 +1,5 @@
-//! The energy guard of three axes keeps its bound against an adversary that moves in space, for any law.
+//! Tests that the energy guard of three axes keeps its bound against simulated hands that try to get energy out, for any control
+//! law.
 
 use touchstone_control::GuardSettings;
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
@@ -6,8 +7,8 @@ use touchstone_control::{Fixed32, Force, GuardedDevice, Position, Si};
 use touchstone_tests::si::si;
 use touchstone_tests::space_port::{CAPACITY_MJ, COUNT_MM, Law, Port, Way, ball, whirl};
 
-/// Energy of half an encoder count in each coordinate at each end of a window, under the largest force that the account allows: 20
-/// mJ over 1 mm, which is 20 N.
+/// Energy of half an encoder count in each of three coordinates at each end of a time window, in mJ. The force is the largest that
+/// the account allows: 20 mJ over 1 mm, which is 20 N.
 const ENCODER_MJ: f64 = 1.7320509 * COUNT_MM * 20.0;
 
 fn port(law: Law, delay: f64, guard: Option<f64>) -> Port {
@@ -51,7 +52,8 @@ fn no_hand_in_space_gets_out_more_than_promised() {
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
-/// Shows that the test can fail: a guard that is configured for no delay does not keep its bound at a delay.
+/// Shows that the tests in this file can fail: an energy guard that is configured for no delay does not keep its bound on a device
+/// with a delay.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
@@ -103,7 +105,8 @@ fn overspeed_in_any_direction_switches_off() {
     );
 }
 
-/// Near the end of a coordinate's range there is no force, and the motion under the earlier forces is booked first.
+/// Checks that the energy guard allows no force near the end of a coordinate's range, after it has counted the energy of the motion
+/// under the earlier forces.
 #[test]
 fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     let guard = guard();
@@ -132,7 +135,8 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     }
 }
 
-/// A guard of three axes that moves along one axis is the guard of one axis, except for the length of an encoder count.
+/// Checks that the energy guard counts less energy for a motion if a smaller force than the allowed one was commanded. A report of
+/// a larger force has no effect.
 #[test]
 fn what_is_commanded_smaller_is_booked_smaller() {
     let guard = guard();

@@ -1,4 +1,6 @@
-//! When a contact with three laws, one per axis, ends (thesis §4.4.1): each figure as a test, under all three rules.
+//! Tests when a contact ends if each axis has its own control law (§4.4.1 of the DLR thesis), which shifts the surface on its axis
+//! by an offset. Each figure of that section is a test, under three rules. Each axis ends its contact alone (decoupled), all end as
+//! soon as one does (any axis), or all end when the penetration is longer than the offset's projection on it (projection).
 
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{Along, Leaving, PerAxis, Rule, SurfacePoint};
@@ -7,7 +9,7 @@ use touchstone_tests::space::{F, Push, UNIT, at, in_mm, omega, push_in_n};
 
 const RULES: [Leaving; 3] = [Leaving::Decoupled, Leaving::AnyAxis, Leaving::Projection];
 
-/// A box with sides of 40 mm, its top at z = 0 and its right face at x = 0.
+/// A box with edges of 40 mm, its top at z = 0 and its right face at x = 0.
 fn block() -> Cuboid<F> {
     Cuboid {
         centre: at(-20.0, 0.0, -20.0),
@@ -23,7 +25,8 @@ struct Hand {
 }
 
 impl Hand {
-    /// The HIP touches the top 1 mm from its right edge, and rests 0.3 mm deep until the offset has grown.
+    /// A hand that touches the top of the box 1 mm from the box's right edge, and rests 0.3 mm deep until the control laws have
+    /// shifted the surface outwards.
     fn pressing(leaving: Leaving) -> Self {
         let law = UNIT
             .law::<F>(&omega(LawKind::EnhancedSfa, 25.0))
@@ -63,8 +66,8 @@ impl Hand {
     }
 }
 
-/// Fig. 4.7: the HIP leaves through the side. With the decoupled rule the vertical offset goes on pushing in free air; with a
-/// coupled rule nothing does.
+/// Checks Fig. 4.7 of the DLR thesis: the hand leaves the box through its side. If each axis ends its contact alone, the law of the
+/// vertical axis goes on pushing in free air. If all axes end their contact together, no force remains.
 #[test]
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {
@@ -80,8 +83,9 @@ fn figure_4_7_a_force_remains_after_the_side_is_left() {
     }
 }
 
-/// Fig. 4.8: the HIP is a little above the top, within the offset, and a little past the edge, where that coordinate has no offset
-/// and has left. With the rule "any axis" the force drops at once.
+/// Checks Fig. 4.8 of the DLR thesis. The hand is a little above the box's top, but within the shift of the surface by the control
+/// law, and a little past the box's edge. The axis across that edge has no shift and ends its contact. With the rule that all axes
+/// then end their contact, the force drops at once.
 #[test]
 fn figure_4_8_a_small_coordinate_drops_the_force() {
     for leaving in RULES {
@@ -101,7 +105,8 @@ fn figure_4_8_a_small_coordinate_drops_the_force() {
     }
 }
 
-/// Fig. 4.9: with the rule "projection" the contact ends exactly where the distance equals the offset's part along it.
+/// Checks Fig. 4.9 of the DLR thesis. With the rule "projection" the contact ends exactly where the distance from the object equals
+/// the projection of the surface's shift (by the control laws) on this distance.
 #[test]
 fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     let mut hand = Hand::pressing(Leaving::Projection);
@@ -131,7 +136,8 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     assert!(left, "it was never left");
 }
 
-/// (4.8) as printed: `α < 1` holds wherever the HIP is outside, so the contact never ends. The sign is an error in the thesis.
+/// Shows that equation (4.8) of the DLR thesis has a wrong sign: as printed, its condition `α < 1` for a contact holds wherever the
+/// hand is outside the object, so that no contact ends.
 #[test]
 fn equation_4_8_as_printed_never_ends_a_contact() {
     for out in [0.1, 1.0, 10.0, 1000.0] {

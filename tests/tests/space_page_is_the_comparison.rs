@@ -1,5 +1,5 @@
-//! The simulation loop of the web page on three axes equals that of the thesis' comparison: the same hand gives the same forces,
-//! bit for bit.
+//! Tests that the simulation loop of the three-axis web page equals that of the thesis' comparison: the same hand gets the same
+//! forces, bit for bit.
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{

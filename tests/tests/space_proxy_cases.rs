@@ -1,5 +1,5 @@
-//! The cases that a proxy (surface point of the HIP) has to pass, each by its number. The second is Fig. 4.5, in
-//! `space_surface_points`.
+//! Tests of difficult cases for a proxy, the point on an object's surface to which the force pulls the hand's point (HIP). Each
+//! test has the number of its case. Case 2 is in `space_surface_points`.
 
 use touchstone_control::LawKind;
 use touchstone_control::space::Magnitude;
@@ -13,7 +13,8 @@ use touchstone_tests::surface_path::{
     RATIO, ROUNDING, along, inside, largest_turn, plane, restricted, thin,
 };
 
-/// A plate that is thinner than the 0.48 mm by which 12 N press into 25 N/mm.
+/// Case 1: checks that the hand does not pop through a thin plate. The plate is thinner than the 0.48 mm that a force of 12 N
+/// presses into a virtual wall of 25 N/mm.
 #[test]
 fn proxy_case_1_no_pop_through_a_thin_plate() {
     let press = [[3.0, 2.0, 1.0], [3.0, 2.0, -0.6], [4.0, -2.0, -0.6]];
@@ -98,8 +99,9 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
     }
 }
 
-/// The HIP goes around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through that face is
-/// `1/sin` of the cone's angle times the way out through the other.
+/// Case 4: checks that the force turns continuously while the hand's point (HIP) goes around an edge at 0.3 mm below both faces.
+/// The cone that limits the turn keeps the first face until the way out through that face is `1/sin` of the cone's half angle times
+/// the way out through the other face.
 #[test]
 fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     let edge = Edge::new([
@@ -149,7 +151,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     assert!(largest_turn(&along(Rule::Closest, &edge, &path, 470)) > 1.5);
 }
 
-/// Faces of a convex body, of which two on the top are coplanar.
+/// Case 5: checks that the seam between two coplanar faces of a convex body is not felt.
 #[test]
 fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     let top = plane(Direction::along(2, false), 0.0);
@@ -163,7 +165,7 @@ fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     }
 }
 
-/// A pyramid with this many faces and its apex at the origin.
+/// The faces of a pyramid with this many sides and its apex at the origin.
 fn pyramid(faces: u32) -> Vec<Plane<F>> {
     (0..faces)
         .map(|i| {
@@ -244,7 +246,8 @@ fn proxy_case_7_degenerate_and_duplicate_faces_change_no_bit() {
     ));
 }
 
-/// 5 mm in a tick through a plate of 0.2 mm, by the HIP or by a moving plate. No object in this test turns over.
+/// Case 8: checks motions that pass a plate of 0.2 mm within one control period: the hand or the plate moves by 5 mm. The force
+/// stays on the side of the plate on which the hand was.
 #[test]
 fn proxy_case_8_faster_than_it_is_thick() {
     for rule in [Rule::Closest, restricted()] {

@@ -1,4 +1,5 @@
-//! Directions of the force: Figs. 4.3 to 4.5 of the thesis, and the bound on how fast a restricted surface point turns.
+//! Tests the direction of the force on three axes: Figs. 4.3 to 4.5 of the DLR thesis, and the bound on how fast the direction
+//! turns if it may turn only within a cone (the "restricted" rule).
 
 use touchstone_control::space::environment::{Corner, Cuboid, Cylinder, Edge, Shape, Sphere};
 use touchstone_control::space::{Direction, Rule, Surface, SurfacePoint, Turn};
@@ -15,7 +16,7 @@ fn block() -> Cuboid<F> {
     }
 }
 
-/// A path into the box from above, 3 mm from its right face, and on until that face is the closer one.
+/// Path of the hand in mm: into the box from above, 3 mm from the box's right face, and on until that face is the closest one.
 const TOWARDS_AN_EDGE: [[f64; 3]; 3] = [[17.0, 0.0, 21.0], [17.0, 0.0, 18.0], [19.5, 0.0, 15.0]];
 
 #[test]
@@ -58,8 +59,8 @@ fn figure_4_4_the_point_of_penetration_pulls_back() {
     );
 }
 
-/// Fig. 4.5, and case 2 of the proxy: while the HIP is pressed towards an edge, the force stays on the face through which it came
-/// in.
+/// Checks Fig. 4.5 of the DLR thesis (case 2 of `space_proxy_cases`): while the hand is pressed towards an edge, the force keeps
+/// the direction of the face through which the hand came in.
 #[test]
 fn figure_4_5_and_proxy_case_2_a_restricted_point_does_not_jump() {
     let touches = along(restricted(), &block(), &TOWARDS_AN_EDGE, 300);
@@ -120,7 +121,7 @@ fn shapes() -> Vec<(&'static str, Shape<F>)> {
     ]
 }
 
-/// A random motion of the HIP, in calm and wild sections, with steps of up to 3 mm.
+/// A random motion of the hand in space, in calm and wild sections, with steps of up to 3 mm.
 fn wander(seed: u64, ticks: usize) -> Vec<Place> {
     let mut random = Random::new(seed);
     let (mut here, mut speed) = ([0.0; 3], [0.0; 3]);
@@ -159,7 +160,8 @@ fn a_restricted_point_turns_by_at_most_its_cone() {
     }
 }
 
-/// Closest surface point and exit along a direction of each object are compared with an independent search in floating point.
+/// Compares, for each object, the closest surface point and the way out in a direction with an independent search in floating
+/// point.
 #[test]
 fn depths_are_those_of_the_signed_distance() {
     let mut random = Random::new(77);

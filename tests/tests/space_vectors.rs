@@ -1,5 +1,5 @@
-//! Lengths, directions, fractions and limits of vectors keep their documented errors, for difficult and random vectors, and no
-//! vector causes a division by zero.
+//! Tests that lengths, directions, fractions and limits of fixed-point vectors keep their documented errors, for difficult and
+//! random vectors. No vector causes a division by zero.
 
 use touchstone_control::space::number::Spatial;
 use touchstone_control::space::{Direction, Turn, Vector};
@@ -13,7 +13,7 @@ fn position(bits: Words) -> Vector<Position<F>> {
     Vector(bits.map(|b| Position(fixed::types::I8F24::from_bits(b))))
 }
 
-/// Vectors with components at every power of two and its neighbours, and random ones of all lengths.
+/// Test vectors: components at every power of two and its neighbours, and random vectors of all lengths.
 fn vectors() -> Vec<Words> {
     let mut parts = vec![0, i32::MAX, i32::MIN, i32::MIN + 1];
     for bit in [0, 1, 5, 11, 15, 16, 23, 24, 29, 30] {
@@ -37,7 +37,7 @@ fn vectors() -> Vec<Words> {
     all
 }
 
-/// The exact sum of the components' squares.
+/// The exact sum of the squares of a vector's components, as raw integers.
 fn squares(v: Words) -> u128 {
     v.iter().map(|x| u128::from(x.unsigned_abs()).pow(2)).sum()
 }
@@ -115,7 +115,8 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
     }
 }
 
-/// Tests every vector of 8 bits. The code is generic, so the same source serves all formats.
+/// Checks unit vectors in the 8-bit format for nearly all vectors. The code is generic, so that the same source serves all number
+/// formats.
 #[test]
 fn every_direction_of_8_bits() {
     for x in i8::MIN..=i8::MAX {

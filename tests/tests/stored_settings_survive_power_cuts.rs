@@ -1,4 +1,5 @@
-//! Settings in flash: a power cut during any write or erase loses only that write, and damaged settings are refused.
+//! Tests the settings that a board stores in flash: a power cut during any write or erase loses only that write, and damaged
+//! settings are refused.
 
 use touchstone_control::Si;
 use touchstone_control::environment::{MOST_POINTS, Shape, WHOLE};
@@ -16,9 +17,9 @@ use touchstone_protocol::{
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
-/// Number of flash pages for settings on the boards.
+/// Number of flash pages in which the boards store settings.
 const PAGES: usize = 8;
-/// Number of saves: enough to go through all pages more than once.
+/// Number of times that the tests store settings: enough to use every flash page more than once.
 const SAVES: u16 = 200;
 const BOARD: Board = Board::NucleoG474re;
 
@@ -26,14 +27,14 @@ fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
     checked(settings, BOARD)
 }
 
-/// Settings that differ from those of every other number.
+/// Settings that are different for each number.
 fn settings(number: u16) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.k_desired_n_m_per_rad = Si::from_num(number);
     settings
 }
 
-/// Data for the next start that are stored with the settings.
+/// Data for the next start (alignment and autostart) that are stored with the settings of this number.
 fn kept(number: u16) -> KeptStart {
     KeptStart {
         alignment: Some(KeptAlignment::new(
@@ -46,7 +47,7 @@ fn kept(number: u16) -> KeptStart {
     }
 }
 
-/// The cogging map that is stored with the settings; every second number has one.
+/// The cogging map that is stored with the settings of this number; only even numbers have one.
 fn cogging(number: u16) -> Option<KeptCogging> {
     let part = |order| CoggingHarmonic {
         order,
@@ -82,8 +83,8 @@ fn load(flash: &mut Flash) -> Start {
     flash::load(flash, pages, DeviceSettings::defaults(BOARD), &check)
 }
 
-/// The number of the settings in flash, 0 for none. Asserts that nothing else is found, and that only the remains of a first write
-/// are refused.
+/// The number of the settings in flash, 0 for none. Asserts that the settings are exactly those of this number, and that only the
+/// remains of a first write are refused.
 fn number_in(flash: &mut Flash) -> u16 {
     let start = load(flash);
     if start.settings == DeviceSettings::defaults(BOARD) {
@@ -171,7 +172,7 @@ fn what_is_damaged_is_refused_and_can_be_written_over() {
     }
 }
 
-/// An image with a correct CRC around any content.
+/// A settings image with this content and a correct checksum.
 fn sealed(content: &[u8]) -> Vec<u8> {
     let sum = touchstone_protocol::frame::crc_of(content);
     [content, &sum.to_le_bytes()].concat()
@@ -223,7 +224,8 @@ fn the_layouts_before_are_read_with_nothing_kept() {
     }
 }
 
-/// Every part of an environment, each number as long as it can be on the wire.
+/// Checks that the longest possible environment (all walls and detents, each number as long as it can be) fits the room of
+/// `ENVIRONMENT_MAX` bytes, and decodes to the same environment.
 #[test]
 fn the_longest_environment_has_room() {
     let long = Decimal(Si::MIN);

@@ -1,5 +1,5 @@
-//! The thesis' comparison (§5.1), cell by cell: three simulated grips (light, medium, firm), encoders of 16,384 and 40,000 counts
-//! per turn, default parameters.
+//! Tests the results of the comparison in §5.1 of the DLR thesis, cell by cell: three simulated grips (light, medium, firm),
+//! encoders of 16,384 and 40,000 counts per turn, default parameters.
 //!
 //! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to rest within four
 //! encoder counts in every hold. [`Verdict::Active`] then means that the wall gave energy at some time; it is no instability.
@@ -20,7 +20,7 @@ fn at(law: LawKind, k_desired: f64, grip: Grip, counts: u32) -> Summary {
     run::run(&scene, false).unwrap().summary
 }
 
-/// Results of one law at one stiffness for every grip and encoder.
+/// Results of one control law at one desired stiffness for every grip and encoder.
 fn all(law: LawKind, k_desired: f64) -> Vec<Summary> {
     let mut runs = Vec::new();
     for counts in COUNTS {

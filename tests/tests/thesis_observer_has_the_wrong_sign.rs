@@ -1,6 +1,7 @@
-//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held force lags
-//! behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign, as if the wall had
-//! taken it. The exact observer reports the port's true energy.
+//! Shows that the energy observer in the DLR thesis (equation 2.1) has the wrong sign, by one press of 0.05 rad into 5 N·m/rad and
+//! back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held force lags behind the motion by half a control
+//! period. The thesis' observer reports the same amount with the opposite sign, as if the wall had taken it. The exact observer
+//! reports the true energy.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{Controller, Fixed32, Force, LawKind, Position, Reported, Settings, Si};
@@ -15,17 +16,18 @@ const MILLI: f64 = 1e-3;
 
 /// The energy sums after one press, J.
 struct Press {
-    /// The port's true energy, with the angle's analytic velocity between the ticks.
+    /// True energy that the wall absorbed, J, calculated with the exact velocity between the samples.
     true_j: f64,
     thesis_j: f64,
-    /// Sum of the exact observer after the HIP has left the wall.
+    /// Sum of the exact energy observer after the hand has left the wall, J.
     exact_j: f64,
-    /// Sum of the exact observer at the last sample inside the wall, which is the last one for a law that clears its memory on
-    /// leaving.
+    /// Sum of the exact energy observer at the last sample inside the wall, J. It is the last sum for a control law that clears its
+    /// memory when the hand leaves.
     exact_inside_j: f64,
 }
 
-/// `∫ f v dt` over one tick of the half sine, J, by the midpoint rule with more steps than needed.
+/// Energy `∫ f v dt` in J of a held force `f` over one control period of the half-sine motion. Calculated by the midpoint rule with
+/// more steps than needed.
 fn held_force_energy_j(force_n_m: f64, tick: usize) -> f64 {
     const STEPS: u32 = 100;
     let step_s = TICK_S / f64::from(STEPS);
@@ -72,7 +74,7 @@ fn press<N: Reported>() -> Press {
     }
 }
 
-/// Asserts that a value equals the quoted one to the three digits of the quotation.
+/// Asserts that a value in J equals the value in mJ that the documentation quotes, to three decimals.
 fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
     let value_mj = value_j / MILLI;
     assert!(

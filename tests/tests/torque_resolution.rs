@@ -1,5 +1,6 @@
-//! Torque resolution of each board: one code of its current sensors as a torque, and the ripple that noise of one code causes
-//! through current loop and motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints the table.
+//! Tests the torque resolution of each board: the torque of one code of its current sensors, and the torque ripple that noise of
+//! one code causes through current loop and motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints
+//! the table.
 
 use touchstone_drive::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};
 use touchstone_drive::transform::Dq;
@@ -13,7 +14,7 @@ use touchstone_world::plant::{BareLinear, Device};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The motor that is sold with the X-NUCLEO-IHM16M1, with driver and shunt included in its resistance.
+/// The motor that is sold with the shield X-NUCLEO-IHM16M1. Its resistance includes driver and shunt.
 const KIT: MotorParameters = MotorParameters {
     resistance_ohm: 5.955,
     inductance_h: 1.05e-3,
@@ -21,16 +22,16 @@ const KIT: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// Results for a board and a motor, mN·m.
+/// Torque resolution of a board with a motor, mN·m; `per_code` is the torque of one code of the current sensors.
 struct Found {
     per_code: f64,
-    /// Root mean square ripple of the mean torque of control ticks, from tick to tick, mN·m.
+    /// Root mean square ripple, mN·m, of the mean torque of one control period, from period to period.
     ripple: f64,
-    /// Error of the mean torque over a second, mN·m.
+    /// Error of the mean torque over one second, mN·m.
     off: f64,
 }
 
-/// Holds the shaft and commands 0.3 of the largest current; each reading has Gaussian noise of `noise` codes rms.
+/// Simulates a held shaft at 0.3 of the largest current. Each current reading has Gaussian noise of `noise` codes rms.
 fn held(
     hardware: &Hardware,
     settings: &DeviceSettings,
@@ -113,7 +114,8 @@ fn held(
     }
 }
 
-/// A random number of approximately normal distribution: a sum of twelve uniform numbers, each of variance 1/3.
+/// A random number of approximately normal distribution with mean 0 and variance 1: half the sum of twelve uniform numbers from -1
+/// to 1.
 fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.real()).sum::<f64>() / 2.0
 }

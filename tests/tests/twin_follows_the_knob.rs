@@ -1,5 +1,5 @@
-//! A simulated copy beside a device calculates the device's force bit for bit from the telemetry, whatever the law remembers. It
-//! gives no force where telemetry is missing.
+//! Tests that a simulated copy of a device calculates the device's force bit for bit from the telemetry, whatever the control law
+//! remembers. It gives no force where telemetry is missing.
 
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;
@@ -15,7 +15,8 @@ fn shipped(guard: bool) -> DeviceSettings {
     settings
 }
 
-/// Runs a knob that arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
+/// Simulates a knob that is switched on twice, pressed twice each time, and switched off in the middle of a press. Returns every
+/// telemetry record.
 fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
     let mut knob = honest(settings).armed();
     let start = knob.rig.now().angle_rad;

@@ -1,5 +1,5 @@
-//! Velocity filters compared with closed forms in every number format: ramps, noise, the Riccati equation, and the adaptive window
-//! in its authors' form.
+//! Compares velocity filters in every number format with closed forms: ramps, noise, the Riccati equation, and the adaptive window
+//! as its authors published it.
 
 use touchstone_control::velocity::{LONGEST_WINDOW, Velocity, VelocityState};
 use touchstone_control::{
@@ -29,14 +29,15 @@ fn velocity<N: Reported>(from: VelocityKind, count: f64) -> Velocity<N> {
         .expect("a filter of its own")
 }
 
-/// Displacements per tick that a filter calculates from a path.
+/// Velocities (displacements per control period) that a filter calculates along a path of positions.
 fn over<N: Reported>(from: VelocityKind, count: f64, path: impl Iterator<Item = f64>) -> Vec<f64> {
     let (filter, mut state) = (velocity::<N>(from, count), VelocityState::default());
     path.map(|x| filter.tick(&mut state, Position::from_f64(x)).to_f64())
         .collect()
 }
 
-/// Steady Kalman gains for white noise of relative size `lambda`, from iterating the Riccati equation.
+/// Steady gains of a Kalman filter of 2nd or 3rd order, from iterating the Riccati equation. `lambda` is the size of the white
+/// process noise relative to the measurement noise.
 fn riccati(order: usize, lambda: f64) -> [f64; 3] {
     let free = [[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
     let driven = [0.5, 1.0, if order == 3 { 1.0 } else { 0.0 }];
@@ -138,7 +139,8 @@ fn of_white_noise_remains_what_the_closed_form_says() {
     }
 }
 
-/// The window as its paper defines it: it grows while every position in between lies within `d` of the line through both ends.
+/// The adaptive window as its paper defines it: it grows while every position in between lies within `d` of the line through the
+/// window's two ends. Returns the displacement over the best window, and the window's length.
 fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
     let now = past[past.len() - 1];
     let at = |back: usize| {
@@ -218,8 +220,8 @@ fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
     }
 }
 
-/// Bound of the rounding error of the velocity in fixed point. A part is cut at 2^-28, half a quantum of a weight is 2^-27, and
-/// each error of a state persists for as long as the filter remembers.
+/// Bound of the rounding error of a filter's velocity in fixed point. A product is cut at 2^-28, rounding a coefficient costs
+/// 2^-27, and each error persists for as long as the filter remembers.
 fn rounding(from: VelocityKind, surprise: f64) -> f64 {
     let (cut, half_step) = (2f64.powi(-28), 2f64.powi(-27));
     let gains = match velocity::<f64>(from, COUNT) {

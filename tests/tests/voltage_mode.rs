@@ -1,4 +1,4 @@
-//! A motor that is driven by voltage because there are no current sensors: its torque, its errors, and the faults that go
+//! Tests a motor that is driven by voltage because the board has no current sensors: its torque, its errors, and the faults that go
 //! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of docs/voltage-mode.md.
 
 use touchstone_control::Si;
@@ -18,7 +18,7 @@ use touchstone_world::plant::{BareLinear, Device, HeldLinear, MEDIUM, State as M
 
 const BOARD: Board = Board::NucleoG474reSimplefocMini;
 
-/// The small gimbal motor; its resistance includes a transistor of the driver.
+/// The small gimbal motor. Its resistance includes that of a transistor of the driver.
 const MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.53,
     inductance_h: 1.05e-3,
@@ -26,14 +26,14 @@ const MOTOR: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// Inertia and damping of the knob on the small gimbal motor, without dry friction.
+/// Inertia and damping of the simulated knob on the small gimbal motor, without dry friction.
 const KNOB: Device = Device {
     inertia: 3e-5,
     damping: 9e-6,
     friction: None,
 };
 
-/// Settings with the motor's values as a user enters them.
+/// Settings of the board with the motor's values as a user enters them.
 fn told() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.motor.resistance_ohm = Si::lit("5.53");
@@ -44,7 +44,7 @@ fn told() -> DeviceSettings {
     settings
 }
 
-/// The true motor, whose resistance is the entered one times a factor.
+/// The simulated motor. Its true resistance is `factor` times the one that the user entered.
 fn of_resistance(factor: f64) -> MotorParameters {
     MotorParameters {
         resistance_ohm: MOTOR.resistance_ohm * factor,
@@ -52,7 +52,7 @@ fn of_resistance(factor: f64) -> MotorParameters {
     }
 }
 
-/// Sets the supply voltage to a constant 12 V.
+/// Sets the simulated supply voltage to a constant 12 V.
 struct Supply;
 impl Tamper for Supply {
     fn bus_v(&mut self, _tick: u32) -> f64 {
@@ -60,7 +60,7 @@ impl Tamper for Supply {
     }
 }
 
-/// Current loop, bridge and motor; the test itself gives the command.
+/// Current loop, bridge and motor without the control tick; the test itself gives the current command.
 struct Bare {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
@@ -90,7 +90,8 @@ impl Bare {
         }
     }
 
-    /// Runs one PWM period, with a new command from the true angle in every 20th; returns the mean torque, N·m.
+    /// Runs one PWM period with the commanded torque-producing current `q` in A. Every 20th period gets a new command with the true
+    /// angle. Returns the mean torque, N·m.
     fn period(&mut self, q: f64) -> f64 {
         if self.periods.is_multiple_of(20) {
             let now = self.rig.now();
@@ -127,7 +128,7 @@ impl Bare {
         (halves[0] + halves[1]) / 2.0
     }
 
-    /// Torque at a commanded current on a held shaft, N·m.
+    /// Mean torque in N·m on a held shaft at the commanded current `q` in A.
     fn held(&mut self, q: f64) -> f64 {
         for _ in 0..100 {
             self.period(q);
@@ -191,7 +192,8 @@ fn a_step_of_the_torque_is_a_count_of_the_timer() {
     assert!(rms > 0.05 * count, "nothing is rounded: {rms}");
 }
 
-/// Damping of a free knob in N·m·s/rad, from its falling speed at two instants 30 ms apart.
+/// Damping of a freely turning knob in N·m·s/rad, from its falling speed at two instants 30 ms apart. `drives` says whether the
+/// bridge is on.
 fn damping(motor: MotorParameters, drives: bool) -> f64 {
     let mut bare = Bare::new(motor, &KNOB, 12.0);
     if !drives {
@@ -336,8 +338,8 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
     assert!(largest > 5.0, "{largest}");
 }
 
-/// A hand moves to and fro about the surface for four seconds, at 3 Hz. Returns the most energy in mJ that the motor gave back from
-/// any moment on, and the same for the requested force.
+/// Simulates a hand that moves to and fro about the wall's surface for four seconds at 3 Hz; `factor` scales the motor's true
+/// resistance. Returns the most energy in mJ that the motor gave back from any moment on, and the same for the requested force.
 fn given_back(factor: f64) -> [f64; 2] {
     let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).unwrap();
     let mut settings = told();

@@ -1,11 +1,12 @@
-//! The measures of a whole run compared with closed forms, for a spring in f64 with known stiffness and lag.
+//! Compares the measures of a simulation (such as displayed stiffness) with closed forms, for a spring in f64 with known stiffness
+//! and lag.
 
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_tests::thesis;
 
-/// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of the largest stable stiffness of this knob; no encoder, no
-/// friction.
+/// Simulates a hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of this knob's largest stable stiffness, without
+/// encoder and friction. Returns the measured values, such as the displayed stiffness.
 fn spring(delay_s: f64) -> Summary {
     let mut scene = thesis("press-wiggle-release")
         .with_overrides(&[

@@ -1,4 +1,4 @@
-//! Tells the linker where `memory.x` is, and to lay out the program by the linker script of cortex-m-rt.
+//! Build script: tells the linker where the memory layout `memory.x` is, and to use the linker script of the crate cortex-m-rt.
 
 use std::path::Path;
 

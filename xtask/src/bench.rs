@@ -73,7 +73,8 @@ pub fn run(words: &[String]) -> Outcome {
     counted
 }
 
-/// Counts the configuration that the arguments name; without arguments, each configuration that the example lists.
+/// Counts the instructions of the configuration that the arguments name; without arguments, of each configuration that the example
+/// lists.
 fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     let binary = built(&plan.example)?;
     let listed = shell::capture(shell::program(&binary).arg("--list")).unwrap_or_default();
@@ -106,7 +107,7 @@ fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     }))
 }
 
-/// The limit of a configuration in instructions per tick if its cost exceeds that limit; otherwise `None`.
+/// Returns the limit of a configuration, in instructions per tick, if its cost exceeds that limit; otherwise `None`.
 fn beyond_limit(args: &[String], cost: f64) -> Option<f64> {
     let name = args.first()?;
     LIMITS

@@ -15,14 +15,14 @@ const LOOP: [&str; 2] = [
     "device.current_loop.bandwidth_hz=600",
     "timing.computational_delay_s=0.00005",
 ];
-/// Positions of the wall's surface between two encoder counts, in fractions of a count; the scene file's own position is the first.
-/// The board runs at each position, also where only a press is run. At a single position, a figure lay outside the desktop's
-/// scatter in two of nine cases.
+/// Positions of the wall's surface between two encoder counts, in fractions of a count from the scene file's position. The board
+/// runs once at each, so that each figure has a range: at a single position, two of nine figures lay outside the desktop's range.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
-/// Largest relative deviation at which a figure of the board still counts as equal to the desktop's.
+/// Largest relative deviation (a tenth) at which a figure of the board still counts as equal to the desktop's.
 const SAME: &str = "0.1";
 
-/// Runs all grips and actions if `is_whole`; otherwise only a press with a medium grip, which takes seconds.
+/// Compares board and desktop for all grips and actions of the simulated hand if `is_whole`; otherwise only for a press with a
+/// medium grip, which takes seconds.
 pub fn run(is_whole: bool) -> Outcome {
     played(is_whole).unwrap_or_else(|outcome| outcome)
 }

@@ -13,7 +13,7 @@ use crate::{inspect, shell};
 /// One entry of a list of deliberately wrong changes.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Entry {
-    /// Other fields of the entry, by name.
+    /// Other fields of the entry, by the field's name.
     words: BTreeMap<String, String>,
     pub changes: Vec<Change>,
 }
@@ -23,9 +23,9 @@ pub struct Entry {
 pub struct Change {
     /// Path of the file, relative to the workspace's folder.
     pub file: String,
-    /// Text that must occur exactly once.
+    /// Text that is replaced. It must occur exactly once in the file.
     pub find: String,
-    /// The replacement.
+    /// Text that takes the place of `find`.
     pub replace: String,
 }
 
@@ -58,7 +58,7 @@ impl Entry {
     }
 }
 
-/// The entries of a list, a file of the workspace.
+/// Reads the entries of a list of wrong changes, a file of the workspace.
 pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
     match inspect::ask(["changes", path]) {
         (lines, Outcome::Ok(_)) => Ok(entries(&lines)),
@@ -66,7 +66,7 @@ pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
     }
 }
 
-/// Parses lines of a name, a tab and a text; `next` begins an entry.
+/// Parses the entries from lines of a name, a tab and a text. The name `next` begins an entry.
 fn entries(lines: &[String]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for (name, text) in lines.iter().filter_map(|line| line.split_once('\t')) {
@@ -102,7 +102,7 @@ pub fn copy(folder: &Path, members: &[&str], more: &[&str]) -> Result<PathBuf, S
     Ok(work)
 }
 
-/// A file, or a folder without what was built in it.
+/// Copies a file, or a folder without the build results in it.
 fn copy_all(from: &Path, to: &Path) -> std::io::Result<()> {
     if !from.is_dir() {
         return std::fs::copy(from, to).map(|_| ());
@@ -117,7 +117,7 @@ fn copy_all(from: &Path, to: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The workspace's manifest with other members.
+/// The text of the workspace's manifest, with `members` in the place of its members.
 fn with_members(manifest: &str, members: &[&str]) -> String {
     let mut kept = String::new();
     // Lists of members may go over several lines.
@@ -152,7 +152,8 @@ impl Change {
     }
 }
 
-/// Makes changes, runs a question, and takes them back. `Err`: a change does not fit, or there is no answer.
+/// Applies the changes of an entry, calls `ask` on the changed sources, and undoes the changes. Errors: a change does not fit the
+/// sources, or `ask` fails.
 pub fn with<T>(
     work: &Path,
     changes: &[Change],

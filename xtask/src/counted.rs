@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Total of the executed instructions in the text of callgrind's output file.
+/// Reads the total number of executed instructions from the text of callgrind's output file.
 pub fn instructions(file: &str) -> Option<u64> {
     let value = |key| {
         file.lines()
@@ -14,13 +14,14 @@ pub fn instructions(file: &str) -> Option<u64> {
     value("totals:").or_else(|| value("summary:"))
 }
 
-/// Instructions per tick from two runs: difference of the counted instructions, divided by the difference of the ticks.
+/// Instructions per tick from a short and a long run: difference of the counted instructions, divided by the difference of the
+/// ticks.
 pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
     (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
 }
 
-/// Builds an example of `host-sim/sim` and returns its path. Like the released program it is optimised across crates, so that the
-/// borders between crates do not change a count.
+/// Builds an example of `host-sim/sim` and returns its path. It is optimised across crates like the released program, so that a
+/// function's place in one crate or another does not change a count.
 pub fn built(example: &str) -> Result<PathBuf, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--profile", "dist", "--package", "touchstone-sim"]);

@@ -1,5 +1,5 @@
-//! `cargo xtask cycles`: instructions and estimated processor cycles (from a table) of control law, control interrupt and current
-//! loop, and the depth of the stack. The firmware of all boards runs in the emulator; the worst of presses, taps and hard settings
+//! `cargo xtask cycles`: prints instructions, estimated processor cycles (from a table) and stack depth of control law, control
+//! interrupt and current loop. The firmware of all boards runs in the emulator; the worst of presses, taps and hard settings
 //! counts.
 
 use crate::emulator;

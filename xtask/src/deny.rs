@@ -79,7 +79,7 @@ fn checked(manifest: &str, what: &[&str]) -> Outcome {
     }
 }
 
-/// The crates that `cargo tree` lists in several versions, with these versions. A line of `tree` is such as `syn v2.0.119
+/// The crates of which `cargo tree` lists several versions, with the versions. A line of the text `tree` is such as `syn v2.0.119
 /// (proc-macro)`.
 fn twice(tree: &str) -> Vec<(String, Vec<String>)> {
     let mut versions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();

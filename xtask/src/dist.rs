@@ -55,7 +55,7 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Builds the program for this machine and returns its path. Names of this machine's folders are removed from the program.
+/// Builds the program for this machine and returns its path. Paths of this machine's folders are removed from the program.
 fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),

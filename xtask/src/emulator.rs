@@ -9,8 +9,8 @@ use crate::{firmware, packages, shell};
 /// Programs that the build of the emulator library Unicorn and of its bindings needs, each with its package.
 const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
 
-/// Builds the emulator and the firmware of `boards`, then runs the emulator's `command` on them. The outcome's text is the last
-/// line that the emulator printed.
+/// Builds the emulator and the firmware of `boards`, then runs the emulator's `command` on the firmware. The outcome's text is the
+/// last line that the emulator printed.
 pub fn call(command: &str, boards: &[&str], words: &[&str]) -> Outcome {
     let all = firmware_and_emulator(boards);
     all.map_or_else(
@@ -102,7 +102,8 @@ fn missing() -> Option<Outcome> {
     with_space(&[sources, shell::target("emulator")])
 }
 
-/// Reports the first folder with white space in its path: Unicorn's build calls a shell script by an unquoted path and would fail.
+/// Reports the first folder with white space in its path. The build of the emulator library Unicorn calls a shell script by an
+/// unquoted path, which such a path makes fail.
 fn with_space(folders: &[PathBuf]) -> Option<Outcome> {
     let has_space = |folder: &&PathBuf| folder.to_string_lossy().contains(char::is_whitespace);
     folders.iter().find(has_space).map(|folder| {
@@ -121,7 +122,8 @@ pub fn is_there() -> bool {
     TOOLS.iter().all(runs) && has_libclang()
 }
 
-/// Whether bindgen can load libclang: from a folder of the system, a folder of an LLVM version, or the one in `LIBCLANG_PATH`.
+/// Whether bindgen, which generates the library's bindings, can load libclang: from a folder of the system, a folder of an LLVM
+/// version, or the one in `LIBCLANG_PATH`.
 fn has_libclang() -> bool {
     let folders = [
         "/usr/lib",

@@ -18,13 +18,13 @@ use crate::{board_scorecard, emulator, sabotage};
 
 const SAMPLE: &str = "--sample";
 const BRIEF: &str = "--brief";
-/// The part of `cargo xtask fil` that the middle gate (`cargo xtask test`) runs.
+/// The part of the firmware-in-the-loop tests that the middle gate (`cargo xtask test`) runs.
 pub const ONE_BOARD: Share = Share::Part(
     &[BRIEF, "--board", REFERENCE],
     "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
      whether every fault code is latched",
 );
-/// The part of `cargo xtask fil` that the full gate (`cargo xtask test --full`) runs.
+/// The part of the firmware-in-the-loop tests that the full gate (`cargo xtask test --full`) runs.
 pub const SAMPLED: Share = Share::Part(
     &[SAMPLE],
     "two of three injections and the map of the cogging; most checks of the boards that are not the reference",
@@ -49,7 +49,8 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// Runs the emulator's own tests, then the firmware-in-the-loop checks with the options `words`, then a press of the scorecard.
+/// Runs the emulator's own tests, then the firmware-in-the-loop checks with the options `words`, then one press of the scorecard
+/// (scripted actions of a simulated hand).
 fn with_a_press(words: &[&str], boards: &[&str]) -> Outcome {
     match emulator::test() {
         Outcome::Ok(_) => {}

@@ -24,9 +24,9 @@ pub const BOARDS: [&str; 5] = [
 /// Boards with 128 KiB of flash memory, whose firmware is compiled for small size instead of speed.
 const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
 
-/// The board whose firmware and fault reactions the middle gate (`cargo xtask test`) checks.
+/// The reference board: the one that `cargo xtask test` builds firmware for and whose fault reactions it checks.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
-/// The part of `cargo xtask firmware` that the middle gate (`cargo xtask test`) runs.
+/// The part of `cargo xtask firmware` that the middle gate (`cargo xtask test`) runs: one board.
 pub const ONE_BOARD: Share = Share::Part(
     &["--board", REFERENCE],
     "the programs of the other four boards",
@@ -95,13 +95,13 @@ pub fn build_copy(
     Ok((cargo, built(folder, board)))
 }
 
-/// Path at which cargo leaves a board's program below the target folder `folder`.
+/// Path below the target folder `folder` where cargo leaves a board's program.
 fn built(folder: &Path, board: &str) -> PathBuf {
     folder.join(BOARD).join("release").join(board)
 }
 
-/// Runs Clippy on a board's firmware with warnings as errors. If no installed Clippy supports the target, nothing is run; the
-/// compiler's warnings were then checked by the build alone.
+/// Runs Clippy on a board's firmware with warnings as errors. Does nothing if no installed Clippy supports the target; the
+/// compiler's own warnings are errors in the build anyway.
 fn lint(board: &str) -> Outcome {
     let Some((mut clippy, options)) = toolchain::clippy_board() else {
         return Outcome::Ok(String::new());
@@ -112,7 +112,7 @@ fn lint(board: &str) -> Outcome {
     shell::run(clippy.args(["--", "-D", "warnings"]))
 }
 
-/// Adds to a cargo command the arguments that build and Clippy share.
+/// Adds to a cargo command the arguments that the build and Clippy have in common.
 fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
         // Cargo then reads the `.cargo/config.toml` of the firmware.

@@ -41,7 +41,7 @@ const SUBJECTS: [Subject; 2] = [
     },
 ];
 
-/// Option that checks only the source; the quick and the middle gate use it.
+/// Option that checks only the source; `cargo xtask test` without `--full` uses it.
 const SOURCE: &str = "--source";
 pub const GATES: Gates = Gates::part(
     &[SOURCE],
@@ -105,7 +105,7 @@ fn in_thumb_code(subject: &Subject) -> Outcome {
     look(subject, &folder.join(target).join("release"), target)
 }
 
-/// Build folder for one compiler and version, so that code of different compilers is never mixed.
+/// Folder for builds with one compiler and version, so that code of different compilers is never mixed.
 fn folder(name: &str, version: &str) -> PathBuf {
     shell::target("float-free").join(format!("{name}-{version}"))
 }
@@ -130,7 +130,7 @@ fn emit(
     shell::run(&mut cargo)
 }
 
-/// Searches the assembly of crate and example, and of every function that they call, for float operations and panics.
+/// Searches the assembly of a crate and its example, and of every function that they call, for float operations and panics.
 fn look(subject: &Subject, release: &Path, architecture: &str) -> Outcome {
     inspect::call([
         "float-code".as_ref(),

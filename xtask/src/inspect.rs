@@ -26,7 +26,7 @@ pub fn build() {
     let _ = of_tools("build").stderr(Stdio::null()).status();
 }
 
-/// Runs `inspect/` with these arguments and prints its lines. The text of the outcome is the last line.
+/// Runs the crate `inspect/` with these arguments and prints its lines. The text of the outcome is the last line.
 pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
     let (lines, outcome) = ask(words);
     for line in lines {
@@ -35,7 +35,7 @@ pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
     outcome
 }
 
-/// Runs `inspect/` like [`call`], but returns the lines instead of printing them.
+/// Runs the crate `inspect/` like [`call`], but returns the lines instead of printing them.
 pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
     let mut cargo = of_tools("run");
     let done = cargo

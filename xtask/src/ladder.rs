@@ -13,12 +13,13 @@ use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{marked, packages, shell};
 
-/// Ticks of the short and of the long run. Events that happen once in a hundred ticks still happen often in 1000 ticks.
+/// Numbers of ticks (control periods) of the short and of the long run. Events that happen once in a hundred ticks still happen
+/// often in 1000 ticks.
 const TICKS: [u64; 2] = [1_000, 5_000];
 /// Line of `docs/effects.md` after which the table begins.
 const BEGIN: &str = "<!-- ladder: begin, written by `cargo xtask bench --ladder --write` -->\n";
 const END: &str = "<!-- ladder: end -->\n";
-/// Most instructions per tick that an effect with amplitude zero may add. It allows only for rounding.
+/// Most instructions per tick that an effect may add if its amplitude in the scene is zero. It allows only for rounding.
 const NOTHING: f64 = 0.01;
 
 type Costs = BTreeMap<String, f64>;
@@ -135,7 +136,8 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
         .collect()
 }
 
-/// Checks that a long run allocates memory no more often than a short run: no tick of any configuration allocates.
+/// Checks that a long run allocates memory no more often than a short run. So no tick (control period) of any configuration
+/// allocates.
 fn allocated(binary: &Path) -> Result<(), Outcome> {
     let count = |more: u64| -> Result<u64, Outcome> {
         let log = shell::target("bench/ladder").join(format!("heap.{more}"));
@@ -168,7 +170,8 @@ fn allocations(log: &str) -> Option<u64> {
     count.replace(',', "").parse().ok()
 }
 
-/// Table of the instructions per tick that each effect adds alone, and of what each pair adds beyond the sum of its two effects.
+/// Table of the instructions per tick (control period) that each effect adds alone, and of what each pair adds beyond the sum of
+/// its two effects.
 fn table(names: &[&str], costs: &Costs) -> String {
     let effects: Vec<&str> = names
         .iter()

@@ -1,4 +1,4 @@
-//! `cargo xtask lint [--workspace]`: clippy on every crate and target, warnings denied.
+//! `cargo xtask lint [--workspace]`: runs Clippy on every crate and target, with warnings as errors.
 
 use crate::outcome::Outcome;
 use crate::step::Gates;

@@ -1,5 +1,5 @@
-//! `cargo xtask machine`: prints the machine's tools, their versions and the compiler of each kind of build, for reports of
-//! failures.
+//! `cargo xtask machine`: prints the installed tools with their versions, and the compiler of each type of build. Reports of
+//! failures include this text.
 
 use std::process::Command;
 

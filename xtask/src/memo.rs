@@ -1,4 +1,4 @@
-//! Stores the result of each test of a wrong change in a file, so that an interrupted run can continue.
+//! Stores in a file whether each deliberately wrong change was caught, so that an interrupted run can continue.
 //!
 //! A stored result counts only for the same sources, the same change and, where one is given, the same tested program.
 
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A stored result: one word such as `caught`, and the reason.
 pub type Found = (String, String);
 
-/// The stored results and their file.
+/// The stored results of tests of wrong changes, and their file.
 pub struct Memo {
     file: PathBuf,
     ground: u64,
@@ -18,7 +18,8 @@ pub struct Memo {
 }
 
 impl Memo {
-    /// Opens the file of results. Results for other sources or another program (`asked`) have other keys and are never found.
+    /// Opens the file of stored results. Results for other sources or another program `asked` have other keys, so they are never
+    /// found.
     pub fn open(file: PathBuf, sources: &Path, asked: Option<&Path>) -> std::io::Result<Self> {
         let mut hasher = DefaultHasher::new();
         take(sources, sources, &mut hasher)?;
@@ -34,7 +35,7 @@ impl Memo {
         })
     }
 
-    /// The key of a question about these sources and this program: a hash of all three.
+    /// The key under which the result for a change is stored: a hash of the change, the sources and the tested program.
     pub fn key(&self, question: &impl Hash) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.ground.hash(&mut hasher);

@@ -1,5 +1,5 @@
-//! `cargo xtask prove --mutants`: mutation tests. Each mutant is a small wrong change of the code; the proof named for it must
-//! refute the changed code. With `--tests`, the test named for it must fail.
+//! `cargo xtask prove --mutants`: mutation tests. Each mutant is a small wrong change of the code, and its entry in the list names
+//! a proof and a test. The proof must refute the changed code. With `--tests`, the test must fail.
 //!
 //! A mutant is caught when the named proof (harness) ran alone and one of its assertions failed. A change that does not compile, a
 //! time-out or an unreachable cover is not a catch.
@@ -21,7 +21,7 @@ const LEAST: usize = 30;
 /// Most processor time of a test, in seconds.
 const TEST_S: u32 = 300;
 
-/// Part `index` (from 1) of `of` parts of the list of mutants.
+/// One of several parts of the list of mutants (wrong changes): part `index`, counted from 1, of `of` parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shard {
     pub index: usize,
@@ -31,7 +31,7 @@ pub struct Shard {
 impl Shard {
     pub const ALL: Self = Self { index: 1, of: 1 };
 
-    /// Whether this part contains the mutant with this number.
+    /// Whether this part of the list contains the mutant (wrong change) with this number.
     pub fn has(self, number: usize) -> bool {
         number % self.of == self.index % self.of
     }
@@ -46,8 +46,8 @@ impl Shard {
     }
 }
 
-/// Tests each mutant of the part `shard` with `ask` and prints a line for each. `of` is the field of an entry that names its proof
-/// or test.
+/// Runs `ask` for each mutant (wrong change) of the part `shard` and prints a line for each. `of` is the field of an entry that
+/// names the mutant's proof or test.
 fn each(
     folder: &Path,
     of: &str,
@@ -118,7 +118,7 @@ fn each(
     }
 }
 
-/// Tests each mutant with the proof that its entry names.
+/// Tests each mutant (wrong change) with the proof that its entry names.
 pub fn by_proofs(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-proofs");
     let target = folder.join("kani");
@@ -127,7 +127,7 @@ pub fn by_proofs(shard: Shard) -> Outcome {
     })
 }
 
-/// Tests each mutant with the unit test that its entry names, without the model checker.
+/// Tests each mutant (wrong change) with the unit test that its entry names, without the model checker.
 pub fn by_tests(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-tests");
     let target = folder.join("tests");

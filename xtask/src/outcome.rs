@@ -1,9 +1,9 @@
-//! How a command ended. A command that was not run never counts as passed.
+//! How a `cargo xtask` command ended. A command that was not run never counts as passed.
 
 use std::fmt;
 use std::process::ExitCode;
 
-/// How a command ended.
+/// How a `cargo xtask` command ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
     /// The command succeeded; the text is a note on its result and may be empty.
@@ -16,7 +16,7 @@ pub enum Outcome {
     Usage(String),
 }
 
-/// Exit code of a command that could not do its work, as other test runners use it.
+/// Exit code of a command that could not do its work on this machine. Other test runners use the same code for this.
 const NOT_RUN: u8 = 77;
 /// Exit code of a command that was called wrongly.
 pub const USAGE: u8 = 2;

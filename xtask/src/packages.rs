@@ -25,7 +25,7 @@ pub fn valgrind() -> Option<String> {
     first_line(&["valgrind", "--version"])
 }
 
-/// Installs the rustup component if it is missing. Returns `None` if it is installed now, else why the step cannot run.
+/// Installs the rustup component if it is missing. Returns `None` if it is installed afterwards, else why the step cannot run.
 pub fn missing_component(name: &'static str) -> Option<Outcome> {
     if component(name).is_some() {
         return None;
@@ -37,7 +37,7 @@ pub fn missing_component(name: &'static str) -> Option<Outcome> {
         .then(|| Outcome::NotRun(format!("{name} is missing: rustup component add {name}")))
 }
 
-/// Installs valgrind if it is missing. Returns `None` if it is installed now, else why the step cannot run.
+/// Installs valgrind if it is missing. Returns `None` if it is installed afterwards, else why the step cannot run.
 pub fn missing_valgrind() -> Option<Outcome> {
     if valgrind().is_some() {
         return None;

@@ -1,6 +1,7 @@
-//! `cargo xtask probe`: tests the access to boards through a debug probe with the crate probe-rs, which few other steps build.
+//! `cargo xtask probe`: tests the access to boards through a debug probe, which uses the crate probe-rs. Few other steps build that
+//! crate.
 //!
-//! The step runs clippy, the tests on a simulated chip, and all tests of the program built with probe-rs as in the release. The
+//! The step runs Clippy, the tests on a simulated chip, and all tests of the program built with probe-rs as in the release. The
 //! program's tests are repeated because a dependency of probe-rs changes how `serde_json` stores numbers in the whole program.
 
 use crate::outcome::Outcome;

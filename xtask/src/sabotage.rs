@@ -18,13 +18,14 @@ use crate::outcome::Outcome;
 use crate::{emulator, firmware, shell};
 
 const LIST: &str = "emulator/sabotage.toml";
-/// The crates that the firmware is built from.
+/// The crates of the workspace that the firmware is built from.
 const PARTS: [&str; 3] = ["control", "protocol", "drive"];
 const MORE: [&str; 3] = ["firmware", "memory.x", "memory-g474re.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
 const LEAST: usize = 12;
 
-/// A built program with the work that it is for: the program's path or why it could not be built, and the build time in seconds.
+/// A finished build: the program's path or why it could not be built, the build time in seconds, and the test to run on the
+/// program.
 struct Built<'s> {
     asked: &'s Asked<'s>,
     program: Result<PathBuf, String>,
@@ -89,7 +90,7 @@ pub fn run(words: &[&str]) -> Outcome {
     })
 }
 
-/// Checks that an entry names a known board and that its changes fit the sources.
+/// Checks that an entry of the list of sabotages names a known board, and that its changes fit the sources.
 fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     let (name, board) = (one.word("name"), one.word("board"));
     if !firmware::BOARDS.contains(&board) {
@@ -102,8 +103,8 @@ fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     })
 }
 
-/// One program to build and test: a board, the sabotage (`None` for unchanged firmware), and the checks to run. `is_known` means
-/// that a result is stored under `key`.
+/// One program to build and test: a board, the sabotage (removed safety function; `None` for unchanged firmware), and the checks to
+/// run. `is_known` means that a result is stored under `key`.
 struct Asked<'s> {
     board: &'static str,
     sabotage: Option<&'s Entry>,
@@ -141,7 +142,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
     asked
 }
 
-/// Builds the programs one after the other and sends each to the tests; skips the build of programs with a stored result.
+/// Builds the programs one after the other and sends each to the thread that tests it. A program with a stored result is not built.
 fn build_all<'s>(
     all: &'s [Asked<'s>],
     folder: &Path,
@@ -187,7 +188,7 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
     Ok(kept.to_path_buf())
 }
 
-/// Tests each program once it is built and prints a line for each.
+/// Tests each program as soon as it is built, and prints a line for each.
 fn judge_all(
     emulator: &Path,
     all: &[Asked<'_>],
@@ -250,7 +251,7 @@ fn judge_all(
     }
 }
 
-/// The result of one program in a word such as `caught`, and the reason.
+/// Returns the result for one program as a word such as `caught`, and the reason.
 fn verdict(
     sabotage: Option<&Entry>,
     wrong: &Result<Vec<String>, String>,
@@ -273,7 +274,8 @@ fn verdict(
     }
 }
 
-/// Failures that `fil` reports for a program in the checks named by `rows`. Errors: the emulator did not run to its end.
+/// Runs the firmware checks whose names contain one of `rows` on a program, and returns the failures. Errors: the emulator did not
+/// run to its end.
 fn wrong(
     emulator: &Path,
     board: &str,

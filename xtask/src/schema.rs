@@ -1,5 +1,4 @@
-//! `cargo xtask schema`: validates the program's output against the documented JSON schema, with an independent validator in
-//! Python.
+//! `cargo xtask schema`: checks that the program's output fits the documented JSON schema, with an independent validator in Python.
 
 use std::process::Command;
 

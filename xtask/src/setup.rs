@@ -1,15 +1,15 @@
 //! `cargo xtask setup [--install [--full]]`: lists the tools that are installed or missing, their purpose and how to install them.
 //!
-//! Every test run needs rustfmt and clippy, so rustup installs them without being told; likewise apt-get, as root, installs
-//! valgrind when instructions are counted. Other tools are installed only with `--install`: those of `cargo xtask test`, and with
-//! `--full` also those of `cargo xtask test --full`.
+//! Every test run needs rustfmt and Clippy, so rustup installs them without a request. When instructions are counted, apt-get
+//! installs valgrind in the same way if the user is root. Other tools are installed only with `--install`: those of `cargo xtask
+//! test`, and with `--full` also those of `cargo xtask test --full`.
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
 use crate::prove::{allocator, coq};
 use crate::{emulator, toolchain};
 
-/// How much of the tests needs a tool.
+/// Which tests need a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     /// Without the tool the tests mean nothing.

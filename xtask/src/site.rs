@@ -86,8 +86,8 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// Checks that pages load nothing from other hosts and that links are good; returns the number of pages and the problems. The links
-/// of the crates' documentation are left to `cargo xtask doc`.
+/// Checks that no page of the built site loads anything from other hosts and that links are good. Returns the number of pages and
+/// the problems. The links of the crates' documentation are checked by `cargo xtask doc`.
 fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     let mut wrong = Vec::new();
     let pages = pages(site)?;
@@ -116,8 +116,8 @@ fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     Ok((pages.len(), wrong))
 }
 
-/// Copies the repository's file or folder to `to`, where a page links to it. Returns whether the repository has such a file or
-/// folder.
+/// Copies a file or folder of the repository to the path `to` in the site, where a page links to it. Returns whether the repository
+/// has it.
 fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
     let inside = to.strip_prefix(site).unwrap_or(to);
     let source = shell::root().join(inside);

@@ -1,4 +1,4 @@
-//! A step of the project's checks: one row in the table of `cargo xtask` commands.
+//! A step of the project's checks: one row in the table of all `cargo xtask` commands.
 
 use crate::outcome::Outcome;
 
@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// The part of the step that each gate runs.
+    /// For each gate (test run of one extent), the part of the step that it runs.
     pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
@@ -14,15 +14,15 @@ pub struct Step {
 /// The gates, which are test runs of increasing extent: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
-    /// The gate for daily work.
+    /// The gate for daily work, `cargo xtask test --quick`.
     Quick,
-    /// The gate that a person waits for before a change is accepted, and that CI runs.
+    /// The gate that must pass before a change is accepted, `cargo xtask test`; CI runs it too.
     Test,
-    /// The gate that takes a night.
+    /// The gate that takes a night, `cargo xtask test --full`.
     Full,
 }
 
-/// The part of a step that each gate runs.
+/// For each gate (test run of one extent), the part of a step that the gate runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gates {
     pub quick: Share,
@@ -30,36 +30,36 @@ pub struct Gates {
     pub full: Share,
 }
 
-/// The part of a step that a gate runs.
+/// The part of a step that a gate (test run of one extent) runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Share {
     /// The whole step.
     Whole,
-    /// The gate runs the step with these arguments; the text names what the gate leaves out.
+    /// The gate (test run) calls the step with these arguments; the text names what the gate leaves out.
     Part(&'static [&'static str], &'static str),
-    /// The gate leaves the step out.
+    /// The gate (test run) leaves the step out.
     LeftOut,
 }
 
 impl Gates {
-    /// A command that no gate runs.
+    /// For a command that no gate (test run) runs.
     pub const NONE: Self = Self {
         quick: Share::LeftOut,
         test: Share::LeftOut,
         full: Share::LeftOut,
     };
-    /// A step that every gate runs whole.
+    /// For a step that every gate (test run) runs whole.
     pub const ALL: Self = Self {
         quick: Share::Whole,
         test: Share::Whole,
         full: Share::Whole,
     };
-    /// A step that only the full gate runs.
+    /// For a step that only the full gate (`cargo xtask test --full`) runs.
     pub const FULL_ONLY: Self = Self {
         full: Share::Whole,
         ..Self::NONE
     };
-    /// A step of which the quick gate and the middle gate run the same part.
+    /// For a step of which the quick gate and the middle gate run the same part, with these arguments. `left_out` names the rest.
     pub const fn part(args: &'static [&'static str], left_out: &'static str) -> Self {
         let part = Share::Part(args, left_out);
         Self {
@@ -69,7 +69,7 @@ impl Gates {
         }
     }
 
-    /// The part that a gate runs.
+    /// The part of the step that a gate (test run of one extent) runs.
     pub const fn of(self, gate: Gate) -> Share {
         match gate {
             Gate::Quick => self.quick,
@@ -78,14 +78,14 @@ impl Gates {
         }
     }
 
-    /// Whether any gate runs at least a part of the step.
+    /// Whether any gate (test run) runs at least a part of the step.
     pub fn is_tested(self) -> bool {
         self != Self::NONE
     }
 }
 
 impl Share {
-    /// The arguments with which the gate runs the step; `None` if the gate leaves it out.
+    /// The arguments with which the gate (test run) calls the step; `None` if the gate leaves the step out.
     pub fn args(self) -> Option<Vec<String>> {
         match self {
             Share::LeftOut => None,
@@ -94,7 +94,7 @@ impl Share {
         }
     }
 
-    /// Text that names what the gate leaves out of the step; `None` if nothing is left out.
+    /// Text that names what the gate (test run) leaves out of the step; `None` if nothing is left out.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
             Share::Whole => None,

@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use crate::outcome::Outcome;
 use crate::step::{Gate, Step};
 
-/// A step that was run, with its outcome and time.
+/// A step that was run, with its outcome and running time.
 struct Done {
     name: &'static str,
     outcome: Outcome,
     took: Duration,
 }
 
-/// The gates with the options that select them.
+/// Options of `cargo xtask test`, with the gate (test run of one extent) that each selects.
 const GATES: [(&[&str], Gate); 3] = [
     (&[], Gate::Test),
     (&["--quick"], Gate::Quick),
@@ -56,7 +56,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
     verdict(&done, start.elapsed())
 }
 
-/// Text that names the command to run what a gate leaves out.
+/// The command line that runs what a gate (test run) leaves out.
 fn whole(gate: Gate) -> &'static str {
     match gate {
         Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",
@@ -65,7 +65,7 @@ fn whole(gate: Gate) -> &'static str {
     }
 }
 
-/// List of what a gate leaves out, one line per step.
+/// List of what a gate (test run) leaves out, one line per step.
 pub fn left_out(all: &[Step], gate: Gate) -> String {
     let mut text = String::new();
     for step in all.iter().filter(|step| step.gates.is_tested()) {
@@ -135,7 +135,7 @@ mod tests {
             .collect()
     }
 
-    /// Checks that every gate names each part that it leaves out.
+    /// Checks that the list of what a gate (test run) leaves out names each left-out part.
     #[test]
     fn a_gate_names_what_it_leaves_out() {
         let step = |name, gates| Step {
@@ -165,7 +165,8 @@ mod tests {
         );
     }
 
-    /// Checks that the full gate runs every step of the other gates, and that each partial step has arguments.
+    /// Checks that `cargo xtask test --full` runs every step of the shorter test runs, and that each step of which a part is run
+    /// has arguments.
     #[test]
     fn the_full_gate_has_every_step_of_the_others() {
         for step in crate::STEPS {

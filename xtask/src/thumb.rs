@@ -1,8 +1,9 @@
 //! `cargo xtask thumb`: runs every control law on a Cortex-M4F that QEMU emulates.
 //!
-//! This machine and the emulated one (`tests/thumb`) both compute the test vectors of `tests/vectors`; all digests of their results
-//! must be equal. The emulated program also counts the instructions of each control period: exactly, but only for the periods that
-//! ran, and instructions are not cycles. Finally all code that a control period can reach must be free of floats and panics.
+//! This machine and the emulated one (`tests/thumb`) both compute the test vectors of `tests/vectors`; all digests (hashes) of
+//! their results must be equal. The emulated program also counts the instructions of each control period. The counts are exact, but
+//! only for the periods that ran, and instructions are not cycles. Finally all code that a control period can reach must be free of
+//! floats and panics.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -61,8 +62,8 @@ fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
     }
 }
 
-/// The QEMU command that runs the program. Every instruction takes 1024 ns of emulated time, from which the program counts
-/// instructions.
+/// The QEMU command that runs the program. Every instruction takes 1024 ns of emulated time, so the program counts instructions by
+/// reading the time.
 fn qemu(program: &Path) -> Command {
     let mut qemu = shell::program(QEMU);
     qemu.args(["-M", "mps2-an386", "-icount", "shift=10", "-nographic"])

@@ -1,5 +1,5 @@
-//! Finds an installed Rust compiler that can build for another machine: first one of rustup's with the target installed, otherwise
-//! one with the source of the core library, such as Debian's.
+//! Finds an installed Rust compiler that can build for another machine. A compiler of rustup with the target installed is
+//! preferred, then one with the source of Rust's core library, such as Debian's.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -20,28 +20,28 @@ pub const BOARD: &str = "thumbv7em-none-eabihf";
 /// Target for browsers (WebAssembly).
 pub const WASM: &str = "wasm32-unknown-unknown";
 
-/// The control interrupt calls divisions and copies of the compiler's library: as installed they are made for speed, and so they are
-/// from source, whatever the program's own profile says.
+/// Options of cargo that compile the compiler's runtime library (divisions, memory copies) for speed where it is built from source,
+/// as it is where it is installed. The control interrupt calls it.
 const QUICK_BUILTINS: [&str; 2] = [
     "--config",
     "profile.release.package.compiler_builtins.opt-level=3",
 ];
 
-/// Origin of a compiler.
+/// Where a compiler comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Origin {
     /// The compiler of the toolchain that runs this program.
     Active,
-    /// A toolchain that a user linked under this name instead of one of rustup's releases: it may be anything,
-    /// whatever version it reports.
+    /// A toolchain that a user linked under this name, instead of one of rustup's releases. Its version number says nothing about
+    /// its content.
     Linked(String),
     /// A toolchain of rustup other than the default, by name.
     Toolchain(String),
-    /// A system package, beside rustup.
+    /// A package of the operating system, independent of rustup.
     System,
 }
 
-/// A compiler for a target.
+/// A Rust compiler that can build for a target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Compiler {
     target: &'static str,
@@ -50,11 +50,11 @@ pub struct Compiler {
     pub version: String,
     /// The version text with the compiler's commit: two builds of one version may produce different binaries.
     pub identity: String,
-    /// True: the target's `core` library is not installed and must be built from source.
+    /// Whether the target's `core` library is not installed and must be built from source.
     from_source: bool,
 }
 
-/// A compiler that may or may not be able to build for the target.
+/// A Rust compiler that may or may not be able to build for the target.
 #[derive(Clone)]
 struct Candidate {
     origin: Origin,
@@ -65,7 +65,7 @@ struct Candidate {
 
 /// Path of the compiler that a system package installs.
 const SYSTEM: &str = "/usr/bin/rustc";
-/// The system package comes without Rust's own linker.
+/// Linker for the system package's compiler, which comes without Rust's own linker.
 const SYSTEM_LINKER: &str = "ld.lld";
 
 impl Origin {
@@ -81,7 +81,7 @@ impl Origin {
         }
     }
 
-    /// Version and library folder of the compiler, if it can build this workspace at all.
+    /// Finds version and library folder of a compiler; `None` if the compiler cannot build this workspace.
     fn look(self) -> Option<Candidate> {
         // Without its linker it can build nothing for a board: then it is as good as not there.
         let links = |linker| shell::capture(shell::program(linker).arg("--version")).is_some();
@@ -116,7 +116,7 @@ impl fmt::Display for Compiler {
 }
 
 impl Compiler {
-    /// Whether the target's library is installed or built from source; the two produce different binaries.
+    /// Text for people: whether the target's library is installed or built from source. The two produce different binaries.
     pub const fn library(&self) -> &'static str {
         if self.from_source {
             "built from source"
@@ -125,13 +125,13 @@ impl Compiler {
         }
     }
 
-    /// `cargo build` with this compiler, and its options. `libraries`: Rust's own libraries to build where they are
-    /// not installed.
+    /// The command `cargo build` with this compiler, and its options. `libraries` names Rust's own libraries that are built from
+    /// source where they are not installed.
     pub fn cargo(&self, libraries: &[&str]) -> (Command, Vec<String>) {
         self.cargo_for("build", libraries)
     }
 
-    /// `cargo clippy` with this compiler, and its options; `None` if it has no clippy for the target.
+    /// The command `cargo clippy` with this compiler, and its options; `None` if the compiler has no Clippy for the target.
     pub fn clippy(&self) -> Option<(Command, Vec<String>)> {
         let has_it = match &self.origin {
             _ if self.from_source => false,
@@ -145,7 +145,7 @@ impl Compiler {
         has_it.then(|| self.cargo_for("clippy", &["core"]))
     }
 
-    /// Any other cargo command with this compiler, and its options.
+    /// A cargo command with this compiler for any subcommand, and its options.
     pub fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
         let mut cargo = match &self.origin {
             Origin::Active | Origin::Linked(_) => shell::cargo_locked(subcommand),
@@ -189,7 +189,7 @@ impl Compiler {
     }
 }
 
-/// A compiler that has the target installed; failing that, one that has the library's source.
+/// Finds a compiler that has the target installed; failing that, one that has the source of Rust's core library.
 pub fn find(target: &'static str) -> Option<Compiler> {
     let candidates = candidates();
     let with = |part: &str, from_source| {
@@ -207,7 +207,8 @@ pub fn find(target: &'static str) -> Option<Compiler> {
     with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
-/// Same as [`find`]; without a compiler, rustup fetches the target, or apt-get Debian's compiler with the library's source.
+/// Same as [`find`], but installs what is missing: rustup fetches the target, or apt-get Debian's compiler with the library's
+/// source.
 pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
     let fetch: [fn(&str); 2] = [
         |target| {
@@ -259,7 +260,7 @@ fn ask() -> Vec<Candidate> {
     origins.into_iter().filter_map(Origin::look).collect()
 }
 
-/// The name of the active toolchain, where it is one of rustup's but none of its releases.
+/// The name of the active toolchain if rustup manages it but a user linked it, so that it is none of rustup's releases.
 fn linked() -> Option<String> {
     let shown = shell::capture(shell::program("rustup").args(["show", "active-toolchain"]))?;
     let name = shown.split_whitespace().next()?.to_owned();
@@ -272,15 +273,15 @@ pub fn active_version() -> String {
     version.split_whitespace().nth(1).unwrap_or("").to_owned()
 }
 
-/// The machine that the compiler which runs this program makes code for, as it calls it.
+/// The machine for which the active compiler builds by default, by the compiler's name for it, such as `x86_64-unknown-linux-gnu`.
 pub fn host() -> String {
     let all = shell::capture(Origin::Active.rustc().arg("-vV")).unwrap_or_default();
     let host = all.lines().find_map(|line| line.strip_prefix("host: "));
     host.unwrap_or_default().to_owned()
 }
 
-/// Names of rustup's own toolchains. A toolchain that a user linked may be anything, whatever version it reports, and
-/// is left alone.
+/// Names of the toolchains that rustup released. Toolchains that a user linked are left out, as their version says nothing about
+/// their content.
 fn toolchains() -> Vec<String> {
     let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));
     list.unwrap_or_default()
@@ -291,7 +292,7 @@ fn toolchains() -> Vec<String> {
         .collect()
 }
 
-/// Whether a name is one of rustup's releases: a channel or a version, a date, and the machine. Rustup lets no user
+/// Whether a toolchain's name is one of rustup's releases: a channel or a version, a date, and the machine. Rustup lets no user
 /// link a toolchain by such a name.
 fn is_released(name: &str) -> bool {
     let Some((channel, rest)) = name.split_once('-') else {
@@ -308,8 +309,8 @@ fn is_released(name: &str) -> bool {
         && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
 }
 
-/// Lists each target that a step builds for with its compiler, as text for people. A missing compiler is fetched now, as the step
-/// would do.
+/// Lists, as text for people, each target for which a step builds, with the compiler that it uses. A missing compiler is installed
+/// now, as the step would do.
 pub fn choices() -> Vec<String> {
     [BOARD, SOFT_FLOAT, WASM]
         .map(|target| match obtain(target) {
@@ -326,7 +327,8 @@ pub fn is_new_enough(version: &str) -> bool {
     (parts.next().unwrap_or(0), parts.next().unwrap_or(0)) >= RUST
 }
 
-/// `cargo build` with the first suitable compiler, and its options; [`Outcome::NotRun`] where there is none.
+/// The command `cargo build` for the boards with the first suitable compiler, and its options; [`Outcome::NotRun`] if there is
+/// none.
 pub fn build_board() -> Result<(Command, Vec<String>), Outcome> {
     let compiler = obtain(BOARD)?;
     static SAID: Once = Once::new();
@@ -334,7 +336,7 @@ pub fn build_board() -> Result<(Command, Vec<String>), Outcome> {
     Ok(compiler.cargo(&["core"]))
 }
 
-/// `cargo clippy` of the first compiler that has one for the target, and its options.
+/// The command `cargo clippy` for the boards, and its options, with the first compiler that has a Clippy for the target.
 pub fn clippy_board() -> Option<(Command, Vec<String>)> {
     find(BOARD)?.clippy()
 }

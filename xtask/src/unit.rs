@@ -1,6 +1,6 @@
-//! `cargo xtask unit`: all tests of all crates. What follows goes to `cargo test`: `cargo xtask unit -- observer`.
+//! `cargo xtask unit`: runs all tests of all crates. Further arguments go to `cargo test`, as in `cargo xtask unit -- observer`.
 //!
-//! `--quick`: without the documentation's examples and without the tests of [`SLOW`].
+//! With `--quick`, the documentation's examples and the tests of [`SLOW`] are left out.
 
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -9,15 +9,15 @@ use crate::outcome::Outcome;
 use crate::shell;
 use crate::step::Gates;
 
-/// Option that all gates but the full one pass to this step.
+/// Option with which all test runs but `cargo xtask test --full` call this step.
 const QUICK: &str = "--quick";
 pub const GATES: Gates = Gates::part(
     &[QUICK],
     "documentation examples; instructions of an absent effect, for which the simulator is built optimised",
 );
 
-/// Tests that a quick run leaves out, by a part of their names that no other has. This one builds the simulator with all
-/// optimisations, for minutes, and counts its instructions.
+/// Tests that a quick run leaves out, given by a text that no other test's name contains. The one test here builds the simulator
+/// with all optimisations, which takes minutes, and counts its instructions.
 const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
 
 /// Number of the slowest test binaries that are listed with their times.
@@ -74,7 +74,7 @@ impl Seen {
     }
 }
 
-/// The test binary in a line of cargo such as `Running tests/energy.rs (target/debug/deps/energy-1bb2)`.
+/// The name of the test binary in a line that cargo prints, such as `Running tests/energy.rs (target/debug/deps/energy-1bb2)`.
 fn binary(line: &str) -> Option<String> {
     let line = line.trim_start();
     if let Some(krate) = line.strip_prefix("Doc-tests ") {
@@ -86,7 +86,7 @@ fn binary(line: &str) -> Option<String> {
     Some(format!("{name} ({source})"))
 }
 
-/// Passed and ignored tests in a line such as `test result: ok. 36 passed; 0 failed; 1 ignored; …`.
+/// Numbers of passed and ignored tests in a line such as `test result: ok. 36 passed; 0 failed; 1 ignored; …`.
 fn counts(line: &str) -> Option<(u64, u64)> {
     let rest = line.strip_prefix("test result: ")?;
     let before = |word: &str| -> Option<u64> {
@@ -96,7 +96,7 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     Some((before(" passed")?, before(" ignored")?))
 }
 
-/// The first few names, and how many more there are; the output above has all of them.
+/// Text with the first few names of failed tests and the number of the others; the output above has all of them.
 fn first_of(names: &[String]) -> String {
     const FEW: usize = 4;
     let few = names[..names.len().min(FEW)].join(", ");
@@ -111,7 +111,7 @@ fn failed_test(line: &str) -> Option<&str> {
     line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
 }
 
-/// The arguments for `cargo test`.
+/// The arguments that are passed to `cargo test`.
 fn words(args: &[String]) -> Vec<&str> {
     if args != [QUICK] {
         return args.iter().map(String::as_str).collect();

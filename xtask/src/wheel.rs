@@ -91,7 +91,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(python)
 }
 
-/// Builds the program as in the release and copies it to where maturin packs scripts from.
+/// Builds the program as in the release, and copies it to the folder from which the packaging tool maturin takes programs.
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);

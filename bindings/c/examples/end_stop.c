@@ -1,5 +1,5 @@
 /* The end stop of a force-feedback wheel at 1 kHz, on a simulated wheel: a stiff spring with the delay of a USB link gains energy at
- * each bounce, and the wheel runs away from a hand that has let go. The same spring behind the guard cannot.
+ * each bounce, and the wheel moves faster and faster after the hand has let go. The guard bounds the energy that the same spring can give.
  *
  *     cargo build --release -p touchstone-c
  *     cc -Ibindings/c/include bindings/c/examples/end_stop.c target/release/libtouchstone_c.a -o end_stop && ./end_stop
@@ -7,7 +7,7 @@
 #include "touchstone.h"
 #include <stdio.h>
 
-/* Your law: position in rad and speed in rad/s to the torque that pushes the wheel back. */
+/* Your control law: from the position in rad, the torque in N*m that pushes the wheel back. */
 static float your_law(float angle) {
   const float stop = 0.5f, stiffness = 400.0f;
   if (angle > stop) return stiffness * (angle - stop);
@@ -15,7 +15,7 @@ static float your_law(float angle) {
   return 0.0f;
 }
 
-/* Throws the wheel at the stop with 10 rad/s and lets go; returns its largest kinetic energy afterwards, J. */
+/* Simulates a wheel that is thrown at the stop with 10 rad/s and let go. Returns its largest kinetic energy afterwards, J. */
 static double throw_wheel(int guarded) {
   ts_guard_config config;
   ts_guard guard;

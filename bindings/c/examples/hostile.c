@@ -1,4 +1,5 @@
-/* A million hostile ticks of guard and wall; prints a digest that the Rust code repeats to the bit. Needs no float. */
+/* Runs guard and wall for a million control periods with random motions and forces, and prints a digest of the results. A Rust test
+ * must get the same digest. Needs no floating point. */
 #define TS_NO_FLOAT
 #include "touchstone.h"
 #include <stdio.h>
@@ -32,7 +33,7 @@ int main(void) {
   int32_t place = 0;
   for (uint32_t tick = 0; tick < 1000000u; tick++) {
     uint32_t chance = next();
-    /* Mostly small motions; now and then any number at all. */
+    /* Most motions are small; one in a thousand is any 32-bit number. */
     int32_t moved = chance % 1000u == 0 ? (int32_t)next() : (int32_t)(next() % 1000001u) - 500000;
     int32_t wanted = (int32_t)next();
     int32_t allowed = 0, force = 0;

@@ -1,5 +1,6 @@
-/* The guard around a firmware's own torque, in the interrupt of a timer at 1 kHz, on ST's HAL: an encoder in quadrature at TIM3, the driver's input at
- * a DAC. CubeMX makes the handles and the set-up. Compiled against declarations of what it uses, `tests/stand_in`; nobody has run it on a board. */
+/* The energy guard around a firmware's own torque, in the interrupt of a 1 kHz timer, with ST's HAL. A quadrature encoder is at TIM3, the motor
+ * driver's input at a DAC. CubeMX makes the handles and the set-up. Tests compile this file against the declarations in `tests/stand_in`; nobody
+ * has run it on a board. */
 #include "main.h"
 #include "touchstone.h"
 
@@ -14,12 +15,12 @@ static ts_guard guard;
 static uint16_t last_count;
 static int32_t turned;
 
-/* The driver's input: 2048 is no torque. */
+/* Writes the torque to the motor driver's input; the DAC code 2048 is no torque. */
 static void command(float torque_n_m) {
   HAL_DAC_SetValue(&hdac1, DAC_CHANNEL_1, DAC_ALIGN_12B_R, (uint32_t)(2048.0f + 2047.0f * torque_n_m / FULL_SCALE_N_M));
 }
 
-/* Call it once, after the HAL's own set-up and before the timer starts. */
+/* Starts the guard and the timer. Call it once, after the HAL's own set-up. Returns 0, or -1 if a setting is refused. */
 int start_guard(void) {
   ts_guard_config config;
   ts_guard_defaults(&config);
@@ -37,7 +38,7 @@ int start_guard(void) {
 void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *timer) {
   if (timer != &htim6) return;
   uint16_t count = (uint16_t)__HAL_TIM_GET_COUNTER(&htim3);
-  int16_t moved = (int16_t)(count - last_count); /* right across the counter's end too */
+  int16_t moved = (int16_t)(count - last_count); /* also correct when the counter wraps around */
   last_count = count;
   turned += moved;
   const float count_rad = 6.283185f / COUNTS_PER_REV;
@@ -45,5 +46,5 @@ void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *timer) {
   ts_force torque = ts_from_float(-your_torque((float)turned * count_rad));
   ts_status status = ts_guard_tick(&guard, ts_from_float((float)moved * count_rad), torque, &torque);
   if (status != TS_OK) HAL_TIM_Base_Stop_IT(&htim6);
-  command(-ts_to_float(torque)); /* after any other answer it is 0 */
+  command(-ts_to_float(torque)); /* 0 if the status is not TS_OK */
 }

@@ -22,23 +22,23 @@
 
 
 /*
- Number of 64-bit words in a guard's memory.
+ Size of a `ts_guard` in 64-bit words.
  */
 #define TS_GUARD_WORDS 24
 
 /*
- Number of 64-bit words in the settings' memory.
+ Size of a `ts_settings` in 64-bit words.
  */
 #define TS_SETTINGS_WORDS 64
 
 /*
- Number of 64-bit words in a wall's memory.
+ Size of a `ts_wall` in 64-bit words.
  */
 #define TS_WALL_WORDS 160
 
 /*
- Result of a call. `TS_OK` is 0. With any other result the output is 0, so that a firmware that ignores the result drives no
- motor.
+ Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives
+ no motor.
  */
 typedef enum {
   /*
@@ -46,7 +46,7 @@ typedef enum {
    */
   TS_OK = 0,
   /*
-   A pointer is null.
+   A pointer argument is null.
    */
   TS_NULL_POINTER = 1,
   /*
@@ -58,7 +58,7 @@ typedef enum {
    */
   TS_OUT_OF_RANGE = 3,
   /*
-   No setting has the given name.
+   There is no setting with the given path.
    */
   TS_UNKNOWN_SETTING = 4,
   /*
@@ -66,31 +66,32 @@ typedef enum {
    */
   TS_BAD_VALUE = 5,
   /*
-   In one tick the device moved further than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
-   switch the motor off.
+   The device moved faster than the energy guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
+   resumed: switch the motor off.
    */
   TS_OVERSPEED = 6,
 } ts_status;
 
 /*
- The value of a setting in its SI unit, times 2^32.
+ The value of a setting in its SI unit, times 2^32. The macro `TS_SI` makes one from a constant.
  */
 typedef int64_t ts_si;
 
 /*
- Properties of the device that the guard needs, and the guard's energy limits. Start from `ts_guard_defaults`.
+ Properties of the device that the energy guard relies on, and the guard's energy limits. Units in brackets are for a linear
+ device. Start from `ts_guard_defaults`.
  */
 typedef struct {
   /*
-   Control periods (ticks) per second, 1 to 100,000.
+   Control periods (calls of `ts_guard_tick`) per second, 1 to 100,000.
    */
   uint32_t rate_hz;
   /*
-   Largest force that the guard ever allows, N·m (N).
+   Largest force that the energy guard lets through, N·m (N).
    */
   ts_si force_limit;
   /*
-   Step of one encoder count, or twice the largest error of a measured position, rad (m), at most 0.1.
+   Step of one encoder count, or twice the largest error of a measured position, in rad (m), at most 0.1.
    */
   ts_si count;
   /*
@@ -98,15 +99,15 @@ typedef struct {
    */
   ts_si damping;
   /*
-   Fraction (0 to 1) of the measured damping that the guard relies on.
+   Fraction (0 to 1) of the measured damping that the energy guard relies on.
    */
   ts_si share_of_damping;
   /*
-   Most energy that the energy account holds, which is the most that a hand can get out at once, J, at most 16.
+   Most energy that the energy guard's account holds, in J, at most 16. It is the most that a hand can get out at once.
    */
   ts_si capacity;
   /*
-   Power that refills the energy account, which is the most that a hand can get out in the long run, W, at most 1.
+   Power that refills the energy guard's account, in W, at most 1. It is the most that a hand can get out in the long run.
    */
   ts_si refill;
   /*
@@ -114,22 +115,23 @@ typedef struct {
    */
   ts_si overspeed;
   /*
-   Time from reading the position until the force computed from it begins to act, s, at most one tick.
+   Time from reading the position until the force computed from it begins to act, in s, at most one control period.
    */
   ts_si delay;
   /*
-   Mean delay of the current loop's step response, counted from the moment at which a force begins to act, s. `delay` and `lag`
-   together are at most one tick.
+   Mean delay of the current loop's step response, in s, counted from the moment at which a force begins to act. `delay` and
+   `lag` together are at most one control period.
    */
   ts_si lag;
   /*
-   1 if the position is also read when the force changes, for `ts_guard_tick_with_change`; otherwise 0.
+   1 if the position is read a second time when the commanded force changes, for `ts_guard_tick_with_change`; otherwise 0.
    */
   uint32_t change_is_measured;
 } ts_guard_config;
 
 /*
- A guard: coefficients and memory. Initialise it with `ts_guard_init`.
+ An energy guard: coefficients and state. It bounds the energy that a hand can get out of a device. Initialise it with
+ `ts_guard_init`.
  */
 typedef struct {
   uint64_t memory[TS_GUARD_WORDS];
@@ -151,14 +153,14 @@ typedef int32_t ts_force;
 typedef int64_t ts_energy;
 
 /*
- The settings of a wall. Initialise them with `ts_settings_init`.
+ The settings of a virtual wall. Initialise them with `ts_settings_init`.
  */
 typedef struct {
   uint64_t memory[TS_SETTINGS_WORDS];
 } ts_settings;
 
 /*
- A wall: coefficients and memory of estimator, law and guard. Initialise it with `ts_wall_init`.
+ A virtual wall: coefficients and state of velocity estimator, control law and energy guard. Initialise it with `ts_wall_init`.
  */
 typedef struct {
   uint64_t memory[TS_WALL_WORDS];
@@ -169,14 +171,14 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. The properties
- of your own device are set to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. Sets the
+ properties of your own device to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
  */
 ts_status ts_guard_defaults(ts_guard_config *config);
 
 /*
- Initialises a guard as at power-up, with a full energy account: the energy that the hand may get out. Call it once, because each
- call fills the account again.
+ Initialises an energy guard as at power-up, with a full energy account (the energy that a hand may still get out). Call it once,
+ because each call fills the account again.
 
  Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
  */
@@ -184,16 +186,16 @@ ts_status ts_guard_init(ts_guard *guard,
                         const ts_guard_config *config);
 
 /*
- Checks a guard's configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range;
- `message` may be null.
+ Checks the configuration of an energy guard. If it is refused, `message` gets the reason in one line, with the setting's name
+ and range; `message` may be null.
  */
 ts_status ts_guard_check(const ts_guard_config *config,
                          char *message,
                          size_t length);
 
 /*
- Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your control law requests, and
- `*allowed` the force to command. A force that resists a positive `moved` is positive.
+ Runs one control period of the energy guard. `moved` is the displacement since the last call, `wanted` the force that your
+ control law requests, and `*allowed` the force to command. A force that resists a positive `moved` is positive.
 
  The hand gets out at most `capacity + refill * time` more energy than it put in.
  */
@@ -203,8 +205,8 @@ ts_status ts_guard_tick(ts_guard *guard,
                         ts_force *allowed);
 
 /*
- Same as `ts_guard_tick`, for an encoder that is also read when the last force begins to act. `before_change` is the part of
- `moved` up to that second reading.
+ Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to
+ act. `before_change` is the part of `moved` before this second reading.
  */
 ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_position moved,
@@ -213,96 +215,98 @@ ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_force *allowed);
 
 /*
- Reports to the guard that a smaller force than the allowed one was commanded. A larger force counts as the allowed one.
+ Reports to the energy guard that your program commanded a smaller force than the allowed one. A larger force counts as the
+ allowed one.
  */
 ts_status ts_guard_commanded(ts_guard *guard,
                              ts_force force);
 
 /*
- Reports to the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
+ Reports to the guard that the motor was switched off and that no call of `ts_guard_tick` follows until `ts_guard_resume`.
  */
 ts_status ts_guard_switched_off(ts_guard *guard);
 
 /*
- Resumes a guard after the motor was switched off or after an over-speed. The energy account keeps its level: switching on again
- does not fill it.
+ Resumes an energy guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account
+ keeps its level: switching on again does not fill it.
  */
 ts_status ts_guard_resume(ts_guard *guard);
 
 /*
- Reads the energy account: energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill
- and damping have made up for the difference.
+ Reads the energy guard's account, the energy that the hand may still get out, in J times 2^48. It is negative after an
+ over-speed, until the refilling power and the device's damping have made up for the difference.
  */
 ts_status ts_guard_account(ts_guard *guard,
                            ts_energy *account);
 
 /*
- Sets all settings to the defaults: the wall of Touchstone's simulated knob. Change at least what differs on your device.
+ Sets all settings to the defaults, which describe the virtual wall on Touchstone's simulated knob. Change at least those that
+ differ on your device.
  */
 ts_status ts_settings_init(ts_settings *settings);
 
 /*
- Sets one setting by its path and a text, a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
- `"spring-damper"`. Ranges are checked by `ts_settings_check` and `ts_wall_init`.
+ Sets one setting, named by its path, from a text that is a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`;
+ `"law.kind"`, `"spring-damper"`. The range is checked later, by `ts_settings_check` or `ts_wall_init`.
  */
 ts_status ts_settings_set(ts_settings *settings,
                           const char *path,
                           const char *value);
 
 /*
- Sets the encoder's resolution for estimator and guard: counts per turn with all edges counted, at least 1.
+ Sets the encoder's resolution, which speed estimator and energy guard use: counts per turn with all edges counted, at least 1.
  */
 ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
 
 /*
- Checks all settings of a wall together. If they are refused, `message` gets the reason in one line, with the setting's name and
- range; `message` may be null.
+ Checks all settings of a virtual wall together. If they are refused, `message` gets the reason in one line, with the setting's
+ name and range; `message` may be null.
  */
 ts_status ts_settings_check(ts_settings *settings,
                             char *message,
                             size_t length);
 
 /*
- The meaning of a status in words, for a log. Never null.
+ The meaning of a `ts_status` as text, for a log. Never null.
  */
 const char *ts_status_text(int32_t status);
 
 /*
- Initialises a wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not initialised, and
- gives no force.
+ Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not
+ initialised, and gives no force.
  */
 ts_status ts_wall_init(ts_wall *wall,
                        ts_settings *settings);
 
 /*
- Runs one control period: takes the penetration into the wall, positive inside, and gives the force that pushes out. Command the
- negative of the force along the angle, and hold it until the next tick.
+ Runs one control period of a virtual wall: takes the penetration, positive inside the wall, and gives the force that pushes out.
+ Command the negative of the force along the angle, and hold it until the next call.
  */
 ts_status ts_wall_tick(ts_wall *wall,
                        ts_position penetration,
                        ts_force *force);
 
 /*
- Reports to estimator and guard the force that was commanded, if it is smaller than the force that the wall gave.
+ Reports to the wall's estimator and energy guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
  */
 ts_status ts_wall_commanded(ts_wall *wall,
                             ts_force force);
 
 /*
- Reports to the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
+ Reports to the wall that the motor was switched off and that no call of `ts_wall_tick` follows until `ts_wall_resume`.
  */
 ts_status ts_wall_switched_off(ts_wall *wall);
 
 /*
- Resumes the wall when the motor is switched on again, with the same settings or changed ones. The estimator and the law start
- anew; the guard's energy account keeps its level.
+ Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
+ anew; the energy guard's account keeps its level.
  */
 ts_status ts_wall_resume(ts_wall *wall,
                          ts_settings *settings);
 
 /*
- Penetration of an encoder count into a wall with its surface at `surface` in rad: `2 pi count / counts_per_rev - surface`,
- limited to the range of `ts_position`. It is 0 if `counts_per_rev` is 0.
+ Penetration into a wall whose surface is at the angle `surface` (rad): `2 pi count / counts_per_rev - surface`, limited to the
+ range of `ts_position`. It is 0 if `counts_per_rev` is 0.
  */
 ts_position ts_penetration(int64_t count,
                            uint32_t counts_per_rev,

@@ -1,4 +1,5 @@
-//! The energy guard: it bounds the energy that any hand can get out of a device, whatever force the control law requests.
+//! The energy guard for C programs. It bounds the energy that a hand can get out of a device, whatever force the control law
+//! requests.
 
 use crate::memory::{self, Object, assert_room};
 use crate::status::{Words, ts_status};
@@ -10,10 +11,11 @@ use touchstone_control::{
     SettingsError, Si,
 };
 
-/// Number of 64-bit words in a guard's memory.
+/// Size of a `ts_guard` in 64-bit words.
 pub const TS_GUARD_WORDS: usize = 24;
 
-/// A guard: coefficients and memory. Initialise it with `ts_guard_init`.
+/// An energy guard: coefficients and state. It bounds the energy that a hand can get out of a device. Initialise it with
+/// `ts_guard_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_guard {
@@ -28,33 +30,34 @@ unsafe impl Object for ts_guard {
 }
 assert_room!(ts_guard);
 
-/// Properties of the device that the guard needs, and the guard's energy limits. Start from `ts_guard_defaults`.
+/// Properties of the device that the energy guard relies on, and the guard's energy limits. Units in brackets are for a linear
+/// device. Start from `ts_guard_defaults`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 #[allow(non_camel_case_types)]
 pub struct ts_guard_config {
-    /// Control periods (ticks) per second, 1 to 100,000.
+    /// Control periods (calls of `ts_guard_tick`) per second, 1 to 100,000.
     pub rate_hz: u32,
-    /// Largest force that the guard ever allows, N·m (N).
+    /// Largest force that the energy guard lets through, N·m (N).
     pub force_limit: ts_si,
-    /// Step of one encoder count, or twice the largest error of a measured position, rad (m), at most 0.1.
+    /// Step of one encoder count, or twice the largest error of a measured position, in rad (m), at most 0.1.
     pub count: ts_si,
     /// Measured damping of the device alone, without a hand, N·m·s/rad (N·s/m).
     pub damping: ts_si,
-    /// Fraction (0 to 1) of the measured damping that the guard relies on.
+    /// Fraction (0 to 1) of the measured damping that the energy guard relies on.
     pub share_of_damping: ts_si,
-    /// Most energy that the energy account holds, which is the most that a hand can get out at once, J, at most 16.
+    /// Most energy that the energy guard's account holds, in J, at most 16. It is the most that a hand can get out at once.
     pub capacity: ts_si,
-    /// Power that refills the energy account, which is the most that a hand can get out in the long run, W, at most 1.
+    /// Power that refills the energy guard's account, in W, at most 1. It is the most that a hand can get out in the long run.
     pub refill: ts_si,
     /// Largest speed at which the energy bound holds, rad/s (m/s). Above it the guard allows no force until `ts_guard_resume`.
     pub overspeed: ts_si,
-    /// Time from reading the position until the force computed from it begins to act, s, at most one tick.
+    /// Time from reading the position until the force computed from it begins to act, in s, at most one control period.
     pub delay: ts_si,
-    /// Mean delay of the current loop's step response, counted from the moment at which a force begins to act, s. `delay` and `lag`
-    /// together are at most one tick.
+    /// Mean delay of the current loop's step response, in s, counted from the moment at which a force begins to act. `delay` and
+    /// `lag` together are at most one control period.
     pub lag: ts_si,
-    /// 1 if the position is also read when the force changes, for `ts_guard_tick_with_change`; otherwise 0.
+    /// 1 if the position is read a second time when the commanded force changes, for `ts_guard_tick_with_change`; otherwise 0.
     pub change_is_measured: u32,
 }
 
@@ -91,8 +94,8 @@ impl ts_guard_config {
     }
 }
 
-/// Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. The properties
-/// of your own device are set to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. Sets the
+/// properties of your own device to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
@@ -115,8 +118,8 @@ pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
     )
 }
 
-/// Initialises a guard as at power-up, with a full energy account: the energy that the hand may get out. Call it once, because each
-/// call fills the account again.
+/// Initialises an energy guard as at power-up, with a full energy account (the energy that a hand may still get out). Call it once,
+/// because each call fills the account again.
 ///
 /// Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
 #[unsafe(no_mangle)]
@@ -132,8 +135,8 @@ pub extern "C" fn ts_guard_init(guard: *mut ts_guard, config: *const ts_guard_co
     }
 }
 
-/// Checks a guard's configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range;
-/// `message` may be null.
+/// Checks the configuration of an energy guard. If it is refused, `message` gets the reason in one line, with the setting's name
+/// and range; `message` may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_check(
@@ -184,8 +187,8 @@ fn fixed(digits: i32) -> touchstone_control::fixed::types::I8F24 {
     touchstone_control::fixed::types::I8F24::from_bits(digits)
 }
 
-/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your control law requests, and
-/// `*allowed` the force to command. A force that resists a positive `moved` is positive.
+/// Runs one control period of the energy guard. `moved` is the displacement since the last call, `wanted` the force that your
+/// control law requests, and `*allowed` the force to command. A force that resists a positive `moved` is positive.
 ///
 /// The hand gets out at most `capacity + refill * time` more energy than it put in.
 #[unsafe(no_mangle)]
@@ -199,8 +202,8 @@ pub extern "C" fn ts_guard_tick(
     tick(guard, moved, 0, wanted, allowed)
 }
 
-/// Same as `ts_guard_tick`, for an encoder that is also read when the last force begins to act. `before_change` is the part of
-/// `moved` up to that second reading.
+/// Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to
+/// act. `before_change` is the part of `moved` before this second reading.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick_with_change(
@@ -213,7 +216,8 @@ pub extern "C" fn ts_guard_tick_with_change(
     tick(guard, moved, before_change, wanted, allowed)
 }
 
-/// Reports to the guard that a smaller force than the allowed one was commanded. A larger force counts as the allowed one.
+/// Reports to the energy guard that your program commanded a smaller force than the allowed one. A larger force counts as the
+/// allowed one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
@@ -226,7 +230,7 @@ pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> t
     )
 }
 
-/// Reports to the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
+/// Reports to the guard that the motor was switched off and that no call of `ts_guard_tick` follows until `ts_guard_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
@@ -239,8 +243,8 @@ pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Resumes a guard after the motor was switched off or after an over-speed. The energy account keeps its level: switching on again
-/// does not fill it.
+/// Resumes an energy guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account
+/// keeps its level: switching on again does not fill it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
@@ -254,8 +258,8 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Reads the energy account: energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill
-/// and damping have made up for the difference.
+/// Reads the energy guard's account, the energy that the hand may still get out, in J times 2^48. It is negative after an
+/// over-speed, until the refilling power and the device's damping have made up for the difference.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_account(guard: *mut ts_guard, account: *mut ts_energy) -> ts_status {

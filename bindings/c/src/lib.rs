@@ -1,8 +1,8 @@
-//! The energy guard, and walls that contain it, for firmware that is not written in Rust.
+//! The energy guard, and virtual walls that contain it, for firmware that is not written in Rust.
 //!
-//! [`guard`] bounds any force. [`wall`] is a whole wall from encoder count to torque, and [`settings`] are its settings by name.
-//! [`memory`] is the only module that turns memory owned by C into a Rust value. `include/touchstone.h` is generated from this
-//! crate.
+//! [`guard`] bounds the energy of any force. [`wall`] is a whole virtual wall, from encoder count to torque, and [`settings`] sets
+//! its settings by name. [`memory`] is the only module that turns memory owned by C into a Rust value. `include/touchstone.h` is
+//! generated from this crate.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod guard;
@@ -20,11 +20,11 @@ pub type ts_force = i32;
 /// An energy, J times 2^48.
 #[allow(non_camel_case_types)]
 pub type ts_energy = i64;
-/// The value of a setting in its SI unit, times 2^32.
+/// The value of a setting in its SI unit, times 2^32. The macro `TS_SI` makes one from a constant.
 #[allow(non_camel_case_types)]
 pub type ts_si = i64;
 
-/// Panic handler, which a linker without an operating system needs. It is never called, as nothing in this crate panics.
+/// Panic handler, which a linker needs without an operating system. It is never called, because nothing in this crate panics.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

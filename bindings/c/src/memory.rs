@@ -1,31 +1,31 @@
 //! Turns memory that C owns into a Rust value. Only this module reads or writes through a pointer.
 //!
-//! An object of C is an array of 64-bit words. `init` writes a mark and the value into it. Every other call checks the mark first,
-//! so that zeroed or foreign memory is refused. The mark does not show whether memory was partly overwritten.
+//! A C object of this library is an array of 64-bit words. `init` writes a mark and the Rust value into it. Every other call checks
+//! the mark first, so that zeroed or foreign memory is refused. The mark does not show whether memory was partly overwritten.
 #![allow(unsafe_code)]
 
 use crate::status::ts_status;
 use core::ffi::{CStr, c_char};
 
-/// Content of an object's memory: the mark of its type, followed by the value.
+/// Layout of a C object's memory: the mark of its type, followed by the Rust value.
 #[repr(C)]
 pub struct Marked<T> {
     mark: u64,
     value: T,
 }
 
-/// An object of C that holds a Rust value of one type.
+/// A C type, such as `ts_guard`, whose memory holds a Rust value of one type.
 ///
 /// # Safety
-/// The object must be at least as large and as strictly aligned as `Marked<Self::Value>`; `assert_room!` checks it.
+/// The C type must be at least as large and as strictly aligned as `Marked<Self::Value>`; `assert_room!` checks it.
 pub unsafe trait Object: Sized {
-    /// Type of the Rust value that the object's memory holds.
+    /// Type of the Rust value that the C object's memory holds.
     type Value: Copy;
-    /// Number that marks initialised memory of this type; each type has a different one.
+    /// Number that marks initialised memory of this C type; each type has a different number.
     const MARK: u64;
 }
 
-/// Fails to compile if the memory of an object of C is too small for its Rust value.
+/// Fails to compile if the memory of a C type is too small for its Rust value.
 macro_rules! assert_room {
     ($object:ty) => {
         const _: () = {
@@ -37,7 +37,7 @@ macro_rules! assert_room {
 }
 pub(crate) use assert_room;
 
-/// Writes the type's mark and a value into an object's memory.
+/// Writes the mark of its type and a Rust value into a C object's memory.
 pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_status {
     if object.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -51,7 +51,7 @@ pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_statu
     ts_status::TS_OK
 }
 
-/// Removes an object's mark, so that it counts as not initialised until `initialise` writes a new value.
+/// Removes the mark from a C object's memory, so that the object counts as not initialised until `initialise` writes a new value.
 pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     if object.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -61,7 +61,7 @@ pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     Ok(())
 }
 
-/// The Rust value in an object of C. Errors: the pointer is null, or the object was not initialised.
+/// Borrows the Rust value in a C object's memory. Errors: the pointer is null, or the object was not initialised.
 pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, ts_status> {
     if object.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -75,7 +75,7 @@ pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, t
     Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
 }
 
-/// Writes an output value through a pointer that C code passed.
+/// Writes an output value through a pointer that C code passed. Error: the pointer is null.
 pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     if place.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -85,7 +85,7 @@ pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     ts_status::TS_OK
 }
 
-/// Reads an input structure through a pointer of C.
+/// Reads an input structure through a pointer that C code passed. Error: the pointer is null.
 pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
     if place.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -94,7 +94,7 @@ pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
     Ok(unsafe { place.read() })
 }
 
-/// The text of a C string. Errors: the pointer is null, or the text is not UTF-8.
+/// Borrows the text of a C string. Errors: the pointer is null, or the text is not UTF-8.
 pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
     if text.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -104,7 +104,7 @@ pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
     text.to_str().map_err(|_| ts_status::TS_BAD_VALUE)
 }
 
-/// A text buffer of C as a slice; empty for a null pointer.
+/// Borrows a C text buffer of `length` bytes as a slice; the slice is empty for a null pointer.
 pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     if place.is_null() || length == 0 {
         return &mut [];

@@ -1,4 +1,4 @@
-//! All settings of a wall, by the names that scene files and boards use.
+//! All settings of a virtual wall, by the names (paths) that scene files and boards use.
 
 use crate::memory::{self, Object, assert_room};
 use crate::status::{Words, ts_status};
@@ -6,10 +6,10 @@ use core::ffi::c_char;
 use core::fmt::Write as _;
 use touchstone_control::{Controller, Fixed32, NotSet, PositionSettings, Settings};
 
-/// Number of 64-bit words in the settings' memory.
+/// Size of a `ts_settings` in 64-bit words.
 pub const TS_SETTINGS_WORDS: usize = 64;
 
-/// The settings of a wall. Initialise them with `ts_settings_init`.
+/// The settings of a virtual wall. Initialise them with `ts_settings_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_settings {
@@ -24,15 +24,16 @@ unsafe impl Object for ts_settings {
 }
 assert_room!(ts_settings);
 
-/// Sets all settings to the defaults: the wall of Touchstone's simulated knob. Change at least what differs on your device.
+/// Sets all settings to the defaults, which describe the virtual wall on Touchstone's simulated knob. Change at least those that
+/// differ on your device.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_init(settings: *mut ts_settings) -> ts_status {
     memory::initialise(settings, Settings::default())
 }
 
-/// Sets one setting by its path and a text, a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
-/// `"spring-damper"`. Ranges are checked by `ts_settings_check` and `ts_wall_init`.
+/// Sets one setting, named by its path, from a text that is a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`;
+/// `"law.kind"`, `"spring-damper"`. The range is checked later, by `ts_settings_check` or `ts_wall_init`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set(
@@ -54,7 +55,7 @@ pub extern "C" fn ts_settings_set(
     }
 }
 
-/// Sets the encoder's resolution for estimator and guard: counts per turn with all edges counted, at least 1.
+/// Sets the encoder's resolution, which speed estimator and energy guard use: counts per turn with all edges counted, at least 1.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set_counts_per_rev(
@@ -71,8 +72,8 @@ pub extern "C" fn ts_settings_set_counts_per_rev(
     }
 }
 
-/// Checks all settings of a wall together. If they are refused, `message` gets the reason in one line, with the setting's name and
-/// range; `message` may be null.
+/// Checks all settings of a virtual wall together. If they are refused, `message` gets the reason in one line, with the setting's
+/// name and range; `message` may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_check(

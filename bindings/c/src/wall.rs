@@ -1,4 +1,4 @@
-//! A whole wall: estimator, law and guard, from penetration to force.
+//! A whole virtual wall for C programs, from penetration to force: velocity estimator, control law and energy guard.
 
 use crate::memory::{self, Object, assert_room};
 use crate::settings::ts_settings;
@@ -7,10 +7,10 @@ use crate::{ts_force, ts_position, ts_si};
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Position, Si};
 
-/// Number of 64-bit words in a wall's memory.
+/// Size of a `ts_wall` in 64-bit words.
 pub const TS_WALL_WORDS: usize = 160;
 
-/// A wall: coefficients and memory of estimator, law and guard. Initialise it with `ts_wall_init`.
+/// A virtual wall: coefficients and state of velocity estimator, control law and energy guard. Initialise it with `ts_wall_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_wall {
@@ -25,8 +25,8 @@ unsafe impl Object for ts_wall {
 }
 assert_room!(ts_wall);
 
-/// Initialises a wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not initialised, and
-/// gives no force.
+/// Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not
+/// initialised, and gives no force.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
@@ -40,8 +40,8 @@ pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -
     }
 }
 
-/// Runs one control period: takes the penetration into the wall, positive inside, and gives the force that pushes out. Command the
-/// negative of the force along the angle, and hold it until the next tick.
+/// Runs one control period of a virtual wall: takes the penetration, positive inside the wall, and gives the force that pushes out.
+/// Command the negative of the force along the angle, and hold it until the next call.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_tick(
@@ -67,7 +67,7 @@ pub extern "C" fn ts_wall_tick(
     }
 }
 
-/// Reports to estimator and guard the force that was commanded, if it is smaller than the force that the wall gave.
+/// Reports to the wall's estimator and energy guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_status {
@@ -80,7 +80,7 @@ pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_s
     )
 }
 
-/// Reports to the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
+/// Reports to the wall that the motor was switched off and that no call of `ts_wall_tick` follows until `ts_wall_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
@@ -93,8 +93,8 @@ pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
     )
 }
 
-/// Resumes the wall when the motor is switched on again, with the same settings or changed ones. The estimator and the law start
-/// anew; the guard's energy account keeps its level.
+/// Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
+/// anew; the energy guard's account keeps its level.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
@@ -111,8 +111,8 @@ pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings)
     }
 }
 
-/// Penetration of an encoder count into a wall with its surface at `surface` in rad: `2 pi count / counts_per_rev - surface`,
-/// limited to the range of `ts_position`. It is 0 if `counts_per_rev` is 0.
+/// Penetration into a wall whose surface is at the angle `surface` (rad): `2 pi count / counts_per_rev - surface`, limited to the
+/// range of `ts_position`. It is 0 if `counts_per_rev` is 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_penetration(count: i64, counts_per_rev: u32, surface: ts_si) -> ts_position {

@@ -1,4 +1,4 @@
-//! Tests the library as a C program uses it: compiled by the system's C compiler, linked, and run.
+//! Tests the C library as a C program uses it: the system's C compiler compiles and links test programs, which are then run.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,7 +10,7 @@ use touchstone_control::{
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Path of the static library in the profile that this test was built with; cargo builds it beside the test.
+/// Path of the static C library, which cargo builds next to this test and in the same profile.
 fn library() -> PathBuf {
     let test = std::env::current_exe().expect("this test's path");
     let folder = test.parent().expect("deps");
@@ -26,7 +26,7 @@ fn library() -> PathBuf {
     newest.expect("libtouchstone_c.a beside the test")
 }
 
-/// Compiles a C file with warnings as errors, and runs it. Without a C compiler it prints a note and returns `None`.
+/// Compiles a C file with warnings as errors, and runs the program. Without a C compiler it prints a note and returns `None`.
 fn run(name: &str, source: &Path, flags: &[&str]) -> Option<std::process::Output> {
     if Command::new("cc").arg("--version").output().is_err() {
         eprintln!("not run: no C compiler `cc` here");
@@ -68,7 +68,7 @@ fn the_guard_holds_an_end_stop_that_runs_away_without_it() {
     }
 }
 
-/// Digest of the million ticks of `examples/hostile.c`, calculated by the Rust code.
+/// Repeats the million control periods of `examples/hostile.c` in Rust and returns the digest that the C program must print.
 fn digest_of_the_rust_code() -> u64 {
     let mut state = 0x2545_F491_u32;
     let mut next = || {

@@ -1,4 +1,4 @@
-//! Checks that `include/touchstone.h` is what the generator makes from the source.
+//! Checks that `include/touchstone.h` is equal to the header that cbindgen generates from the source.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-/* What a wrong call does: an answer, and no force. Exits with the number of the first line that is not as stated. */
+/* Tests that wrong calls return the right status and a force of 0. Prints the number of the first line that fails, and exits with 1. */
 #include "touchstone.h"
 #include <stdio.h>
 #include <string.h>
@@ -37,7 +37,7 @@ int main(void) {
   IS(ts_guard_init(NULL, &config), TS_NULL_POINTER);
   IS(ts_guard_defaults(NULL), TS_NULL_POINTER);
 
-  /* What only the user knows of the device has no default. */
+  /* Properties of the user's device have no default. */
   IS(ts_guard_defaults(&config), TS_OK);
   IS(ts_guard_init(&guard, &config), TS_OUT_OF_RANGE);
   IS(ts_guard_check(&config, words, sizeof words), TS_OUT_OF_RANGE);
@@ -54,7 +54,7 @@ int main(void) {
   IS(ts_guard_tick(&guard, 0, 1 << 20, &force), TS_OK);
   IS(force > 0, 1);
 
-  /* Overspeed: no force until it is resumed; a refused configuration leaves no guard behind. */
+  /* After an over-speed the force is 0 until `ts_guard_resume`. After a refused configuration the guard is not initialised. */
   IS(ts_guard_tick(&guard, 1 << 30, 1 << 20, &force), TS_OVERSPEED);
   IS(force, 0);
   IS(ts_guard_tick(&guard, 0, 1 << 20, &force), TS_OVERSPEED);

@@ -1,7 +1,8 @@
-"""MuJoCo's knob against a contact that gains energy, with and without the guard in its loop.
+"""A knob simulated in MuJoCo hits a contact that gains energy, with and without the energy guard in the loop.
 
 A hand throws a knob into a stiff spring and lets go. The spring's torque is calculated at 1 kHz from the encoder's angle and acts one tick late, as
-over a USB link, so each bounce gives the knob energy. The guard bounds the torque between spring and motor. It knows only its four assumptions.
+over a USB link, so each bounce gives the knob energy. The guard bounds the torque between spring and motor. It knows the knob's damping and encoder, but
+not the springs.
 
     pip install touchstone-haptics mujoco
     python mujoco_knob.py

@@ -1,4 +1,4 @@
-//! The energy guard and the walls for Python, tick by tick and for whole arrays.
+//! The energy guard and the virtual wall as Python classes. Methods run one control period, or many for whole arrays.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -8,14 +8,14 @@ use touchstone_control::{
     Guarded, GuardedDevice, NotSet, Number, Position, PositionSettings, Settings, Si,
 };
 
-/// A Python number as a setting.
+/// Converts a Python number to the value of a setting; `name` names the setting in the error.
 fn si(name: &str, value: f64) -> PyResult<Si> {
     Si::checked_from_num(value).ok_or_else(|| {
         PyValueError::new_err(format!("{name} = {value}: give a finite number below 2e9"))
     })
 }
 
-/// A position in rad (m), rounded to the nearest quantum; beyond ±128 it saturates.
+/// Converts a position in rad (m) to fixed point, rounded to the nearest 2^-24; it saturates at ±128.
 fn position(value: f64) -> PyResult<Position<Fixed32>> {
     Ok(Position(Fixed32::saturating_signal(finite(
         "a position",
@@ -23,7 +23,7 @@ fn position(value: f64) -> PyResult<Position<Fixed32>> {
     )?)))
 }
 
-/// A force in N·m (N), rounded to the nearest quantum; beyond ±128 it saturates.
+/// Converts a torque in N·m (force in N) to fixed point, rounded to the nearest 2^-24; it saturates at ±128.
 fn force(value: f64) -> PyResult<Force<Fixed32>> {
     Ok(Force(Fixed32::saturating_signal(finite("a force", value)?)))
 }
@@ -35,12 +35,12 @@ fn finite(what: &str, value: f64) -> PyResult<Si> {
     Ok(Si::saturating_from_num(value))
 }
 
-/// A setting as a Python number. It is exact for positions and forces, whose formats have 24 fractional bits.
+/// Converts a fixed-point value to a Python number. Positions and forces convert exactly, because they have 24 fractional bits.
 fn number(value: impl Into<Si>) -> f64 {
     value.into().to_num()
 }
 
-/// Bounds the energy that a hand can get out of a device, whatever force the law requests.
+/// Bounds the energy that a hand can get out of a haptic device, whatever force the control law requests.
 ///
 /// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in. This holds if the device has the stated damping,
 /// encoder and delay, and its motor gives the commanded torque. Units are rad and N·m; with m and N the same numbers serve a linear
@@ -106,10 +106,10 @@ impl PyGuard {
         })
     }
 
-    /// Runs one control period: takes the displacement since the last tick and the requested force, returns the force to command.
+    /// Runs one control period: takes the displacement since the last call and the requested force, returns the force to command.
     ///
-    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last force took
-    /// effect, for an encoder that was read at that moment too.
+    /// A force that resists a positive motion is positive. `before_change_rad` is for an encoder that is also read when the last
+    /// force begins to act: the part of `moved_rad` before that moment.
     #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
     fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
         let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
@@ -117,7 +117,7 @@ impl PyGuard {
         Ok(number(allowed.0))
     }
 
-    /// Runs many control periods: takes arrays of displacements and requested forces, returns an array of forces.
+    /// Runs many control periods: takes arrays of displacements and requested forces, returns an array of the forces to command.
     fn ticks<'py>(
         &mut self,
         py: Python<'py>,
@@ -148,36 +148,37 @@ impl PyGuard {
         Ok(PyArray1::from_vec(py, allowed))
     }
 
-    /// Reports that a smaller force than allowed was commanded.
+    /// Reports that a smaller force than the allowed one was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
     }
 
-    /// Reports that the motor was switched off, and that no tick follows until `resume`.
+    /// Reports that the motor was switched off, and that no call of `tick` follows until `resume`.
     fn switched_off(&mut self) {
         self.inner.switched_off();
     }
 
-    /// Resumes a guard that was switched off or tripped; the energy account keeps its level.
+    /// Resumes the energy guard after the motor was switched off or after an over-speed; the energy account keeps its level.
     fn resume(&mut self) {
         self.inner = Guarded::new(self.inner.guard).resumed(&self.inner);
     }
 
-    /// Energy that the hand may still get out, J.
+    /// Level of the energy guard's account: energy in J that the hand may still get out.
     #[getter]
     fn account_j(&self) -> f64 {
         self.inner.account().0.to_num()
     }
 
-    /// Whether the device was faster than the guard's speed limit; the force is 0 until `resume`.
+    /// Whether the device was faster than `overspeed_rad_per_s`; the allowed force is then 0 until `resume`.
     #[getter]
     fn tripped(&self) -> bool {
         self.inner.tripped
     }
 }
 
-/// A whole wall: estimator, law and guard, in the firmware's fixed-point arithmetic, with results equal to the last bit.
+/// A whole virtual wall: velocity estimator, control law and energy guard. It computes in the firmware's fixed-point arithmetic,
+/// with results equal to the last bit.
 #[pyclass(name = "Wall", module = "touchstone", subclass)]
 struct PyWall {
     inner: Controller<Fixed32>,
@@ -226,18 +227,20 @@ impl PyWall {
         })
     }
 
-    /// Runs one control period: takes the penetration, positive inside, and returns the force that pushes out.
+    /// Runs one control period: takes the penetration in rad, positive inside the wall, and returns the force in N·m that pushes
+    /// out.
     fn tick(&mut self, penetration_rad: f64) -> PyResult<f64> {
         Ok(number(self.inner.tick(position(penetration_rad)?).0))
     }
 
-    /// Runs one control period: takes an encoder count, and returns the torque along the angle to command until the next tick.
+    /// Runs one control period: takes an encoder count, and returns the torque in N·m along the angle to command until the next
+    /// call.
     fn tick_count(&mut self, count: i64) -> f64 {
         let penetration = self.scale.penetration(count);
         -number(self.inner.tick(penetration).0)
     }
 
-    /// Runs many control periods: takes an array of penetrations, returns an array of forces.
+    /// Runs many control periods: takes an array of penetrations in rad, returns an array of forces in N·m that push out.
     fn ticks<'py>(
         &mut self,
         py: Python<'py>,
@@ -258,18 +261,19 @@ impl PyWall {
         Ok(PyArray1::from_vec(py, forces))
     }
 
-    /// Reports to estimator and guard that a smaller force than the wall's was commanded.
+    /// Reports to the wall's estimator and energy guard that a smaller force than the wall's was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
     }
 
-    /// Reports that the motor was switched off, and that no tick follows until `resume`.
+    /// Reports that the motor was switched off, and that no call of `tick` follows until `resume`.
     fn switched_off(&mut self) {
         self.inner.switched_off();
     }
 
-    /// Resumes the wall; all memory is new except the level of the guard's energy account.
+    /// Resumes the wall after the motor was switched off. Estimator and control law start anew; the energy guard's account keeps
+    /// its level.
     fn resume(&mut self) -> PyResult<()> {
         let fresh = Controller::new(&self.settings)
             .map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?;
@@ -277,7 +281,7 @@ impl PyWall {
         Ok(())
     }
 
-    /// Energy that the hand may still get out, J; `None` if the guard is off.
+    /// Level of the energy guard's account: energy in J that the hand may still get out; `None` if the guard is off.
     #[getter]
     fn account_j(&self) -> Option<f64> {
         self.inner
@@ -286,7 +290,7 @@ impl PyWall {
             .map(|guard| guard.account().0.to_num())
     }
 
-    /// Whether the guard has switched the force off because of over-speed.
+    /// Whether the energy guard has switched the force off because the device was too fast.
     #[getter]
     fn tripped(&self) -> bool {
         self.inner.tripped()
@@ -298,7 +302,7 @@ impl PyWall {
         self.settings.law.word()
     }
 
-    /// Descriptions of the passivity bounds that the settings exceed.
+    /// Descriptions of the passivity conditions (bounds on stiffness and damping) that the settings violate.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.settings.warnings().map(|it| it.to_string()).collect()

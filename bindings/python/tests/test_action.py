@@ -1,4 +1,4 @@
-"""Tests the script of the action in bindings/ci, without running pip. Skipped if the program or bash is missing."""
+"""Tests the script of the GitHub action in bindings/ci, without running pip. Skipped if the program or bash is missing."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ if shutil.which("bash") is None:
 
 
 def script():
-    """The action's script: the text below ``run: |``."""
+    """Returns the action's shell script: the text below ``run: |`` in its YAML file."""
     text = (Path(__file__).parents[2] / "ci" / "action.yml").read_text(encoding="utf-8")
     return "".join(line[8:] + "\n" for line in text.split("      run: |\n")[1].splitlines())
 

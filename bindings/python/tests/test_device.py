@@ -1,4 +1,4 @@
-"""Tests a teleoperation device whose follower's forces arrive late."""
+"""Tests ``GuardedDevice`` with a teleoperation handle whose follower's forces arrive late."""
 
 import math
 
@@ -9,7 +9,7 @@ STEP = 1e-3
 
 
 class Handle:
-    """A handle of 1e-3 kg·m² with little damping, thrown and let go."""
+    """A simulated handle of 1e-3 kg·m² with little damping, which a hand throws and lets go."""
 
     def __init__(self, speed=5.0):
         self.angle, self.speed, self.torque = 0.0, speed, 0.0
@@ -36,7 +36,7 @@ SETTINGS = dict(
 
 
 def most_energy(write_of, ticks=3000, late=20):
-    """Runs the handle with a spring to its start that acts 20 ms late and so gains energy with every swing. Returns its largest energy, J."""
+    """Simulates the handle on a spring whose force acts 20 ms late, so that the handle gains energy with every swing. Returns the handle's largest energy, J."""
     handle = Handle()
     step = write_of(handle)
     past = [0.0] * late

@@ -1,4 +1,4 @@
-"""For a shipped scene, package and program give the same numbers to the last bit. Skipped if the program is missing."""
+"""Tests that the Python package and the program give the same numbers to the last bit for a shipped scene. Skipped if the program is missing."""
 
 import json
 import subprocess
@@ -28,7 +28,7 @@ def test_three_axes_have_the_programs_results_and_no_trace(scene):
 
 @pytest.fixture(scope="module", params=SCENES)
 def both(request, tmp_path_factory):
-    """Results of a scene from the package, and what the program printed and wrote for the same scene."""
+    """Results of a scene from the Python package, and the output and files of the program for the same scene."""
     folder = tmp_path_factory.mktemp("run") / request.param
     words = [touchstone.program(), "run", request.param, "--json", "--out", str(folder)]
     printed = subprocess.run(words, check=True, capture_output=True).stdout

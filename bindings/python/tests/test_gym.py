@@ -1,4 +1,4 @@
-"""Tests the Gymnasium environments. Skipped without gymnasium."""
+"""Tests the Gymnasium environments with a simulated knob. Skipped without gymnasium."""
 
 import math
 import warnings

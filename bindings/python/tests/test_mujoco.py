@@ -1,4 +1,4 @@
-"""Tests the example of MuJoCo's knob with the guard in its loop. Skipped without mujoco."""
+"""Tests the example of a knob in MuJoCo with the energy guard in its loop. Skipped without mujoco."""
 
 import runpy
 from pathlib import Path

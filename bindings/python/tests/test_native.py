@@ -1,4 +1,4 @@
-"""Tests the guard and the walls from Python."""
+"""Tests the Python classes ``Guard`` (energy guard) and ``Wall`` (virtual wall)."""
 
 import math
 import random
@@ -39,7 +39,7 @@ def test_counts_are_penetrations():
 
 
 def energy_out(moved, forces):
-    """The most energy that any window of ticks gave to the hand, J, with each force acting until the next tick."""
+    """The most energy that the hand got in any time window, J. Each force acts until the next control period."""
     worst = total = 0.0
     for step, force in zip(moved[1:], forces):
         total = max(0.0, total - force * step)
@@ -49,7 +49,7 @@ def energy_out(moved, forces):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_window_gives_more_than_the_promise(seed):
-    """With positive feedback as law, a hand that exploits it gets no more energy out than the bound."""
+    """Checks that a hand gets no more energy out than the guard's bound, if the control law is positive feedback that the hand exploits."""
     chance, stage = random.Random(seed), guard(damping_n_m_s_per_rad=1e-9, refill_w=0.0, count_rad=0.0)
     moved, forces, speed = [], [], 0.0
     for _ in range(5_000):

@@ -1,4 +1,4 @@
-"""Tests the simulator from Python. Skipped if the program is missing."""
+"""Tests the Python functions that run the simulator. Skipped if the program is missing."""
 
 import concurrent.futures
 

@@ -1,4 +1,4 @@
-"""Tests sweeps whose parts run on executors. Skipped if the program is missing."""
+"""Tests sweeps over two settings whose parts run on executors. Skipped if the program is missing."""
 
 import concurrent.futures
 import functools
@@ -63,7 +63,7 @@ def test_a_scene_as_a_dict_goes_to_the_workers(tmp_path):
 
 
 def _killed_once(flag, *words):
-    """Computes a part; the worker of the first call is killed."""
+    """Computes a part of a sweep; at the first call, kills the worker process that runs it."""
     if not Path(flag).exists():
         Path(flag).write_text("")
         os.kill(os.getpid(), signal.SIGKILL)

@@ -1,10 +1,9 @@
-//! Replaces an environment (walls and detents) by another while a hand touches it.
+//! Replaces an environment (walls, detents, torque profile) by another while a hand touches it.
 //!
-//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference between
-//! the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: `f(n) = g(n) + d(n)` with
-//! `|d(n+1)| <=
-//! |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T` per tick to the changes that `g` makes by
-//! itself.
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference `d`
+//! between the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: the commanded force
+//! is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T`
+//! per tick of length `T` to the changes that `g` makes by itself.
 //!
 //! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
 //! hand that is deep inside it, the wall pushes the hand out with the energy in the account and no more.
@@ -12,19 +11,21 @@
 use super::{Environment, Reading, WallSettings};
 use crate::{Controller, Energy, Force, Number, Si};
 
-/// The difference between the force of a replaced environment and that of the new one, while it fades.
+/// The difference between the last force of a replaced environment (walls and detents) and the force of the new one, while it
+/// fades.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Carried<N: Number> {
-    /// The last force before the change, kept until the first tick after it.
+    /// The last force before the change of environment, kept until the first tick after the change.
     before: Option<Force<N>>,
-    /// The force that is added to the new walls' own force until it has faded to zero.
+    /// The force that is added to the new environment's own force until it has faded to zero.
     left: Force<N>,
     /// The added force shrinks by this much per tick.
     per_tick: Force<N>,
 }
 
 impl<N: Number> Environment<N> {
-    /// The largest change of force per tick for a rate in N·m/s (N/s); at least one step of the number format.
+    /// The largest change of force per tick that keeps within a rate in N·m/s (N/s), at a control rate in Hz; at least one step of
+    /// the number format.
     #[must_use]
     pub fn change_per_tick(rate: Si, rate_hz: u32) -> Force<N> {
         let ticks = Si::saturating_from_num(rate_hz.max(1));
@@ -36,8 +37,8 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// Clears all memory in place at the beginning of an arming. The guard starts with the given energy in its account, or keeps
-    /// its own if none is given.
+    /// Clears all memory in place when the force is switched on (arming). The guard's energy account starts at the given energy, or
+    /// is kept if none is given.
     pub fn begin(&mut self, account: Option<Energy<N>>) {
         for wall in self.walls.iter_mut().flatten() {
             wall.forget();
@@ -52,8 +53,8 @@ impl<N: Number> Environment<N> {
         self.carried = None;
     }
 
-    /// Replaces a running environment that has the same settings of law and guard. Walls that are in both environments keep their
-    /// memory.
+    /// Continues with this environment in the place of a running one, `before`, that has the same settings of law and guard. Walls
+    /// that are in both environments keep their memory. The difference of the forces fades by `per_tick` per tick.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before
@@ -71,8 +72,8 @@ impl<N: Number> Environment<N> {
         self.carry(before.shown, per_tick);
     }
 
-    /// Same as [`Environment::take_over`], in the place of a single wall that is solid above its surface. Needs that wall, the
-    /// position of its last tick, and the force of that tick.
+    /// Same as [`Environment::take_over`], where a single wall that is solid above its surface ran before. Takes that wall, and the
+    /// position and force of its last tick.
     pub fn take_over_from(
         &mut self,
         before: &Controller<N>,
@@ -99,14 +100,15 @@ impl<N: Number> Environment<N> {
         });
     }
 
-    /// Adds the fading force of the replaced environment to the walls' own force.
+    /// Adds to the walls' own force what is left of the fading difference to the replaced environment's force.
     #[cold]
     #[inline(never)]
     pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {
         let Some(carried) = &mut self.carried else {
             return own;
         };
-        // The walls' force as it could be shown: what is beyond the limit is none that has to be let go of.
+        // The new walls' force within the force limit: a force beyond the limit is never commanded, so no difference to it has to
+        // fade.
         let own = own.within(self.limit);
         carried.left = match carried.before.take() {
             Some(before) => before - own,

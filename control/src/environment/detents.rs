@@ -14,7 +14,7 @@ pub enum Spacing {
     /// This number of detents per turn, 1 to 6283. Their positions are the same at every turn, bit for bit.
     PerTurn(u16),
     /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch and its inverse are rounded to 2^-33. After
-    /// 100,000 detents that is an error of some 1e-5 of a pitch.
+    /// 100,000 detents the position is wrong by some 1e-5 of a pitch.
     Pitch(Si),
 }
 
@@ -30,31 +30,32 @@ pub struct DetentSettings {
 }
 
 /// Detents whose force over the position is a triangle wave. The force is 0 at a detent, where the device rests. It is largest a
-/// quarter of a pitch to either side, and 0 again halfway between two detents.
+/// quarter of a pitch (distance between detents) to either side, and 0 again halfway between two detents.
 ///
 /// The force has no jump, so a device halfway between two detents does not chatter. It depends on the position alone: the work over
-/// a whole pitch is 0, and from a detent to the halfway point it is `A P/4` (strength `A`, pitch `P`). The guard counts the energy
-/// that sampling adds, as with walls.
+/// a whole pitch is 0, and from a detent to the halfway point it is `A P/4` (largest force `A`, pitch `P`). Sampling the position
+/// adds energy, as with walls; the energy guard counts it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
     place: Place,
-    /// The strength `A`, as a factor that turns the triangle wave into a force.
+    /// The largest force of the detents, as a factor that turns the triangle wave into a force.
     strength: Compliance<N>,
 }
 
-/// Positions of the detents.
+/// Where the detents are: around a turn, or along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in 2^-32.
+    /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in units of
+    /// 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// Detents along an axis: the inverse of their pitch, and the position of one detent.
+    /// Detents along an axis: 1 over the distance between neighbours, and the position of one detent.
     Axis { per_pitch: u64, centre: Si },
 }
 
-/// A quarter of a pitch, in 2^-32 of a pitch.
+/// A quarter of the distance between two detents (pitch), in units of 2^-32 of that distance.
 const QUARTER: u32 = 1 << 30;
 
-/// The most detents per turn, which is the number with the smallest pitch.
+/// The most detents per turn: more would be closer than the smallest allowed distance between detents.
 pub(super) const MOST: u16 = 6283;
 
 impl DetentSettings {
@@ -68,11 +69,11 @@ impl DetentSettings {
         }
     }
 
-    /// Checks the settings, and computes the coefficients.
+    /// Checks the settings, and computes the coefficients. `limit` is the force limit in N·m.
     ///
     /// # Errors
-    /// The pitch is not from 0.001 to 6.283 rad, the number is not from 1 to 6283 per turn, or the largest force is not from 0 to
-    /// the force limit.
+    /// The distance between detents is not from 0.001 to 6.283 rad, their number is not from 1 to 6283 per turn, or the largest
+    /// force is not from 0 to the force limit.
     pub(super) fn detents<N: Number>(&self, limit: Si) -> Result<Detents<N>, Refused> {
         let place = match self.spacing {
             Spacing::PerTurn(per_turn) => {
@@ -89,7 +90,7 @@ impl DetentSettings {
                 if pitch < FINEST || pitch > COARSEST {
                     return Err(Refused::Pitch(pitch));
                 }
-                // To the nearest: 2^64 over the pitch with its 32 digits.
+                // Calculates 2^64 over the pitch, which has 32 fractional bits, rounded to the nearest.
                 let pitch = u128::from(pitch.to_bits().unsigned_abs());
                 let per_pitch = (1_u128 << 64)
                     .wrapping_add(pitch / 2)
@@ -116,8 +117,8 @@ impl DetentSettings {
 }
 
 impl<N: Number> Detents<N> {
-    /// The detents' force against `+x` at a position, at most the strength. At the mirrored position about a detent's centre the
-    /// force is the exact negative.
+    /// The detents' force at a position, positive against `+x` and at most the largest force of the settings. At the mirrored
+    /// position about a detent's centre the force is the exact negative.
     #[inline]
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
@@ -128,13 +129,13 @@ impl<N: Number> Detents<N> {
         } else {
             QUARTER.wrapping_mul(2).wrapping_sub(size)
         };
-        // A quarter of a pitch as one.
+        // The distance as a fraction of a quarter of the pitch.
         let share = N::saturating_signal(Si::from_bits(i64::from(from_rest) << 2));
         let force = Force(N::scale(self.strength.0, share));
         if beyond < 0 { -force } else { force }
     }
 
-    /// Distance from the nearest detent, as a fraction of the distance to the next, in 2^-32.
+    /// Distance from the nearest detent, as a fraction of the distance between detents, in units of 2^-32.
     #[inline]
     fn beyond(&self, at: &impl Reading<N>) -> i32 {
         match self.place {
@@ -146,7 +147,8 @@ impl<N: Number> Detents<N> {
     }
 }
 
-/// Same as [`Detents::beyond`], for detents that are set by a pitch. It needs 64-bit arithmetic, so it is kept out of the usual path.
+/// Same as [`Detents::beyond`], for detents whose distance is set as an angle. It needs 64-bit arithmetic, so it is a function of
+/// its own beside the faster usual path.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {

@@ -15,7 +15,8 @@ crate::choice! {
 }
 
 impl Side {
-    /// Converts a force along the axis to the wall's own direction, or back: the sign changes for a wall that is solid below.
+    /// Converts a force out of the wall to a force against `+x`, and back. The sign changes for a wall that is solid below its
+    /// surface.
     #[inline(always)]
     #[must_use]
     pub fn seen<N: Number>(self, force: Force<N>) -> Force<N> {
@@ -29,30 +30,30 @@ impl Side {
 /// Position and solid side of a wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Face {
-    /// Position of the surface, `x_s`, rad (m).
+    /// Position of the wall's surface, rad (m).
     pub surface: Si,
     /// The side of the surface on which the wall is solid.
     pub side: Side,
 }
 
-/// A surface whose angle is split into whole turns and the rest. It lets positions, which reach ±128 rad, be measured from a
-/// surface far away.
+/// A surface whose angle is split into whole turns and the rest. The number format of positions ends at ±128 rad; by the split,
+/// positions are measured from a surface far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// Whole turns from zero; 0 for a surface within ±`FROM_ZERO`.
     pub turns: i32,
-    /// The surface, with the angle that remains beyond the whole turns.
+    /// The surface at the angle that remains beyond the whole turns, with its solid side.
     pub face: Face,
 }
 
-/// Largest angle in rad, to either side, of a surface that is measured directly from zero.
+/// A surface within this angle of zero, rad, is measured from zero; one further away is measured from a number of whole turns.
 const FROM_ZERO: Si = Si::lit("100");
 
 /// A turn in rad with 64 fractional bits.
 const TURN: u128 = 0x6_487e_d511_0b46_11a6;
 
 impl Face {
-    /// Splits the surface's angle into the nearest number of whole turns and the rest, if it is beyond `FROM_ZERO`.
+    /// Splits the surface's angle into the nearest number of whole turns and the rest, if it is more than `FROM_ZERO` from zero.
     #[must_use]
     pub fn reached(self) -> Reached {
         if self.surface.saturating_abs() <= FROM_ZERO {
@@ -64,7 +65,7 @@ impl Face {
         let size = u128::from(self.surface.to_bits().unsigned_abs()) << Si::FRAC_NBITS;
         let turns = size.wrapping_add(TURN / 2) / TURN;
         let whole = turns.wrapping_mul(TURN).wrapping_add(1 << 31) >> Si::FRAC_NBITS;
-        // An angle has at most 2^31 rad, and a turn more than 6.
+        // An angle is at most 2^31 rad and a turn more than 6 rad, so the number of turns fits 32 bits.
         let (turns, whole) = (turns as i32, Si::from_bits(whole as i64));
         let (turns, whole) = if self.surface < Si::ZERO {
             (turns.wrapping_neg(), whole.saturating_neg())
@@ -79,10 +80,10 @@ impl Face {
     }
 }
 
-/// Position of an angle within its turn, as a fraction of the turn in 2^-32. The negative angle gives the exact negative.
+/// Position of an angle within its turn, as a fraction of the turn in units of 2^-32. The negative angle gives the exact negative.
 #[must_use]
 pub fn turn_of(angle: Si) -> i32 {
-    // 2^64/2π, to the nearest.
+    // The number of turns per radian in units of 2^-64 (2^64/2π), rounded to the nearest.
     const PER_RADIAN: u128 = 0x28be_60db_9391_054a;
     let shares = u128::from(angle.to_bits().unsigned_abs())
         .wrapping_mul(PER_RADIAN)
@@ -96,11 +97,11 @@ pub fn turn_of(angle: Si) -> i32 {
     .cast_signed()
 }
 
-/// A measured position. All methods must give exactly the mirrored values, bit for bit, for the mirrored position.
+/// A measured position of the device. For the mirrored position, every method must give exactly the mirrored value, bit for bit.
 pub trait Reading<N: Number> {
     /// Position along the axis, rad (m).
     fn angle(&self) -> Si;
-    /// The position within its turn, as [`turn_of`] gives it.
+    /// The position within its turn, as a fraction of the turn in units of 2^-32; see [`turn_of`].
     #[inline]
     fn turn(&self) -> i32 {
         turn_of(self.angle())
@@ -117,7 +118,7 @@ pub trait Reading<N: Number> {
 /// A position measured by an encoder, as a count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counted {
-    /// The conversion from the encoder's counts to angles. Its own surface is not used.
+    /// The conversion from the encoder's counts to angles. The wall surface that belongs to a [`CountScale`] is not used.
     pub scale: CountScale,
     /// The encoder's count.
     pub count: i64,

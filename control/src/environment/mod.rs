@@ -44,17 +44,17 @@ use crate::{
 /// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
 
-/// Angle in rad, to either side, from which on no force is commanded. At the end of [`Si`] a measured angle stands still while the
-/// device moves on. This limit lies before that end, by twice the largest displacement that any guard accepts per tick (1,000 rad/s
-/// at one tick per second) and some counts.
+/// Angle in rad, to either side, from which on no force is commanded. Beyond the largest [`Si`] number, a measured angle would
+/// stand still while the device moves on. This limit lies before that number by twice the largest displacement that any guard
+/// accepts per tick (1,000 rad/s at one tick per second) and some counts.
 const EDGE: Si = Si::lit("2147481600");
 
-/// Settings of a wall: where it is, and its stiffness.
+/// Settings of a wall: position and side of its surface, and its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
     /// The wall's surface and its solid side.
     pub face: Face,
-    /// Desired stiffness `k_de`, N·m/rad.
+    /// Desired stiffness of the wall, N·m/rad.
     pub k_desired: Si,
 }
 
@@ -68,7 +68,7 @@ struct Walled<N: Number> {
 }
 
 impl<N: Number> Walled<N> {
-    /// Clears the memory of the wall's law and of its states.
+    /// Clears the memory of the wall's control law and of its source of position and velocity.
     #[cold]
     fn forget(&mut self) {
         self.states.forget();
@@ -76,7 +76,7 @@ impl<N: Number> Walled<N> {
     }
 }
 
-/// Walls and detents behind one guard.
+/// Walls, detents and a torque profile on one axis, behind one energy guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
@@ -85,23 +85,25 @@ pub struct Environment<N: Number> {
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
-    /// Step in rad (m) to which positions are rounded for the guard's energy account.
+    /// Step in rad (m) to which positions are rounded before the guard's energy account gets their differences.
     step: Si,
     /// The position at the last tick, rounded to whole steps.
     last: Option<Si>,
     /// Largest position of the number format, to either side.
     end: Position<N>,
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     beyond_reach: bool,
     commanded: Force<N>,
-    /// The force of the last tick, before any later stage changes it.
+    /// The force of the last tick, before any later stage (such as a current limit) changes it.
     shown: Force<N>,
-    /// The force left over from a replaced environment, while it fades; `None` without one.
+    /// What is left of the force difference to a replaced environment, while it fades; `None` if nothing fades.
     carried: Option<Carried<N>>,
 }
 
 impl<N: Number> Environment<N> {
-    /// Makes the environment in the state at power-up. All walls use the same settings of law and guard, except `k_desired`.
+    /// Makes the environment in the state at power-up. All walls use the same settings of law and guard, except for the desired
+    /// stiffness.
     ///
     /// # Errors
     /// The setting that is refused, and the wall to which it belongs.
@@ -141,7 +143,8 @@ impl<N: Number> Environment<N> {
             environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
         }
         let slots = environment.walls.iter_mut();
-        // A law is long to compute on a board, and walls are often alike.
+        // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
+        // from the last one.
         let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {
@@ -172,8 +175,8 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
-    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is that of the
-    /// law's settings.
+    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is the largest
+    /// force of the law's settings.
     ///
     /// # Errors
     /// The profile's setting that is refused.
@@ -187,8 +190,8 @@ impl<N: Number> Environment<N> {
         Ok(self)
     }
 
-    /// This environment in the place of one that ran before, for the next arming. All memory is cleared; only the energy in the
-    /// guard's account is taken over.
+    /// This environment in the place of an earlier one, when the force is switched on again (arming). All memory is cleared; only
+    /// the energy in the guard's account is taken over.
     #[must_use]
     pub fn resumed(self, before: &Self) -> Self {
         let guard = match (self.guard, &before.guard) {
@@ -248,19 +251,20 @@ impl<N: Number> Environment<N> {
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // In whole steps of the format, of which a turn has a whole number. So displacements add up to the way, are the same at every turn
-        // and never end. A turn is wrong by a part in 10^8 for that with 32 bits, as a torque is.
+        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
+        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
         let last = self.last.replace(now).unwrap_or(now);
         let moved = Position(N::saturating_signal(now.saturating_sub(last)));
         let before_change = since_change.map_or(Position::zero(), |since| moved - since);
         guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
-        // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
+        // The axis is reversed or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
         let (force, older) = (guard.state.force, guard.state.older);
         let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
         guard.moved_from(other_end, moved, before_change, wanted)
     }
 
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     #[must_use]
     pub const fn is_beyond_reach(&self) -> bool {
         self.beyond_reach

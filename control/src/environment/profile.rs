@@ -1,12 +1,12 @@
-//! A profile: a torque drawn over the angle, as points with straight lines between them.
+//! A torque profile: a torque drawn over the angle, given by points with straight lines between them.
 
 use super::{Reading, Refused, detents::MOST, turn_of};
 use crate::{Compliance, Force, Number, Si};
 
-/// The most points that a profile can have.
+/// The most points that a torque profile can have.
 pub const MOST_POINTS: usize = 96;
 
-/// The largest value of a point; such a point gives the whole strength of the profile.
+/// The largest value of a point of a torque profile. A point of this value gives the profile's largest force (strength).
 pub const WHOLE: i16 = 10_000;
 
 /// The smallest distance between the ends of a profile that is not repeated, rad (m).
@@ -15,7 +15,7 @@ pub(super) const SHORTEST: Si = Si::lit("0.001");
 /// The largest distance between the ends of a profile that is not repeated, rad (m): 1,000 turns.
 pub(super) const LONGEST: Si = Si::lit("6283.1853072");
 
-/// Where a profile lies on the axis, and whether it is repeated.
+/// Where a torque profile lies on the axis, and whether it is repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// The profile is repeated this number of times per turn, 1 to 6283. It is the same at every turn, bit for bit. The line from
@@ -26,8 +26,8 @@ pub enum Extent {
     Until(Si),
 }
 
-/// The points of a profile, at equal distances. Each is a fraction of the strength in steps of 1/10,000, from -10,000 to 10,000;
-/// positive values push towards larger angles.
+/// The points of a torque profile, at equal distances. Each is a fraction of the largest force in steps of 1/10,000, from -10,000
+/// to 10,000; positive values push towards larger angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     points: [i16; MOST_POINTS],
@@ -78,50 +78,52 @@ pub struct ProfileSettings {
     pub extent: Extent,
     /// Position of the first point, rad (m).
     pub start: Si,
-    /// The force at a point of 10,000, N·m (N), from 0 to the force limit.
+    /// The force at a point of the largest value (10,000), N·m (N), from 0 to the force limit.
     pub strength: Si,
     /// The points of the profile.
     pub shape: Shape,
 }
 
-/// A profile with computed coefficients: a force that depends on the position alone.
+/// A torque profile with computed coefficients: a force that depends on the position alone and has no memory.
 ///
-/// It has no memory. Over a copy whose points add up to zero the work is zero. The guard counts the energy that sampling adds, and
-/// the energy that a profile with another sum gives at every copy.
+/// Over one copy of the profile the work is zero if the copy's points add up to zero. Otherwise every copy gives or takes energy.
+/// The energy guard counts that energy, and the energy that sampling adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile<N: Number> {
     place: Place,
     shape: Shape,
-    /// The strength as a factor of a sum of points: see [`Profile::force`].
+    /// The profile's largest force, as the factor of a sum of points: see [`Profile::force`].
     strength: Compliance<N>,
     most: Force<N>,
 }
 
-/// Positions of the points.
+/// Where the points of a torque profile are: in repeated copies around a turn, or once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// A repeated profile: number of copies per turn, and the position of the first point as a fraction of a copy in 2^-32.
+    /// A repeated profile: number of copies per turn, and the position of the first point as a fraction of a copy in units of
+    /// 2^-32.
     Turn { per_turn: i32, start: i32 },
     /// A profile that exists once: positions of its first and last point, and 2^32 divided by the distance between them.
     Once { start: Si, end: Si, per_length: u64 },
 }
 
-/// A position among the points of a profile.
+/// A position between two points of a torque profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Between {
-    /// Index of the point before the position.
+    /// Index of the point on one side of the position, from which `way` is measured.
     pub before: u32,
-    /// Index of the next point.
+    /// Index of the neighbouring point on the other side of the position.
     pub after: u32,
-    /// Distance from the point before to the next one that the position has covered, as a fraction in 2^-32.
+    /// How far the position is from the point before to the next one: a fraction of that distance, in units of 2^-32.
     pub way: u32,
 }
 
-/// Factor on the strength in the coefficient, 1.6384, since a fraction of 16,384 stands for a point of 10,000.
+/// Factor on the largest force in the computed coefficient, 16,384/10,000. It corrects for [`Profile::drawn`], which calculates a
+/// point of 10,000 as the fraction 10,000/16,384, since it shifts instead of dividing.
 const PER_WHOLE: Si = Si::lit("1.6384");
 
 impl ProfileSettings {
-    /// Checks the settings, and computes the coefficients.
+    /// Checks the settings, and computes the coefficients. `limit` is the force limit in N·m (N).
     ///
     /// # Errors
     /// The extent or the strength is outside its range.
@@ -172,8 +174,8 @@ impl ProfileSettings {
 }
 
 impl<N: Number> Profile<N> {
-    /// The force against `+x` at a position, at most the strength. The mirrored profile at the mirrored position gives the exact
-    /// negative, bit for bit.
+    /// The profile's force at a position, positive against `+x` and at most the strength. The mirrored profile at the mirrored
+    /// position gives the exact negative, bit for bit.
     #[inline]
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
@@ -181,17 +183,18 @@ impl<N: Number> Profile<N> {
         self.drawn([before, after].map(|index| self.shape.point(index)), way)
     }
 
-    /// The force against `+x` between two points of the shape, at the fraction `way` in 2^-32 of the distance from the first to the
-    /// second.
+    /// The profile's force between two points of the shape, positive against `+x`. `way` is the fraction of the distance from the
+    /// first point to the second, in units of 2^-32.
     #[inline]
     #[must_use]
     pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
         let (way, rest) = (i64::from(way), (1_i64 << 32).wrapping_sub(i64::from(way)));
-        // Exact: at most 10,000 times 2^32.
+        // Exact, as the sum is at most 10,000 times 2^32.
         let sum = i64::from(before)
             .wrapping_mul(rest)
             .wrapping_add(i64::from(after).wrapping_mul(way));
-        // 10,000 becomes 10,000/16,384. The size is rounded and the sign put back, for the mirrored profile.
+        // A point of 10,000 becomes 10,000/16,384. The absolute value is rounded and the sign restored, so that a mirrored profile
+        // has mirrored roundings.
         let share = Si::from_bits((sum.unsigned_abs() >> 14).cast_signed());
         let size = Force(N::scale(self.strength.0, N::saturating_signal(share))).within(self.most);
         if sum > 0 { -size } else { size }
@@ -214,14 +217,16 @@ impl<N: Number> Profile<N> {
     }
 }
 
-/// The number of whole steps in a fraction (2^-32) of `steps` steps, and the rest of a step in 2^-32.
+/// Splits a distance into whole steps and the rest of a step. `fraction` is a fraction, in units of 2^-32, of a length of `steps`
+/// steps; the rest is in units of 2^-32 of a step.
 #[inline]
 const fn steps_of(fraction: u32, steps: u32) -> (u32, u32) {
     let place = (fraction as u64).wrapping_mul(steps as u64);
     ((place >> 32) as u32, place as u32)
 }
 
-/// The position among the `points` of a copy, for a part of that copy in 2^-32.
+/// The position among the `points` of one copy of a repeated profile. `part` is the fraction of the copy before the position, in
+/// units of 2^-32.
 #[inline]
 #[must_use]
 pub const fn repeated_between(part: u32, points: u32) -> Between {
@@ -231,8 +236,8 @@ pub const fn repeated_between(part: u32, points: u32) -> Between {
     Between { before, after, way }
 }
 
-/// Same as `Profile::between`, for a profile that is not repeated. The way is measured from the nearer end, so that the mirrored
-/// profile has the mirrored roundings.
+/// The position among the points of a profile that is not repeated. The distance is measured from the nearer end, so that the
+/// mirrored profile has the mirrored roundings.
 #[cold]
 #[inline(never)]
 #[must_use]
@@ -241,7 +246,8 @@ pub fn once_between(angle: Si, (start, end): (Si, Si), per_length: u64, last: u3
         [angle.saturating_sub(start), end.saturating_sub(angle)].map(|way| way.to_bits().max(0));
     let is_first_half = from_start <= to_end;
     let way = if is_first_half { from_start } else { to_end };
-    // Half of the length at most, so that the product fits; 2^-64 of the length become 2^-32.
+    // `way` is at most half of the length, so that the product fits; the product is in units of 2^-64 of the length, the fraction
+    // in 2^-32.
     let fraction = way.unsigned_abs().wrapping_mul(per_length) >> 32;
     let fraction = if from_start == to_end {
         1 << 31

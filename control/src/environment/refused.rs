@@ -10,11 +10,11 @@ pub enum Refused {
     TooManyWalls,
     /// A setting of the law or of the guard is refused.
     Law(SettingsError),
-    /// A setting of one wall is refused; the number counts the walls from 0.
+    /// A setting of one wall is refused. The number is the wall's index, counted from 0.
     Wall(u8, SettingsError),
-    /// The distance between detents, rad (m), is out of its range.
+    /// The distance between detents is out of its range; holds the given distance, rad (m).
     Pitch(Si),
-    /// The number of detents per turn is 0 or too large.
+    /// The number of detents per turn is 0 or too large; holds the given number.
     PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {
@@ -23,17 +23,17 @@ pub enum Refused {
         /// The force limit, N·m (N).
         limit: Si,
     },
-    /// A profile has fewer than 2 points, or more than [`super::MOST_POINTS`].
+    /// A torque profile has fewer than 2 points, or more than [`super::MOST_POINTS`]; holds the number of points.
     Points(usize),
-    /// A point of a profile is beyond -10,000 to 10,000.
+    /// A point of a torque profile is beyond -10,000 to 10,000; holds the given value.
     Point(i16),
-    /// The distance between the ends of a profile is out of its range, rad (m).
+    /// The distance between the ends of a torque profile is out of its range; holds the given distance, rad (m).
     Length(Si),
-    /// The strength of a profile is below 0 or above the force limit, N·m (N).
+    /// The strength of a torque profile (its largest force) is below 0 or above the force limit, N·m (N).
     ProfileStrength {
         /// The given strength, N·m (N).
         strength: Si,
-        /// The force limit.
+        /// The force limit, N·m (N).
         limit: Si,
     },
 }

@@ -1,57 +1,60 @@
-//! The motion of the modelled device over a time, as weights of position, velocity, push and commands.
+//! The motion of the modelled device over a time span. It is a weighted sum of the position, velocity and push at the start and of
+//! the commanded torques.
 
 use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Number of past commands that the estimator remembers: those not yet in effect over a delay of up to two ticks, and one that a
-/// fractional delay splits between two ticks.
+/// Number of past commands that the estimator remembers. Two are not yet in effect if the delay is two ticks, and a fraction of a
+/// tick in the delay splits a third one between two ticks.
 pub const TAPS: usize = 3;
-/// Number of commands that are given but not yet in effect at a sample.
+/// Number of commanded forces that are not yet in effect when a position is sampled.
 pub const UNDER_WAY: usize = 2;
 /// Longest delay over which the estimator predicts, ticks.
 pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 
-/// The exact motion of an inertia with damping under torques that are held over ticks, over a time `t` in ticks.
+/// The exact motion of an inertia `J` with damping `b` over a time `t` in ticks, under torques that are each held for a tick. `T`
+/// is the tick in seconds.
 ///
 /// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`. A displacement `d` per tick moves the device by `V
 /// d` and becomes `(1 - β V) d`. An acceleration of 1 per tick² moves it by `X` and adds `V` to the displacement per tick. A
-/// command of 1 N·m that acts from `s` to `r` before the end moves it by `q (X(s) - X(r))`, with `q = T²/J`.
+/// command of 1 N·m that acts from `s` to `r` ticks before the end moves it by `q (X(s) - X(r))`, with `q = T²/J`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<N: Number, const COMMANDS: usize> {
-    /// Weight `V`: displacement over the time for each unit of displacement per tick.
+    /// Displacement over the time span for each unit of displacement per tick at its start.
     pub reach: Weight<N>,
-    /// Weight `X`: displacement over the time for each unit of acceleration per tick².
+    /// Displacement over the time span for each unit of acceleration per tick².
     pub drift: Weight<N>,
-    /// Weight `β V`: fraction of the displacement per tick that damping takes over the time.
+    /// Fraction of the initial displacement per tick that damping takes over the time span.
     pub loss: Weight<N>,
-    /// For each command, the latest first: the weights that the command subtracts from position and from displacement per tick.
+    /// For each command, the latest first: how much a command of 1 N·m takes from the position and from the displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
-/// A device with the tick as its unit of time, from which flows are computed.
+/// A device's inertia, damping and delay with the tick as the unit of time, from which the motion over a time span is computed.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceInTicks {
-    /// Fraction of the velocity that damping takes per tick, to first order: `β = b T/J`.
+    /// Fraction of the velocity that damping takes per tick, to first order: damping times tick over inertia, `b T/J`.
     pub loss: Exact,
-    /// Acceleration per tick² of a torque of 1 N·m: `q = T²/J`, rad/(N·m).
+    /// Acceleration per tick² by a torque of 1 N·m: tick squared over inertia, `T²/J`, rad/(N·m).
     pub per_torque: Exact,
     /// Time until a command begins to act, ticks.
     pub delay: Exact,
 }
 
-/// Number of terms of the power series. For `β t` up to 4, more terms change no digit.
+/// Number of terms of the power series in `β t`, the damping ratio per tick times the ticks. For `β t` up to 4, more terms change
+/// no digit.
 const TERMS: i64 = 48;
 
 impl DeviceInTicks {
-    /// The weights `V` in ticks and `X` in ticks² for a time in ticks, for `β t` from 0 to 4. For a larger `β t` the series is
-    /// inaccurate.
+    /// The displacements by a unit velocity (`V`, ticks) and by a unit acceleration (`X`, ticks²) over a time in ticks. For damping
+    /// times time over inertia from 0 to 4; the series is inaccurate above.
     #[inline]
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
         for k in 2..TERMS {
-            // All that follows nothing is nothing: of a device that is hardly braked, after a few terms.
+            // All terms after a term of 0 are 0, which with little damping happens after a few terms.
             if term == Exact::ZERO {
                 break;
             }
@@ -66,13 +69,14 @@ impl DeviceInTicks {
         (reach, drift)
     }
 
-    /// The motion over one tick, from sample to sample; `None` where a weight does not fit its format.
+    /// The motion over one tick, from one sample to the next; `None` where a weight does not fit its format.
     pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
-        // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
+        // The command given i + 1 ticks before the sample began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
-    /// The motion from a sample to the time at which the next command begins to act; `None` where a weight does not fit its format.
+    /// The motion from a sample to the time at which the command that follows it begins to act; `None` where a weight does not fit
+    /// its format.
     pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
         self.flow(self.delay, |i| i)
     }
@@ -84,7 +88,7 @@ impl DeviceInTicks {
         time: Exact,
         end: impl Fn(Exact) -> Exact,
     ) -> Option<Flow<N, COMMANDS>> {
-        // Not `clamp`, which panics for a time below zero.
+        // `clamp` is not used, as it panics for a negative time.
         let inside = |t: Exact| t.max(Exact::ZERO).min(time);
         let taken = |before: Exact, after: Exact| {
             before.saturating_sub(after).saturating_mul(self.per_torque)
@@ -94,7 +98,7 @@ impl DeviceInTicks {
         let mut after = self.integrals(inside(end(index)));
         for torque in &mut torques {
             index = index.saturating_add(Exact::ONE);
-            // Where one command begins, the one before it ends.
+            // Each command ends where the next later one begins.
             let before = self.integrals(inside(end(index)));
             *torque = [taken(before.1, after.1), taken(before.0, after.0)];
             after = before;
@@ -120,8 +124,8 @@ impl DeviceInTicks {
 }
 
 impl<N: Number> Flow<N, 0> {
-    /// The motion over one tick of a device without damping and without commands: `V = 1`, `X = 1/2`. `None` where a weight does
-    /// not fit its format.
+    /// The motion over one tick of a device without damping and without commands: a velocity of 1 per tick moves it by 1, an
+    /// acceleration of 1 per tick² by 1/2. `None` where a weight does not fit its format.
     #[must_use]
     pub fn free() -> Option<Self> {
         let weight = <N::Wide as Wide>::weight;
@@ -134,10 +138,11 @@ impl<N: Number> Flow<N, 0> {
     }
 }
 
-/// `1 - exp(-angle)`, for `angle` up to 4.
+/// Fraction that a first-order filter has approached: `1 - exp(-angle)`, for `angle` up to 4.
 #[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
-    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
+    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t) for a time t and a loss β. With a as the loss and 1 as the time, V
+    // is φ(a).
     let decay = DeviceInTicks {
         loss: angle,
         per_torque: Exact::ZERO,
@@ -147,8 +152,9 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
-    /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). No coefficient may exceed the time in
-    /// ticks. Commands up to the force limit may take less than 2 rad, and 2 rad per tick, for each tick.
+    /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). It requires that no weight exceeds the time
+    /// in ticks, and that commands up to the force limit change the position by less than 2 rad, and the displacement per tick by
+    /// less than 2 rad, in each tick.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;
@@ -167,7 +173,7 @@ impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
             && is_share::<N>(self.loss, 1)
     }
 
-    /// Calculates position and displacement per tick at the end of the time.
+    /// Calculates position and displacement per tick at the end of the time span.
     #[inline(always)]
     pub fn apply(
         &self,

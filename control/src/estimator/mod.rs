@@ -1,13 +1,14 @@
 //! State estimator: position, velocity and the hand's push, from encoder counts, known inertia and damping, and commanded torque.
 //!
 //! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator models the
-//! device's own motion, `J dv/dt = -f - b v + J h`, with the commanded force `f`. The hand's push `h` is an acceleration that is
-//! assumed constant. So only the hand's push has to be estimated. Per tick, with the velocity as a displacement `d` per tick and
-//! the push as `g` per tick²:
+//! device's own motion, `J dv/dt = -f - b v + J h`, with inertia `J`, velocity `v`, damping `b` and the commanded force `f`. The
+//! hand's push `h` is an acceleration that is assumed constant. So only the hand's push has to be estimated. Per tick, with the
+//! position `x`, the velocity as a displacement `d` per tick, the push as `g` per tick², the measured position `e` and the gains
+//! `α`, `β`, `γ`:
 //!
 //! ```text
 //! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects     V, X, ρ: one tick of the damped device
-//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J
+//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J                            x_i, v_i: weights of that command
 //! r  = e - x⁻                               measured less expected position
 //! x  = x⁻ + α r    d = d⁻ + β r    g = g + γ r
 //! ```
@@ -37,36 +38,36 @@ use crate::law::Sample;
 use crate::number::{Exact, Wide as _};
 use crate::{Force, Number, Position};
 
-/// The leading digits of a state, a short number that can be multiplied fast.
+/// The leading digits of an estimator's state (position, velocity or push): a short number that can be multiplied fast.
 pub type Part<N> = <<N as Number>::Wide as crate::number::Wide>::Part;
-/// The type of a coefficient with which leading digits are multiplied.
+/// The type of the coefficients with which the leading digits of an estimator's state are multiplied.
 pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
 
 /// Coefficients of the state estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<N: Number> {
-    /// The modelled motion from one sample to the next.
+    /// The modelled motion over one tick, from one sample to the next.
     pub tick: Flow<N, TAPS>,
     /// The modelled motion from a sample to the time at which the command that follows it begins to act.
     pub ahead: Flow<N, UNDER_WAY>,
-    /// Correction gains `α`, `β`, `γ` of position, displacement per tick, and push.
+    /// Gains by which the error of the expected position corrects position, displacement per tick, and push (`α`, `β`, `γ`).
     pub correction: [Weight<N>; 3],
     /// Largest force that the estimator accepts as a command; a larger one is limited to it.
     pub limit: Force<N>,
 }
 
-/// Estimated position, velocity and push of the hand, each with many digits.
+/// Estimated position, velocity and push of the hand, each with more digits than a position has elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatedMotion<N: Number> {
-    /// Estimated penetration `x`, rad.
+    /// Estimated penetration, rad.
     pub position: N::Wide,
-    /// Estimated displacement per tick `d`, rad.
+    /// Estimated displacement per tick, rad.
     pub moved: N::Wide,
-    /// The hand's push `g`: change of the displacement per tick in each tick, rad.
+    /// The hand's push as an acceleration: change of the displacement per tick in each tick, rad.
     pub pushed: N::Wide,
 }
 
-/// Memory of [`Estimator`].
+/// Memory of the state [`Estimator`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatorState<N: Number> {
     /// The estimated motion at the last sample; `None` before the first one.
@@ -75,11 +76,11 @@ pub struct EstimatorState<N: Number> {
     pub commands: [Part<N>; TAPS],
 }
 
-/// Bits of the largest plausible motion: a state with more than 2^2 rad per tick or rad per tick² is reset, as no device moves so
-/// fast.
+/// Bits of the largest plausible motion: 2^2 rad per tick or rad per tick². An estimate above it is reset to the measured position,
+/// as no device moves so fast.
 pub(crate) const LARGEST_MOTION_BITS: u32 = 2;
-/// Bits of the largest plausible error of a prediction: if measured and expected position differ by more than 2^3 rad, the state is
-/// reset.
+/// Bits of the largest plausible error of a prediction, 2^3 rad. If measured and expected position differ by more, the estimate is
+/// reset to the measured position.
 pub(crate) const LARGEST_SURPRISE_BITS: u32 = 3;
 
 impl<N: Number> EstimatedMotion<N> {
@@ -93,7 +94,8 @@ impl<N: Number> EstimatedMotion<N> {
     }
 }
 
-/// The estimated motion at a sample, from that at the sample before; `None` if no device could have moved like that.
+/// Corrects the motion that the model expects by the measured position: the estimate at this sample from that at the sample before.
+/// `None` if no device could have moved like that.
 #[inline(always)]
 pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     tick: &Flow<N, COMMANDS>,
@@ -121,14 +123,15 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     possible.then_some(after)
 }
 
-/// Whether a weight is from 0 to `most`.
+/// Whether a coefficient is from 0 to `most`.
 fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
     let most = N::Wide::weight(Exact::saturating_from_num(most));
     weight >= Weight::<N>::default() && most.is_some_and(|most| weight <= most)
 }
 
 impl<N: Number> Estimator<N> {
-    /// Whether no sum in a tick can overflow. The proof in `proofs/src/estimator.rs` assumes this of the coefficients.
+    /// Whether no sum of the estimator in a tick can overflow with these coefficients. The proof in `proofs/src/estimator.rs`
+    /// assumes that it returns true.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         let limit = N::widen(self.limit.0).torque_part();
@@ -157,7 +160,8 @@ impl<N: Number> Estimator<N> {
         }
     }
 
-    /// The estimated motion at a sample, from that at the sample before; `None` if no device could have moved like that.
+    /// The estimated motion at this sample, from that at the sample before and the measured position. `None` if no device could
+    /// have moved like that.
     #[inline(always)]
     pub fn corrected(
         &self,

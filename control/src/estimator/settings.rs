@@ -1,4 +1,4 @@
-//! The estimator's settings in SI, and the coefficients that are computed from them.
+//! The state estimator's settings in SI units, and the coefficients that are computed from them.
 
 use super::flow::{DeviceInTicks, LONGEST_DELAY, approach};
 use super::{Estimator, Weight};
@@ -6,13 +6,13 @@ use crate::number::Exact;
 use crate::quotient::over;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
-/// `a / b` for two positive values, saturating.
+/// The quotient `a / b` of two positive settings, saturating.
 #[inline]
 fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())
 }
 
-/// `a / b` for two positive fixed-point values of the same format, given as their bits. Rounded down, saturating.
+/// `a / b` for two positive fixed-point numbers of the same format, given as integers. Rounded down, saturating.
 #[cold]
 #[inline(never)]
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
@@ -46,19 +46,20 @@ pub(crate) fn check_bandwidth(
     Ok(())
 }
 
-/// The bandwidth as an angle per tick: `2π p T`, rad.
+/// A bandwidth `p` as an angle per tick, `2π p T` in rad, with the tick `T` in seconds.
 #[inline]
 pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
     let rate = Si::saturating_from_num(rate_hz.max(1));
     ratio(bandwidth_hz, rate).saturating_mul(Exact::TAU)
 }
 
-/// Ranges of the estimator's settings:
+/// Ranges of the estimator's settings, with the tick `T` in seconds:
 ///
-/// - `bandwidth_hz` is `p`: the three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
+/// - `bandwidth_hz` is `p`: the three poles of the estimator's error are `exp(-2π p T)`. From a 500th to a fifth of the control
+///   rate.
 /// - `inertia`: so large that the largest force accelerates the device by at most 1 rad per tick², and at most 6e7 T².
-/// - `damping`: only `b/J` up to `2π p` is modelled. More damping is treated as part of the hand's push, since the device would then coast to
-///   rest faster than the estimator can follow.
+/// - `damping`: only a damping over inertia up to `2π p` is modelled. More damping is treated as part of the hand's push, since the
+///   device would then coast to rest faster than the estimator can follow.
 /// - `delay_s`: a delay longer than two ticks is predicted for two ticks, so that one scene serves several control rates.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
@@ -70,8 +71,8 @@ impl EstimatorSettings {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
-        // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
-        // digits.)
+        // The inertia over T² bounds `q f` to 1 and `q (X(2) - X(1))`, which is 3/2 q, to 2. (From T² alone, a high rate would
+        // leave no digits.)
         let (lightest, heaviest) = (
             force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },
@@ -89,10 +90,10 @@ impl EstimatorSettings {
         Ok(())
     }
 
-    /// Torque that accelerates the inertia by 1 rad per tick², N·m (on three axes N for 1 m per tick²).
+    /// Torque that accelerates the inertia by 1 rad per tick², N·m. On three axes it is the force in N for 1 m per tick².
     ///
-    /// It is a separate function because of the stack analysis. Where a block calls another function three times, the compiler of
-    /// small programs makes an indirect call, which the analysis cannot follow.
+    /// The function is separate because of the stack analysis. If one function divides three times, the compiler of small programs
+    /// makes an indirect call, which the analysis cannot follow.
     #[inline]
     fn inertia_in_ticks(&self, rate: Si) -> Si {
         self.inertia.saturating_mul(rate).saturating_mul(rate)
@@ -137,8 +138,8 @@ impl EstimatorSettings {
 }
 
 impl DeviceInTicks {
-    /// The gains `α`, `β`, `γ` that put all three poles of the estimator's error at `z = exp(-angle)`; `None` where one does not
-    /// fit its format.
+    /// The gains `α`, `β`, `γ` for position, displacement per tick and push that put all three poles of the estimator's error at
+    /// `exp(-angle)`. `None` where one gain does not fit its format.
     pub fn correction<N: Number>(&self, angle: Exact) -> Option<[Weight<N>; 3]> {
         let fast = approach(angle);
         let pole = Exact::ONE.saturating_sub(fast);

@@ -3,8 +3,8 @@
 use super::{Guard, GuardState};
 use crate::{Energy, Force, Number, Position, Si};
 
-/// A guard with its memory. It trips after overspeed, and where the law requests a force at the end of the range of positions. From
-/// then on it allows no force until [`Guarded::resumed`] starts it again.
+/// An energy guard with its memory. It shuts the force off (trips) after overspeed, or if the law requests a force at the end of
+/// the range of positions. From then on it allows no force until [`Guarded::resumed`] starts it again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guarded<N: Number> {
     /// The guard's coefficients.
@@ -57,10 +57,11 @@ impl<N: Number> Guarded<N> {
     /// Runs one control period. Takes the measured penetration, the penetration at which the force changed since the last tick
     /// (where it is measured), and the force that the law requests. Returns the force that is allowed.
     ///
-    /// While a force acts, every counted displacement is the true one. The force was allowed at a position before `edge`, so the
-    /// next position is at most one displacement beyond `edge`, unless it counts as overspeed. A force still in effect ends with
-    /// the sample after that one, at most at the format's end. Beyond `edge` no force acts, so a motion there costs no energy, and
-    /// the measured displacement is at most the true one.
+    /// While a force acts, every counted displacement is the true one, although positions beyond the end of the position format are
+    /// measured as that end. A force is allowed only at a position before `edge`, so the next position is at most one displacement
+    /// beyond `edge`, unless it counts as overspeed. A force still in effect ends with the sample after that one, at most at the
+    /// format's end. Beyond `edge` no force acts, so a motion there costs no energy, and the measured displacement is at most the
+    /// true one.
     #[inline]
     pub fn tick(
         &mut self,
@@ -81,7 +82,7 @@ impl<N: Number> Guarded<N> {
         e >= self.edge || e <= -self.edge
     }
 
-    /// Same as [`Guarded::tick`], given the displacement since the last tick and the part of it before the force changed.
+    /// Same as [`Guarded::tick`], given the displacement since the last tick and how much of it passed before the force changed.
     #[inline(always)]
     pub fn moved(
         &mut self,
@@ -104,8 +105,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// Same as [`Guarded::moved`] with the axis reversed. `moved`, `before_change` and `wanted` with opposite signs give the force
-    /// with the opposite sign. Roundings are mirrored too.
+    /// Same as [`Guarded::moved`] with the axis reversed. `moved`, `before_change` and the requested force `wanted` with opposite
+    /// signs give the allowed force with the opposite sign. Roundings are mirrored too.
     #[inline]
     pub fn moved_mirrored(
         &mut self,
@@ -116,7 +117,7 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// One tick with the axis as it is or reversed. The code is long, so a program contains it only once.
+    /// Runs one control period with the axis as it is or reversed. The code is long, so both directions share this one function.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,
@@ -153,7 +154,7 @@ impl<N: Number> Guarded<N> {
         self.guard.switched_off(&mut self.state);
     }
 
-    /// Energy in the guard's account, which the hand may still get out.
+    /// Energy in the guard's account: what the hand may still get out of the device.
     #[must_use]
     pub fn account(&self) -> Energy<N> {
         self.state.account

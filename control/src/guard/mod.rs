@@ -1,19 +1,20 @@
 //! The energy guard: a bound on the energy that any hand can get out of a device, whatever the control law does.
 //!
 //! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the
-//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and a small refill. The
-//! energy that the hand gets out is taken off. The force is bounded so that the account covers every displacement that is not
-//! overspeed:
+//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and the energy of a
+//! small refill power. The energy that the hand gets out is taken off. The force is bounded so that the account covers every
+//! displacement that is not overspeed:
 //!
 //! ```text
 //! E(n) = E(n-1) + f(n-1) Δx - s g Δx + c (|Δx| - δ)² + P T - κ g² - |g| δ/2      at most C, at least R(n-1)
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account, `g = f(n-1) - f(n-2)` the last change of force, and `s` the fraction of a tick after which a
-//! force begins to act. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being seen. `δ` is
-//! an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts on after the
-//! next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
+//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick, `f` the force, `g = f(n-1)
+//! - f(n-2)` its last change, and `s` the fraction of a tick after which a force begins to act. `c` is the trusted damping over the
+//! tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being
+//! seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts
+//! on after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
 //!
 //! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
 //! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
@@ -32,42 +33,43 @@ use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 /// The guard's coefficients. [`Guard::new`] ensures the conditions under which the energy bound holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard<N: Number> {
-    /// `C`: the most energy that the account holds, and the energy at power-up.
+    /// The most energy that the guard's account holds, which is also the energy at power-up.
     pub capacity: Energy<N>,
-    /// `P T`: the energy that the refill adds to the account at every tick.
+    /// The energy that the refill power adds to the account at every tick.
     pub refill: Energy<N>,
-    /// `c`: the trusted damping divided by the tick, rounded down.
+    /// The trusted damping of the device divided by the control period, rounded down.
     pub damping: Stiffness<N>,
-    /// The largest measured displacement per tick that is not overspeed.
+    /// The largest measured displacement per tick that the guard accepts; a larger one is overspeed.
     pub furthest: Position<N>,
-    /// `δ`: twice the largest error of a measured position, rounded up.
+    /// Twice the largest error of a measured position (one encoder count), rounded up.
     pub count: Position<N>,
-    /// `s`: fraction of a tick's displacement that passes under the old force, if the position at the change of force is not
+    /// Fraction of a tick's displacement that passes under the old force. It is used if the position at the change of force is not
     /// measured.
     pub late: Ratio<N>,
-    /// Compliance `κ`: times the square of a change of force it is the energy charged, because the displacement under the old force
-    /// can differ from the fraction `s`. Rounded up.
+    /// Compliance: times the square of a change of force, it is the energy charged for that change. The displacement under the old
+    /// force can differ from the assumed fraction `late`, which can cost this energy. Rounded up.
     pub stray: Compliance<N>,
-    /// Distance by which every change of force is multiplied and charged: half an encoder count and the errors of rounding.
+    /// Distance: times the size of a change of force, it is the energy charged for position errors. Half an encoder count and the
+    /// errors of rounding.
     pub slack: Position<N>,
-    /// `1/D`, rounded down: largest allowed force for each joule in the account. `D` is the largest displacement per tick plus a
-    /// count.
+    /// Largest allowed force for each joule in the account: 1 over the largest displacement per tick plus a count. Rounded down.
     pub per_reach: Stiffness<N>,
     /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,
-    /// Compliance `(1 + s)/4c`: times the square of a force it is the most energy that overspeed can cost, over any displacement,
-    /// until the force is off. Rounded up.
+    /// Compliance: times the square of a force, it is the most energy that overspeed can cost until the force is off, over any
+    /// displacement. Rounded up.
     pub overrun: Compliance<N>,
 }
 
-/// The guard's memory. Its account is full at power-up only: arming, a reset of the law or leaving the wall do not fill it.
+/// The guard's memory. Its energy account is full at power-up only: switching the force on, a reset of the law or leaving the wall
+/// does not fill it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GuardState<N: Number> {
     /// Energy in the account, which the hand may still get out, J.
     pub account: Energy<N>,
     /// The force of the last tick.
     pub force: Force<N>,
-    /// The force of the tick before the last.
+    /// The force of the tick before the last one.
     pub older: Force<N>,
 }
 
@@ -77,7 +79,7 @@ pub struct GuardState<N: Number> {
 pub struct Overspeed;
 
 impl<N: Number> Guard<N> {
-    /// Memory at power-up: a full account, no force.
+    /// The guard's memory at power-up: a full energy account, no force.
     #[must_use]
     pub fn full(&self) -> GuardState<N> {
         GuardState {
@@ -101,8 +103,8 @@ impl<N: Number> Guard<N> {
         self.step(state, moved, Position::zero(), wanted)
     }
 
-    /// Same as [`Guard::tick`], with the position also measured when the force changed: `before_change` is the part of `moved`
-    /// before that change.
+    /// Same as [`Guard::tick`], with the position also measured when the force changed: `before_change` is how much of the
+    /// displacement `moved` passed before that change.
     ///
     /// # Errors
     /// Same as [`Guard::tick`].
@@ -165,8 +167,9 @@ impl<N: Number> Guard<N> {
         let account = self
             .booked(state, moved, distance, before_change)
             .min(self.capacity);
-        // The last force was chosen so that the reserve is left after any displacement that is not overspeed: where the books,
-        // which take the worst of each part by itself, say less, this says more, and both are true.
+        // The last force was chosen so that the account keeps the reserve after any displacement that is not overspeed. The sum
+        // takes the worst case of each of its terms, so it can be lower than the reserve. Both are lower bounds of the true energy,
+        // and the larger one counts.
         let free = account.minus_fitting(reserve).max(Energy::zero());
         let limit = self.largest_force(free);
         let force = wanted.min(limit).max(Force::zero() - limit);
@@ -191,8 +194,9 @@ impl<N: Number> Guard<N> {
         before_change: Position<N>,
     ) -> Energy<N> {
         let (grown, shrunk) = (state.force - state.older, state.older - state.force);
-        // Each force over its own part of the way, and a change over as much more as pays best for who strays from it: the sign
-        // of the second part is that of the change, so that its product is never gained.
+        // Each force counts over its own part of the displacement. The true part under the older force may differ from the assumed
+        // one, and the change of force is charged for the worst difference. That difference has the sign of the change, so the
+        // product never adds energy.
         let on = moved - before_change;
         let under_older = before_change + self.late.of_and_fitting(on, self.stray, grown);
         state
@@ -212,17 +216,19 @@ impl<N: Number> Guard<N> {
         (self.damping * surely).down_fitting() * surely
     }
 
-    /// The most energy that a force may still cost after the next sample, before another force replaces it.
+    /// The most energy that a force may still cost after the next sample, until another force replaces it. The account keeps this
+    /// energy in reserve.
     #[inline(always)]
     #[must_use]
     pub fn reserve(&self, force: Force<N>) -> Energy<N> {
         force.modulus_fitting() * self.in_flight
     }
 
-    /// The largest force whose work over the largest displacement is covered by this energy, which must not be negative: `E/D`.
+    /// The largest force whose work over the largest displacement per tick is covered by this energy, which must not be negative.
     ///
-    /// No square root is needed, because the device's damping is not used up here. The largest force is in proportion to the energy
-    /// left. So the wall becomes softer as the account empties, and does not end suddenly.
+    /// It is the quotient of energy and displacement, without a square root, because the device's damping is not used up here. The
+    /// largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
+    /// suddenly.
     #[inline(always)]
     #[must_use]
     pub fn largest_force(&self, free: Energy<N>) -> Force<N> {
@@ -240,7 +246,7 @@ impl<N: Number> Guard<N> {
         Force::zero()
     }
 
-    /// Charges overspeed to the account: the largest possible loss under the last two forces until the force is off.
+    /// Overspeed: takes from the account the largest possible loss under the last two forces until the force is off.
     #[cold]
     fn overrun(&self, state: &mut GuardState<N>) -> Result<Force<N>, Overspeed> {
         let size = state.force.modulus().max(state.older.modulus());

@@ -11,7 +11,7 @@ use crate::{
 /// The properties of the device that the guard's coefficients depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GuardedDevice {
-    /// Control rate `1/T`, Hz.
+    /// Control rate, Hz.
     pub rate_hz: u32,
     /// Largest force ever commanded, N·m (N).
     pub force_limit: Si,
@@ -19,24 +19,25 @@ pub struct GuardedDevice {
     pub count: Si,
 }
 
-/// Added to a value that was rounded down to make it an upper bound: more than the last digits that a sum of products and quotients
-/// can lose.
+/// Added to a value that was rounded down, to make it an upper bound. It is larger than the rounding errors of a sum of products
+/// and quotients.
 const UP: Si = Si::from_bits(8);
 
 /// Quantities in SI units that follow from the guard's settings and the device.
 struct Derived {
-    /// Trusted damping over the tick, `c`, rounded down.
+    /// Trusted damping over the control period, rounded down.
     damping: Si,
-    /// Largest displacement in a tick, `d`, rounded up.
+    /// Largest displacement in a tick, rounded up.
     distance: Si,
-    /// Largest displacement and a count, `D = d + δ`, rounded up.
+    /// Largest displacement in a tick plus an encoder count, rounded up.
     reach: Si,
     /// Mean fraction of a tick after which a force begins to act. It is exact, as the control rate is a whole number.
     late: Si,
 }
 
 impl GuardSettings {
-    /// Limits delay plus lag to one tick, rounded down. Accepted settings can exceed the tick by one last digit.
+    /// Limits the sum of delay and lag to one tick, rounded down. Accepted settings can exceed the tick by 2^-32 s, the
+    /// smallest step of [`Si`].
     #[inline]
     fn within_a_tick(&self, device: &GuardedDevice) -> Self {
         let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));
@@ -56,7 +57,7 @@ impl GuardSettings {
             .share_of_damping
             .saturating_mul(self.damping)
             .saturating_mul(rate);
-        // What is measured may be a count shorter than what was moved.
+        // A measured displacement may be shorter than the true one by an encoder count.
         let measured = over(self.overspeed, rate);
         let distance = measured.saturating_add(device.count).saturating_add(UP);
         Derived {
@@ -86,19 +87,19 @@ impl GuardSettings {
                 coarsest,
             });
         }
-        // Settings are read to the nearest digit and this quotient is rounded down. So a delay of a whole tick, or a delay and a lag that
-        // make one, are up to a digit more.
+        // Settings are rounded to the nearest digit and this quotient is rounded down. So a delay of exactly a tick, or a delay and
+        // a lag that sum to a tick, can exceed the quotient by one last digit.
         let tick = over(Si::ONE, rate).saturating_add(Si::DELTA);
         within(Field::GuardDelay, self.delay, tick)?;
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }
 
-    /// Warnings about settings with which the guard softens the wall or its account runs empty in normal use.
+    /// Warnings about settings with which the guard softens the wall, or with which its energy account runs empty in normal use.
     #[must_use]
     pub fn warnings(&self, device: &GuardedDevice) -> [Option<Warning>; 2] {
         let derived = self.within_a_tick(device).derived(device);
         let force = device.force_limit;
-        // For the displacement of a tick, and for the part of it that the force acts on after the next sample.
+        // The energy for the displacement of a tick, and for the part of it over which the force acts after the next sample.
         let needed = force
             .saturating_mul(derived.reach)
             .saturating_mul(Si::ONE.saturating_add(derived.late))
@@ -121,7 +122,7 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
     }
 }
 
-/// The smallest step of a signal in the number format.
+/// The smallest position or force above 0 in the number format.
 pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);
@@ -156,7 +157,7 @@ impl<N: Number> Guard<N> {
                 .map(Stiffness)
                 .ok_or(refused::<N>(field, value))
         };
-        // Four times of what the sums of the books are made of must fit.
+        // Each term of the account's sum must be at most a quarter of its format.
         let quarter = |field, value: Si| {
             N::signal(value.saturating_mul_int(4)).ok_or(refused::<N>(field, value))
         };
@@ -168,7 +169,8 @@ impl<N: Number> Guard<N> {
         )?;
         quarter(Field::GuardOverspeed, derived.distance)?;
         quarter(Field::GuardRefill, over(settings.refill, rate))?;
-        // An account that pays for more force than the books have room for lets less through.
+        // The largest force for which the account's sum has room. If the capacity pays for a larger force, the guard allows less
+        // force for each joule.
         let room = [
             const { Si::lit("31.9") },
             const { Si::lit("0.49") },
@@ -177,7 +179,8 @@ impl<N: Number> Guard<N> {
         .into_iter()
         .find(|room| quarter(Field::GuardCapacity, *room).is_ok())
         .unwrap_or_default();
-        // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
+        // Roundings that are added to the largest displacement: that of the reserve's displacement, a step of the format and a
+        // little more, and those of the two measured positions, a step each.
         let step = quantum::<N>();
         let rounded = step
             .saturating_add(step)
@@ -191,7 +194,7 @@ impl<N: Number> Guard<N> {
             .saturating_add(UP)
             .saturating_mul_int(2);
 
-        // Over how much time the old force may have gone on, in the mean, of how much.
+        // The time span in which the old force may still act, and the mean time for which it does.
         let tick = over(Si::ONE, rate);
         let (span, mean) = match settings.change {
             ChangeOfForce::Estimated => (tick, settings.delay.saturating_add(settings.lag)),
@@ -206,21 +209,22 @@ impl<N: Number> Guard<N> {
         } else {
             (Si::ZERO, Si::ZERO)
         };
-        // It must fit with the largest change of force: without damping a delay cannot be answered for.
+        // The product with the largest change of force must fit. Without damping, a delay cannot be compensated.
         let trusted = settings.share_of_damping.saturating_mul(settings.damping);
         let stray = over(split, trusted.saturating_mul_int(4));
         let stray = if split > Si::ZERO { stray } else { Si::ZERO };
         quarter(Field::GuardDamping, stray.saturating_mul(largest_change))?;
         let half_count = device.count / 2;
-        // What the last digits of stray and share leave out: a quantum for every newton-metre that a change can have, and for every
-        // radian that a displacement can; and what those of the tick do, of which the share is taken: at overspeed `v` a 256th of `v`.
+        // Upper bound of what rounding leaves out. The last digits of `stray` and `late` lose one step of the format for every
+        // newton-metre of a change of force and for every radian of a displacement. Rounding the tick, of which `late` is a
+        // fraction, loses a 256th of the overspeed `v`.
         let left_out = largest_change
             .saturating_add(derived.distance)
             .saturating_add(settings.overspeed / 256);
         let quanta = 1 + i64::from(left_out.saturating_to_num::<u16>());
-        // Below 2^48: a quantum is a setting of at most one.
+        // Below 2^48, as a step of the format is at most 1 as a setting.
         let left_out = Si::from_bits(step.to_bits().wrapping_mul(quanta));
-        // With half a count, and a quantum each for the position and for the part under the old force.
+        // Adds half an encoder count, and a step of the format each for the position and for the part under the old force.
         let slack = up::<N>(Field::GuardOverspeed, half_count.saturating_add(left_out))?
             + Position::quantum()
             + Position::quantum();
@@ -230,13 +234,13 @@ impl<N: Number> Guard<N> {
         } else {
             half_count
         };
-        // The position that it is measured from is rounded as well.
+        // The position from which the displacement is measured is rounded as well.
         quarter(Field::GuardDelay, in_flight.saturating_add(rounded))?;
         let overrun = over(
             derived.late.saturating_add(UP).saturating_add(Si::ONE),
             derived.damping.saturating_mul_int(4),
         );
-        // With next to no damping there is no end to what overspeed costs: the largest ratio of each format in turn.
+        // With hardly any damping the cost of overspeed has no bound; the coefficient is then the largest ratio of the format.
         let overrun = [overrun, whole(127), whole(1), const { Si::lit("0.99") }]
             .into_iter()
             .find_map(N::ratio)

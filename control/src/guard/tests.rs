@@ -36,24 +36,25 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         self.0 ^ self.0 >> 31
     }
-    /// A random number in `-size..=size`.
+    /// A random integer in `-size..=size`.
     fn within(&mut self, size: i64) -> i64 {
         (self.next() >> 20) as i64 % (2 * size + 1) - size
     }
 }
 
-/// The true energy in whole quanta: the work of each force over its displacement, and what the trusted damping dissipated. The
-/// damping `c` comes from the settings and not from the guard's stored coefficient.
+/// The true energy that the guard's account is compared with: the work of each force over its displacement, and what the trusted
+/// damping dissipated. An exact integer in units of 2^-48 J. The damping comes from the settings and not from the guard's stored
+/// coefficient.
 struct Truth {
     joules: i128,
 }
 const JOULE: i128 = 1 << 48;
 
 impl Truth {
-    /// Adds the energy of a displacement in a part of a tick, given in thousandths of a tick, rounded down.
+    /// Adds the work and the dissipation of one displacement. It takes `thousandths` of a tick; the dissipation is rounded down.
     fn moved(&mut self, force: i64, moved: i64, thousandths: i128) {
         let (force, moved) = (i128::from(force), i128::from(moved));
-        // 0.32 N·m/rad over a tick: 0.8 of 4e-4 N·m·s/rad.
+        // The trusted damping per tick is 0.32 N·m/rad: 0.8 of 4e-4 N·m·s/rad, at 1 kHz.
         let damped = if thousandths == 0 {
             assert!(moved == 0);
             0
@@ -64,13 +65,14 @@ impl Truth {
     }
 }
 
-/// Random and hostile hands, in whole quanta: at no instant has a hand got out more energy than the guard's account has lost.
+/// Checks with random and hostile motions of a hand that no hand ever gets out more energy than the guard's account has lost.
 ///
 /// The true position is anywhere within half an encoder count of the measured one. The force acts a tenth, a half or a whole tick
 /// late.
 #[test]
 fn the_account_is_never_above_the_truth() {
-    // Half a count of error at each end of a window, under the largest force that a full account allows; quanta of energy.
+    // The largest energy error: half a count at each end of the compared time span, under the largest force that a full account
+    // allows. In steps of the energy format.
     let half_count = (0.000_157_079_633 / 2.0 * f64::from(1 << 24)) as i64;
     for (delay, late) in [
         ("0", 0),
@@ -90,8 +92,8 @@ fn the_account_is_never_above_the_truth() {
             let (mut shown, mut before) = (0_i64, 0_i64);
             let (mut at, mut told) = (0_i64, 0_i64);
             for tick in 0..2_000_u64 {
-                // The hand: random, or out of the wall where the force is high and into it where it is low, at some speed, and
-                // straying in the part of the tick before the force changes so that the change pays.
+                // The hand moves at random, or outward where the force is high and inward where it is low, at some speed. Before
+                // the force changes in a tick it moves so that the change gives it energy.
                 let speed = furthest >> (round % 6 * 2 + 1);
                 let part = |thousandths: i128| (i128::from(furthest) * thousandths / 1000) as i64;
                 let whole = if round % 2 == 0 {
@@ -112,7 +114,7 @@ fn the_account_is_never_above_the_truth() {
                 if at.abs() > 1 << 29 {
                     break;
                 }
-                // Measured with an error that the hand may choose.
+                // The position is measured with an error that the hand may choose.
                 let error = if round % 3 == 0 {
                     random.within(half_count)
                 } else {
@@ -124,7 +126,7 @@ fn the_account_is_never_above_the_truth() {
                 if moved.abs() > furthest {
                     break;
                 }
-                // The law: any; rising with the position, falling with it, or random.
+                // The force that the law requests: random, rising with the position, or falling with it.
                 let wanted = match round % 4 {
                     0 => random.within(1 << 23),
                     1 => told.clamp(0, 1 << 28) >> 1,
@@ -138,7 +140,8 @@ fn the_account_is_never_above_the_truth() {
                         force(wanted.clamp(-(1 << 28), 1 << 28)),
                     )
                     .unwrap();
-                // The force that the account already knows acts at the measured position: within half a count of the true.
+                // The force that the account already counts acts at the measured position, which is within half a count of the true
+                // one.
                 let error_now = -i128::from(error) * i128::from(shown);
                 let account = i128::from(state.account.0.to_bits());
                 assert!(
@@ -150,7 +153,7 @@ fn the_account_is_never_above_the_truth() {
                 assert!(account <= i128::from(guard.capacity.0.to_bits()));
                 assert!(truth.joules >= 0, "more than the capacity got out");
                 assert!(next.modulus() <= force(wanted.clamp(-(1 << 28), 1 << 28)).modulus());
-                // The cap: what is above it is forgotten, in the truth as well.
+                // At the account's capacity, energy above the capacity is lost, so the true energy is set to the account as well.
                 if state.account == guard.capacity {
                     truth.joules = account + error_now;
                 }
@@ -166,7 +169,8 @@ fn the_account_is_never_above_the_truth() {
     }
 }
 
-/// Without delay and position error the guard's account is exact: it never falls below zero, even without its lower limit.
+/// Checks the largest force for random energies in the account: its work over the largest displacement is never more than that
+/// energy, and no allowed force is wasted. There is no delay and no position error.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
     let exact = GuardedDevice {
@@ -186,7 +190,8 @@ fn every_displacement_up_to_overspeed_is_paid() {
             "{force:?} over {:?} costs {cost:?} of {account:?}",
             guard.furthest
         );
-        // And no force is given away: a quantum of each rounding more would cost more than there is, or little enough.
+        // The guard allows nearly all the force that it could: a little more force (0.1 % and 64 steps) would cost more than the
+        // account holds.
         let more = force + Force(I8F24::from_bits(force.0.to_bits() / 1000 + 64));
         assert!(more * (guard.furthest + guard.count + guard.count) > account);
     }
@@ -220,7 +225,7 @@ fn it_is_refilled_by_so_much_and_no_more() {
             .tick(&mut state, Position::zero(), force(1 << 24))
             .unwrap();
     }
-    // Half a millijoule in a second, less what the changes of the force that it allows were charged.
+    // The refill of a second is half a millijoule; less of it is left, since changes of the allowed force are charged.
     let full = fixed::types::I16F48::lit("0.0005");
     assert!(state.account.0 <= full && state.account.0 > full * 99 / 100);
 }
@@ -249,13 +254,13 @@ fn overspeed_takes_the_force_off_and_costs_what_it_can_have_cost() {
             Err(Overspeed)
         );
         assert_eq!(state.force, Force::zero());
-        // 0.156 N·m: f² (1 + s)/4c = 29 mJ, more than there was: a deficit.
+        // For 0.156 N·m overspeed costs f² (1 + s)/4c = 29 mJ, more than the account held: a deficit.
         let lost = (before.account - state.account).0.to_num::<f64>();
         assert!(
             (lost - 0.15625 * 0.15625 * 1.5 / (4.0 * 0.32)).abs() < 1e-4,
             "{lost}"
         );
-        // No force until it is made up for, and another overspeed costs nothing without one.
+        // No force is allowed until the deficit is made up, and without a force another overspeed costs nothing.
         assert_eq!(guard.tick(&mut state, far, force(1 << 22)), Err(Overspeed));
         let deficit = state.account;
         assert_eq!(
@@ -270,7 +275,7 @@ fn overspeed_takes_the_force_off_and_costs_what_it_can_have_cost() {
         }
         assert!(state.force > Force::zero());
     }
-    // In free air it costs nothing.
+    // Without a force overspeed costs nothing.
     let mut state = guard.full();
     assert_eq!(guard.tick(&mut state, far, Force::zero()), Err(Overspeed));
     assert_eq!(state.account, guard.capacity);
@@ -294,13 +299,13 @@ fn what_was_commanded_in_the_end_is_what_is_booked() {
     guard
         .tick(&mut untold, position(1 << 14), Force::zero())
         .unwrap();
-    // Half the force, half the work (and less charged for its change).
+    // Half the force does half the work, and less is charged for its change.
     let (half, full) = ((told.account - a).0, (untold.account - b).0);
     assert!(
         half > full * 49 / 100 && half < full * 53 / 100,
         "{half} of {full}"
     );
-    // More than was let through cannot be told.
+    // A report of a force larger than the allowed one is limited to the allowed one.
     guard.commanded(&mut told, force(1 << 23));
     assert_eq!(told.force, Force::zero());
 }
@@ -350,7 +355,8 @@ fn settings_are_validated_from_both_sides() {
         assert!(Guard::<Fixed32>::new(&settings(delay), &device()).is_ok());
         assert!(Guard::<Fixed16>::new(&settings(delay), &device()).is_ok());
     }
-    // No damping, no delay: force bounding without either. With a delay nothing bounds what happens between two samples.
+    // Without damping and without delay the guard works. With a delay and no damping, nothing bounds the motion between two
+    // samples.
     let undamped = GuardSettings {
         share_of_damping: Si::ZERO,
         ..settings("0")
@@ -363,7 +369,8 @@ fn settings_are_validated_from_both_sides() {
     assert!(Guard::<Fixed32>::new(&late, &device()).is_err());
 }
 
-/// A delay of one tick is accepted whether its text rounds up or down to the nearest digit.
+/// Checks that the guard accepts delay and lag of together one tick at every control rate, whether the value rounds up or down to
+/// the nearest digit, and refuses a longer delay.
 #[test]
 fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
     let rates = (1..=200)
@@ -381,7 +388,7 @@ fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
                     delay: Si::from_num(delay * tick),
                     lag: Si::from_num(lag * tick),
                     change,
-                    // A tick at 7 Hz and the default's overspeed are a long way.
+                    // At 7 Hz a tick is so long that the default overspeed gives too large a displacement.
                     overspeed: Si::from_num(0.01 / tick).min(Si::ONE),
                     ..settings("0")
                 };
@@ -412,7 +419,7 @@ fn warnings_name_what_is_given_away() {
     };
     let d = device();
     assert_eq!(quiet.warnings(&d), [None, None]);
-    // A tick of delay needs twice as much.
+    // With a delay of a tick the account needs twice the energy.
     assert!(matches!(
         settings("0.001").warnings(&d),
         [Some(Warning::GuardSoftensAtForceLimit { .. }), None]
@@ -422,7 +429,7 @@ fn warnings_name_what_is_given_away() {
         ..quiet
     };
     assert_eq!(dry.warnings(&d), [None, Some(Warning::GuardNeverRefilled)]);
-    // What is needed suffices: the account that the warning asks for gives the limit.
+    // With the capacity that the warning gives, a full account allows the force limit.
     for delay in ["0", "0.0005", "0.001"] {
         let Some(Warning::GuardSoftensAtForceLimit { needed, .. }) = (GuardSettings {
             capacity: Si::ZERO,
@@ -439,7 +446,7 @@ fn warnings_name_what_is_given_away() {
         let guard = Guard::<Fixed32>::new(&enough, &d).unwrap();
         let mut state = guard.full();
         let limit = 0.3_f64.mul_add(f64::from(1 << 24), 0.0) as i64;
-        // Within reach at once, and held.
+        // The force limit is reached within 20 ticks, and held.
         for tick in 0..50 {
             let ramp = force(limit / 20 * (tick + 1).min(20));
             let shown = guard.tick(&mut state, Position::zero(), ramp).unwrap();

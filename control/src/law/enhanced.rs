@@ -1,27 +1,30 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! The first contact is rendered at `k_de` without the virtual mass. When the motion turns, the virtual mass takes over. The hand's
-//! point (HIP) hangs on the mass by a spring `k_f`. The soft spring `k_v` pushes the mass out; it is deformed by the mass'
-//! penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
+//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. The
+//! hand's point (HIP) hangs on the mass by a coupling spring `k_f`. The soft spring `k_v` pushes the mass out of the wall; it is
+//! deformed by the mass' penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
-//! **Passivity at the mass is exact.** The next displacement of a virtual mass, unlike that of a hand, is *known* before the
-//! force is chosen: `d' = (N0 - f)/D`. So the controller prevents a deficit of energy instead of repairing it. If the mass would
-//! move out further than the stored energy pays for at full force, it moves out by exactly the distance that the energy pays for
-//! (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the wall holds: it neither
-//! kicks nor collapses. `E >= 0` is an invariant for every input.
+//! **Passivity at the mass is exact.** The next displacement `d'` of a virtual mass, unlike that of a hand, is *known* before the
+//! wall's force `f` is chosen: `d' = (N0 - f)/D`, with the driving force `N0` and the sum of coefficients `D` of [`VirtualMass`].
+//! So the controller prevents a deficit of the stored energy `E` instead of repairing it. If the mass would move out further than
+//! the energy pays for at full force, it moves out by exactly the distance that the energy pays for (`E/f`), and the force becomes
+//! the one that does so. With no energy left the mass stands still and the wall holds: it neither kicks nor collapses. `E >= 0`
+//! holds for every input.
 //!
-//! **Loan (credit).** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
-//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show more than
-//! about `2 k_f` to a resting hand. The thesis' controller shows more, because its observer counts the energy leak of sampling with
-//! the wrong sign. Here the loan is explicit. The observer starts each contact with the energy `energy_credit`, and over one
-//! contact the mass can never give more than that beyond what it took.
+//! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in
+//! that coupling, but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at
+//! most the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The thesis'
+//! controller shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is explicit.
+//! The observer starts each contact with the energy `energy_credit`, and over one contact the mass can never give more than that
+//! beyond what it took.
 //!
-//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in
-//! every phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
-//! k_de/k_v`. The energy sum at the *mass* leaves the damper out: the energy that it takes is never given back through the offset,
-//! and the offset regulates the stiffness of the wall alone. At the *wall's* port its force is held over a tick and acts over the
-//! next displacement. So where the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 +
-//! B` absorbs that energy. The energy guard bounds the total energy that a hand gets out.
+//! **A damper beside the augmented wall.** The force of a damper, `B/T` (virtual damping over control period) times the hand's
+//! displacement `Δe`, is added to the wall's force in every phase. The sum never pulls and stays within the force limit. For a
+//! desired stiffness up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves the
+//! damper out: the energy that it takes is never given back through the offset, and the offset regulates the stiffness of the wall
+//! alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the motion
+//! turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness `k`,
+//! absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
 //! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
 
@@ -32,21 +35,26 @@ use crate::{
     Ratio, Regulate, Stiffness, Tension,
 };
 
-/// The rule that changes the offset: Algorithm 3.1 of the thesis, lines 7–13, with the moduli that are missing in its listing.
+/// The rule that changes the offset of the soft spring step by step: Algorithm 3.1 of the thesis, lines 7–13, with the absolute
+/// values that are missing there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
-    /// `c/k_v` or `c/k_de`: gain of the ideal step with the fraction `c` of it, equations (3.7) and (3.8) of the thesis; see
-    /// [`crate::IdealStep`].
+    /// Gain of the ideal step from the error of the force: a fraction `c` over the soft stiffness `k_v` or the desired stiffness
+    /// `k_de`, equations (3.7) and (3.8) of the thesis. See [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
-    /// `b/k_v`: limits the step in proportion to the force, equation (3.9) of the thesis.
+    /// Limits the step of the offset in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of
+    /// the thesis.
     pub of_force: Compliance<N>,
-    /// `a`: limits the step in proportion to the penetration, equation (3.11) of the thesis.
+    /// Limits the step to this fraction `a` of the penetration, equation (3.11) of the thesis.
     pub of_penetration: Ratio<N>,
 }
 
 impl<N: Number> Augmentation<N> {
-    /// The step of the offset, `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one
-    /// quantum; otherwise the offset could never grow again from a force of exactly zero.
+    /// Step of the soft spring's offset in a tick, never negative: the smallest of the ideal step (by the error `wanted - shown` of
+    /// the force), a limit by the commanded force `shown`, and a limit by the penetration `e`.
+    ///
+    /// A force of zero counts as one step of the number format; otherwise the offset could never grow again from a force of exactly
+    /// zero.
     #[inline]
     pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {
         let shown = shown.modulus();
@@ -56,80 +64,81 @@ impl<N: Number> Augmentation<N> {
         Self::least(ideal, weber, near)
     }
 
-    /// The smallest of the three limits of the step, the second limit being at least one quantum.
+    /// The smallest of the three limits of the offset's step. The second limit is at least one step of the number format.
     #[inline]
     pub fn least(ideal: Position<N>, weber: Position<N>, near: Position<N>) -> Position<N> {
         ideal.min(weber.max(Position::quantum())).min(near)
     }
 }
 
-/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller one, `build` makes a plain spring (thesis
-/// §3.1).
+/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller desired stiffness the law is a plain spring
+/// (thesis §3.1), which another type calculates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// The stiffness towards which the offset regulates: `k_de`, or that of equation (3.5) of the thesis for the mass.
+    /// The stiffness that the law reaches by changing the offset: the desired stiffness, or that of equation (3.5) of the thesis
+    /// for the virtual mass.
     pub target: Stiffness<N>,
-    /// Virtual damping per tick, `B/T`, of the damper beside the augmented wall; zero for the thesis' law.
+    /// Virtual damping over the control period, of the damper whose force is added to the wall's; zero for the thesis' law.
     pub damper: Stiffness<N>,
-    /// Soft stiffness `k_v`.
+    /// Stiffness of the soft spring, `k_v`.
     pub soft: Stiffness<N>,
     /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The rule that changes the offset.
+    /// The rule that changes the offset of the soft spring.
     pub augmentation: Augmentation<N>,
-    /// The stiffness that the offset regulates: that at the mass or at the HIP.
+    /// The stiffness that the law regulates by the offset: that at the virtual mass or that at the hand's point (HIP).
     pub regulate: Regulate,
-    /// The ticks in which the offset changes.
+    /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
-    /// The form of the energy observer: exact or the thesis'.
+    /// The form of the energy observer: the exact one or that of the thesis.
     pub observer: ObserverForm,
     /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
     /// Coefficients of the virtual mass.
     pub mass: VirtualMass<N>,
-    /// Coupling stiffness `k_f`, prepared as a divisor.
+    /// Stiffness of the spring between hand's point and virtual mass, prepared as a divisor.
     pub by_coupling: Divisor<N>,
-    /// The sum `k_f + k_v`, prepared as a divisor.
+    /// The sum of coupling stiffness `k_f` and soft stiffness `k_v`, prepared as a divisor.
     pub series: Divisor<N>,
     /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
-    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
+    /// Largest energy that the law stores, a quarter of the number format's range.
     pub energy_cap: Energy<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
 }
 
-/// Memory of the enhanced law after the first reversal of motion, while the virtual mass is in use.
+/// Memory of the enhanced law after the first reversal of motion in a contact, while the virtual mass is in use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
     /// State of the virtual mass.
     pub mass: MassState<N>,
-    /// Offset `O`, by which the soft spring is deformed beyond the mass' penetration.
+    /// Offset: deformation of the soft spring beyond the mass' penetration.
     pub offset: Position<N>,
     /// Force of the wall on the mass in the last tick, never negative.
     pub at_mass: Force<N>,
 }
 
-/// Memory of [`EnhancedSfa`].
+/// Memory of the enhanced law, [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
-    /// Phase of the contact.
+    /// Phase of the contact: outside, first contact, or augmenting.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Force of the augmented wall on the HIP in the last tick, without the damper beside it.
+    /// Force of the wall on the hand's point (HIP) in the last tick, without the force of the damper that is added to it.
     pub force: Force<N>,
-    /// Stored energy left, the loan included; never negative while augmenting.
+    /// Stored energy left, including the energy lent to the contact; never negative after the first reversal of motion.
     pub energy: Energy<N>,
-    /// Memory of the augmented phase.
+    /// Memory after the first reversal of motion: virtual mass and offset.
     pub augmented: Augmented<N>,
 }
 
 impl<N: Number> EnhancedSfa<N> {
-    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper acts on the displacement inside
-    /// the wall, as in [`super::Spring`].
+    /// Sum of the augmented wall's force and the damper's, never pulling. The damper acts on the displacement inside the wall, as
+    /// in [`super::Spring`].
     #[inline(always)]
     fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
         (augmented + (self.damper * sample.moved_inside()).towards_zero())
@@ -137,14 +146,15 @@ impl<N: Number> EnhancedSfa<N> {
             .min(self.limit)
     }
 
-    /// Ends the first contact: puts the virtual mass where the energy absorbed so far covers the stretch of its coupling.
+    /// Ends the first contact: places the virtual mass so that the energy absorbed so far covers the stretch of the spring between
+    /// mass and hand.
     #[inline]
     pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, &self.series), Position::zero()),
             FirstContact::KeepForce => {
-                // The stretch of the coupling and of the soft spring that hold the force of the last tick.
+                // The stretches of coupling and soft spring at which both hold the force of the last tick.
                 let position = e - state.force.lift().per(&self.by_coupling);
                 (
                     position,
@@ -152,7 +162,8 @@ impl<N: Number> EnhancedSfa<N> {
                 )
             }
         };
-        // Where the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the HIP instead.
+        // If the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the hand's point (HIP)
+        // instead.
         let stored = self.mass.stored(e - position);
         let left = stored
             .map(|stored| state.energy - stored)
@@ -170,8 +181,8 @@ impl<N: Number> EnhancedSfa<N> {
         };
     }
 
-    /// The new offset, lines 3–13 of Algorithm 3.1. It is never negative: a negative offset would end the contact inside the wall
-    /// (thesis §3.1).
+    /// The soft spring's new offset in this tick, lines 3–13 of Algorithm 3.1 of the thesis. It is never negative: a negative
+    /// offset would end the contact inside the wall (§3.1).
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
@@ -187,8 +198,8 @@ impl<N: Number> EnhancedSfa<N> {
             Regulate::Hip => (state.force, e),
             Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
         };
-        // What the limit will take away again is no reason for an offset: it would grow for as long as a hand leans on a wall at its
-        // limit, and push the mass out at the energy's cost.
+        // The requested force is limited first, so that the limit gives no reason for a larger offset. Otherwise the offset would
+        // grow for as long as a hand leans on a wall at its force limit, and push the mass out at the cost of energy.
         let wanted = (self.target * at).towards_zero().min(self.limit);
         let step = self.augmentation.step(wanted, shown, at);
         let changed = if shown < wanted {
@@ -199,7 +210,8 @@ impl<N: Number> EnhancedSfa<N> {
         changed.max(Position::zero())
     }
 
-    /// Chooses the wall's force on the mass and moves the mass, so that the stored energy stays non-negative. Returns the force.
+    /// Chooses the wall's force on the virtual mass and moves the mass, so that the stored energy does not become negative. Returns
+    /// the force.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn move_mass(
@@ -214,7 +226,7 @@ impl<N: Number> EnhancedSfa<N> {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
             }
             ObserverForm::Thesis => {
-                // Fig. 3.18: the last displacement stands for the next one.
+                // As in Fig. 3.18 of the thesis, the last displacement of the mass stands for the next one.
                 let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
                 state.energy = Energy(after).min(self.energy_cap);
                 let step = self.mass.displacement(mass.position, drive, Force(force));
@@ -225,7 +237,7 @@ impl<N: Number> EnhancedSfa<N> {
         force
     }
 
-    /// Force on the HIP after the first contact; `None` once the HIP has left the wall.
+    /// Force on the hand's point (HIP) after the first reversal of motion; `None` once the HIP has left the wall.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn augmented_force(
@@ -238,7 +250,7 @@ impl<N: Number> EnhancedSfa<N> {
         let held = &state.augmented;
         let wanted = (self.soft * (held.mass.position + held.offset)).outward();
         if wanted == Force::zero() {
-            // The mass is outside the shifted surface.
+            // The mass has left the wall, including the deformation by the offset.
             return None;
         }
         let (mass, energy) = (held.mass, state.energy);
@@ -249,16 +261,16 @@ impl<N: Number> EnhancedSfa<N> {
             return Some(shown);
         }
         if e <= Position::zero() {
-            // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+            // Outside the wall's surface the offset may still push the hand out (thesis 2.15), but nothing may pull it back in.
             return None;
         }
         self.leave_behind(state, &mass, energy, wanted);
         Some(Force::zero())
     }
 
-    /// Moves the mass while the HIP leaves it behind. A wall does not pull, so nothing pulls the mass. It moves on as if it were
-    /// not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond inertia and ground damping
-    /// act as one more damper to ground here.)
+    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull, so nothing pulls the mass. It
+    /// moves on as if it were not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond
+    /// inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,
@@ -269,7 +281,7 @@ impl<N: Number> EnhancedSfa<N> {
     ) {
         let exact = self.observer == ObserverForm::Exact;
         let held = &mut state.augmented;
-        // The thesis' sum counts the last displacement and not this one: it stays.
+        // The thesis' energy sum counts the last displacement of the mass and not this one, so the force stays as it is.
         let force = if exact { wanted } else { held.at_mass };
         let coast = self.mass.coast(mass);
         let mut step = self.mass.displacement(mass.position, coast, force);
@@ -289,7 +301,8 @@ impl<N: Number> EnhancedSfa<N> {
         held.mass = mass.moved_by(step);
     }
 
-    /// The exact passivity controller: returns force and displacement of the mass such that `E' = E + f·d >= 0`.
+    /// The exact passivity controller: reduces the force on the virtual mass so that the stored energy plus the work of its next
+    /// displacement is not negative. Returns the force and that displacement.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn affordable_move(
@@ -305,16 +318,17 @@ impl<N: Number> EnhancedSfa<N> {
             *energy = after.min(self.energy_cap);
             return (wanted, step);
         }
-        // `wanted > 0` and `step < 0` here. At full force the energy pays for a retreat of `E/f`, less than the step.
+        // Here `wanted > 0` and `step < 0`. At full force the energy pays for an outward motion of `E/f`, which is less than the
+        // step.
         let (retreat, rest) = energy.affordable(wanted);
         let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
         if force <= Force::zero() {
-            // The mass is pulled out faster than that without any help of the wall: no force, no work.
+            // The mass is pulled out faster than that even without the wall's force: no force, no work.
             let step = self.mass.displacement(from, drive, Force::zero());
             return (Force::zero(), step);
         }
-        // E - f·retreat, as a sum of what is not negative: the rest of the division, and what the smaller force saves.
-        // (The cap never binds here; it keeps that a matter of comparisons.)
+        // The energy less the work, written as a sum of non-negative terms: the remainder of the division, and what the smaller
+        // force saves. (The cap never binds here; it lets a solver see the bound by a comparison.)
         *energy = (rest + (wanted - force) * retreat).min(self.energy_cap);
         (force, -retreat)
     }
@@ -351,7 +365,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         match force {
             Some(force) => {
                 state.last = e;
-                // It never pulls.
+                // The force is not negative, so only the upper limit is needed.
                 state.force = force.min(self.limit);
                 self.damped(state.force, sample)
             }
@@ -369,7 +383,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         let augmenting = state.contact == Contact::Augmenting;
         View {
             contact: state.contact,
-            // The credit is a loan, not energy of the wall.
+            // The lent energy is not shown as energy that the wall took.
             energy: Some(if state.contact == Contact::Free {
                 Energy::zero()
             } else {

@@ -1,35 +1,37 @@
 //! Force bounding approach (thesis 2.6a–2.10).
 //!
-//! `E(n) = E(n-1) + f(n-1) Δe + (c_i/T) Δe²` and `|f| <= sqrt(4 E c_i/T)`. Then no next displacement can make the energy negative,
-//! counting the device's own damping. The energy under the root is non-negative, and the root is rounded down.
+//! The energy `E` is what the hand and the device's damping `c_i` have given so far: `E(n) = E(n-1) + f(n-1) Δe + (c_i/T) Δe²`,
+//! with force `f`, displacement `Δe` and control period `T`. The force is limited to `|f| <= sqrt(4 E c_i/T)`. Then no next
+//! displacement can make the energy negative, counting the device's own damping. The energy under the root is non-negative, and the
+//! root is rounded down.
 
 use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, Position, Stiffness};
 
-/// Force bounding around a virtual spring `k_de`.
+/// Force bounding around a virtual spring: limits the spring's force to what the energy and the device's damping allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fba<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// Device damping per tick: `c_i/T`.
+    /// Device damping over the control period, N·m/rad.
     pub device_damping: Stiffness<N>,
-    /// `sqrt(4 c_i/T)`, rounded down, in the number format of a stiffness.
+    /// `sqrt(4 c_i/T)` for the device damping `c_i` and the control period `T`, rounded down, in the number format of a stiffness.
     pub bound: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
+    /// Largest energy that the law stores, a quarter of the number format's range.
     pub energy_cap: Energy<N>,
 }
 
-/// Memory of [`Fba`].
+/// Memory of the force bounding law, [`Fba`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FbaState<N: Number> {
     /// Force of the last tick.
     pub force: Force<N>,
-    /// Energy taken from the hand and by the device's damping so far.
+    /// Energy that the hand gave and that the device's damping dissipated so far.
     pub energy: Energy<N>,
-    /// Whether the HIP was in the wall at the last tick.
+    /// Whether the hand's point (HIP) was in the wall at the last tick.
     pub inside: bool,
 }
 
@@ -37,7 +39,7 @@ impl<N: Number> Fba<N> {
     /// Largest force that the energy allows, equation (2.7a) of the thesis.
     #[inline]
     pub fn largest_force(&self, energy: Energy<N>) -> Force<N> {
-        // sqrt(E) has the digits of a signal; as a position it takes the bound as a gain.
+        // The root has the number format of a signal. It is used as a position, so that the bound can multiply it as a stiffness.
         let root = Position(N::root(energy.0));
         (self.bound * root).towards_zero()
     }

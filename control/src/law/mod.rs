@@ -20,7 +20,7 @@ pub use tdpa::{Tdpa, TdpaState};
 
 use crate::{Energy, Force, Number, Position};
 
-/// Phase of the contact.
+/// Phase of the contact between hand and wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
     /// Outside the wall.
@@ -28,27 +28,27 @@ pub enum Contact {
     Free,
     /// First contact, up to the first reversal of the motion. Laws without that distinction stay in this phase.
     First,
-    /// Force augmentation by an offset, after the first reversal of the motion.
+    /// Contact after the first reversal of the motion, in which an offset augments the force.
     Augmenting,
 }
 
 /// A law's internal values, for telemetry and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<N: Number> {
-    /// Phase of the contact.
+    /// Phase of the contact between hand and wall.
     pub contact: Contact,
     /// Energy that the law's own observer has summed; `None` if the law has no observer.
     pub energy: Option<Energy<N>>,
-    /// Offset `O`: deformation of the virtual spring beyond the penetration of the wall.
+    /// Deformation of the virtual spring beyond the penetration of the wall (offset).
     pub offset: Position<N>,
-    /// Penetration of the virtual mass while it is in use; else `None`.
+    /// Penetration of the enhanced law's virtual mass while it is in use; else `None`.
     pub mass: Option<Position<N>>,
 }
 
 /// Input of a law in one tick: position and displacement, measured or estimated for the time at which the law's force will act.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample<N: Number> {
-    /// Penetration `e = x - x_s`, positive inside the wall.
+    /// Penetration into the wall: position less the surface's position, positive inside.
     pub e: Position<N>,
     /// Displacement since the last tick, positive inward. An estimated displacement is the velocity times the tick.
     pub moved: Position<N>,

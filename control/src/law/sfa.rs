@@ -1,24 +1,25 @@
 //! Successive force augmentation without passivity control. The original (thesis 2.11–2.17) changes its offset when the motion
 //! turns inwards; a variant changes it at every inward tick (3.2–3.3).
 //!
-//! Equation (3.2) as printed requires `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies. This code uses
-//! *or*, as in (2.14c). `k_di < k_de` is decided as `|f| < k_de·e`: without a division there is no singularity at `e = 0`.
+//! Equation (3.2) as printed requires, for the displayed stiffness `k_di` and the desired one `k_de`, `k_di > k_de` *and* `k_di <
+//! 0` in its second line, which nothing satisfies. This code uses *or*, as in (2.14c). `k_di < k_de` is decided as `|f| < k_de·e`
+//! for a force `f` at a penetration `e`: without a division there is no singularity at `e = 0`.
 
 use super::{Contact, Law, Sample, View};
 use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Ratio, Stiffness};
 
-/// Successive force augmentation around the soft spring `k_v`.
+/// Successive force augmentation: a soft spring whose offset grows until the force is that of the desired stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sfa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// Soft stiffness `k_v`.
+    /// Stiffness of the soft spring, `k_v`.
     pub soft: Stiffness<N>,
-    /// `k_c/k_v - 1`, the gain of equation (2.14a) of the thesis.
+    /// Critical over soft stiffness less 1, `k_c/k_v - 1`: the gain of equation (2.14a) of the thesis.
     pub gain: Ratio<N>,
     /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The ticks in which the offset changes.
+    /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
     /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
@@ -26,16 +27,16 @@ pub struct Sfa<N: Number> {
     pub limit: Force<N>,
 }
 
-/// Memory of [`Sfa`].
+/// Memory of successive force augmentation, [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
-    /// Phase of the contact.
+    /// Phase of the contact: outside, first contact, or augmenting.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Penetration of the tick before the last.
+    /// Penetration of the tick before the last one.
     pub before_last: Position<N>,
-    /// Offset `O`, by which the soft spring is deformed beyond the penetration.
+    /// Offset: the deformation of the soft spring beyond the penetration.
     pub offset: Position<N>,
     /// Force of the last tick.
     pub force: Force<N>,
@@ -54,9 +55,9 @@ impl<N: Number> Sfa<N> {
             return Position::zero();
         }
         let step = self.gain * moved;
-        // (2.14c): the displayed stiffness of the last tick against the desired one, by cross-multiplication. Outside it is
-        // negative.
-        // What the limit will take away again is no reason for an offset, as in the enhanced law.
+        // Equation (2.14c) of the thesis: compares the displayed stiffness of the last tick with the desired one, by
+        // cross-multiplication. Outside the wall the displayed stiffness is negative. The force limit is applied first, so that it
+        // gives no reason for a larger offset.
         let wanted = (self.desired * state.last).towards_zero().min(self.limit);
         let inside = state.last > Position::zero();
         if inside && state.force < wanted {
@@ -89,7 +90,8 @@ impl<N: Number> Law<N> for Sfa<N> {
         {
             next.contact = Contact::Augmenting;
             next.offset = match self.first_contact {
-                // (2.17): the offset that holds the force of the first contact, (2.16), as it is at this tick.
+                // Equations (2.16) and (2.17) of the thesis: the offset that keeps the force of the first contact at this tick's
+                // penetration.
                 FirstContact::KeepForce => {
                     let force = (self.desired * e).outward().min(self.limit);
                     self.compliance * force - e
@@ -108,7 +110,7 @@ impl<N: Number> Law<N> for Sfa<N> {
             }
         };
         if force <= Force::zero() {
-            // Left the wall, its shifted surface included: nothing is remembered but where the HIP is.
+            // The hand has left the wall, including the deformation by the offset: only its position is remembered.
             *state = SfaState {
                 last: e,
                 before_last: state.last,

@@ -3,21 +3,22 @@
 use super::{Contact, Law, Sample, View};
 use crate::{Force, Number, Position, Stiffness};
 
-/// Virtual spring and damper: the force is `k_de e + (b/T) Δe`, never pulling, and zero outside the wall.
+/// Virtual spring and damper. The force is stiffness times penetration plus damping per tick times displacement, never pulling, and
+/// zero outside the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// Virtual damping per tick, `b/T`; zero for the plain spring.
+    /// Virtual damping over the control period; zero for the plain spring.
     pub damping: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
 }
 
-/// Memory of [`Spring`].
+/// Memory of the spring law, [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringState {
-    /// Whether the HIP was in the wall at the last tick.
+    /// Whether the hand's point (HIP) was in the wall at the last tick.
     pub inside: bool,
 }
 
@@ -26,7 +27,7 @@ impl<N: Number> Law<N> for Spring<N> {
 
     #[inline]
     fn tick(&self, state: &mut SpringState, sample: Sample<N>) -> Force<N> {
-        // The damper works on the penetration only.
+        // The damper acts only on the part of the displacement inside the wall.
         let (e, moved) = (sample.e, sample.moved_inside());
         if e <= Position::zero() {
             *state = SpringState::default();

@@ -1,50 +1,54 @@
-//! Time-domain passivity approach over a virtual spring (thesis 2.1–2.6).
+//! Time-domain passivity approach over a virtual spring (thesis 2.1–2.6). `E` is the energy that the law's observer has summed, `f`
+//! the force, `e` the penetration and `Δe` the displacement in a tick.
 //!
-//! With the thesis' observer the force is chosen so that the observer's sum, which uses that force, never becomes negative. `E >=
-//! 0` is an invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
-//! spring nothing ever needs a correction. For every force that grows with `e`, and its potential `G`, `f(n) Δe(n) >= G(n) -
-//! G(n-1)`. So the sum is never negative by itself, and the law is the plain spring.
+//! With the thesis' observer the force is chosen so that the observer's sum, which uses that force, never becomes negative: `E >=
+//! 0` holds to the last bit. The corrected force is the quotient `E/|Δe|` rounded towards zero. Over a spring nothing ever needs a
+//! correction. For every force that grows with `e`, and its potential energy `G`, `f(n) Δe(n) >= G(n) - G(n-1)`. So the sum is
+//! never negative by itself, and the law is the plain spring.
 //!
 //! With the exact observer the energy up to now is known. The next displacement is not known and is assumed to equal the last.
 //! Where the motion continues at least as fast, a deficit is gone after one tick. Where the motion turns, the correction itself
 //! gives away up to `|f|·|Δe|` more. A motion that turns at every tick makes this loss happen at every tick, without end. The law
 //! whose bound holds for every next displacement is [`super::Fba`].
 //!
-//! Where `e` did not change, equation (2.2) of the thesis divides by zero. Nothing can be corrected over a displacement of zero, so
-//! the deficit stays in `E` for the next tick with a motion.
+//! In a tick without a displacement, equation (2.2) of the thesis divides by zero. Nothing can be corrected over a displacement of
+//! zero, so the deficit stays in `E` for the next tick with a motion.
 
 use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 
-/// Time-domain passivity control around a virtual spring `k_de`.
+/// Time-domain passivity control around a virtual spring: reduces the spring's force where the wall would give more energy than it
+/// took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// The form of the energy observer: exact or the thesis'.
+    /// The form of the energy observer: the exact one or that of the thesis.
     pub observer: ObserverForm,
-    /// `c_i/T` if the device's own damping counts as dissipation, equation (2.6) of the thesis; else zero.
+    /// Device damping over the control period if that damping counts as dissipation, equation (2.6) of the thesis; else zero.
     pub device_damping: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Largest stored energy. The limit keeps the sum inside its format, and it can only make the law more careful.
+    /// Largest energy that the law stores. The limit keeps the energy sum inside its number format, and a smaller sum only limits
+    /// the force more.
     pub energy_cap: Energy<N>,
 }
 
-/// Memory of [`Tdpa`].
+/// Memory of time-domain passivity control, [`Tdpa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TdpaState<N: Number> {
     /// Force of the last tick.
     pub force: Force<N>,
     /// Energy taken from the hand so far, as the observer sums it.
     pub energy: Energy<N>,
-    /// Whether the HIP was in the wall at the last tick.
+    /// Whether the hand's point (HIP) was in the wall at the last tick.
     pub inside: bool,
 }
 
 impl<N: Number> Tdpa<N> {
-    /// Returns the force with which the thesis' energy sum does not become negative after this displacement, and updates the sum.
+    /// Returns a force with which the thesis' energy sum does not become negative after the displacement `moved`, and updates the
+    /// sum.
     #[inline]
     pub fn thesis_force(
         &self,
@@ -59,15 +63,16 @@ impl<N: Number> Tdpa<N> {
         Force(force)
     }
 
-    /// Returns the force for the coming tick from the exact energy so far. The last displacement is the guess of the next one.
+    /// Returns a force for the coming tick with which the exact energy does not become negative, if the next displacement equals
+    /// the last one.
     #[inline]
     pub fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
         if moved == Position::zero() || energy + wanted * moved >= Energy::zero() {
             return wanted;
         }
         let enough = energy.per_displacement(moved);
-        // A deficit is worked off against the motion: more push inward, a pull outward. A surplus that does not suffice
-        // outward is spent to the last quantum.
+        // A deficit is paid back against the motion: by more push inward, or by a pull outward. A surplus that does not suffice for
+        // the outward motion is spent to the last step of the energy format.
         let pulls = energy < Energy::zero() && moved < Position::zero();
         if pulls { -enough } else { enough }
     }

@@ -1,4 +1,4 @@
-//! The fixed-point number formats: they add signs to the unsigned arithmetic of [`crate::magnitude`].
+//! The fixed-point number formats. Their signed functions use the unsigned arithmetic of [`crate::magnitude`] and add the signs.
 
 use super::saturating::Saturates as _;
 use super::{Number, Wide64};
@@ -18,12 +18,12 @@ pub struct Fixed16;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed8;
 
-/// A magnitude that divides others, either directly or by a prepared reciprocal.
+/// An unsigned number that is used as a divisor, either directly or by a prepared reciprocal.
 trait Divides<W: Word>: Sized {
     fn new(divisor: W) -> Self;
     fn quotient(&self, dividend: W::Wide) -> W;
 }
-/// A plain word divides directly: on a machine that divides words of twice the width, a reciprocal would be no faster.
+/// A plain word divides by the machine's division: a machine that divides words of twice the width gains nothing by a reciprocal.
 impl<W: Word> Divides<W> for W {
     fn new(divisor: W) -> W {
         divisor
@@ -49,11 +49,11 @@ macro_rules! fixed_number {
             const GAIN_BITS: u32 = <$gain>::FRAC_NBITS;
             const SIGNAL_BITS: u32 = <$signal>::FRAC_NBITS;
 
-            /// The signed value of a magnitude of at most `MAX_SIGNED`.
+            /// The signed value of an absolute value that is at most `MAX_SIGNED`.
             #[inline(always)]
             fn signed(magnitude: $word, negative: bool) -> $signal {
                 debug_assert!(magnitude <= <$word as Word>::MAX_SIGNED);
-                // Said once more where it makes the program smaller.
+                // The limit never binds; on 32-bit machines it makes the program smaller.
                 let said = if cfg!(target_pointer_width = "32") {
                     magnitude.min(<$word as Word>::MAX_SIGNED)
                 } else {
@@ -63,7 +63,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 
-            /// A double word divided by `2^bits` and rounded down; the caller guarantees that the result fits a signal.
+            /// A double word divided by `2^bits` and rounded down. The caller guarantees that the result fits the single width.
             #[inline(always)]
             fn shifted_fitting(wide: $wide, bits: u32) -> $signal {
                 let shifted = wide >> bits;
@@ -71,7 +71,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(shifted as $int)
             }
 
-            /// A signal of these bits, limited to the largest or smallest signal.
+            /// The signal (position or force) with these bits, limited to the largest or smallest signal.
             #[inline(always)]
             fn ended(bits: i64) -> $signal {
                 <$signal>::from_bits(match <$int>::try_from(bits) {
@@ -88,9 +88,10 @@ macro_rules! fixed_number {
                 x.to_bits().unsigned_abs()
             }
 
-            /// Converts an SI value, which has 32 fractional bits, to bits with `fraction` fractional bits, rounded towards zero.
+            /// Converts an SI value, which has 32 fractional bits, to an integer with `fraction` fractional bits, rounded towards
+            /// zero.
             fn from_si(si: Si, fraction: u32) -> i64 {
-                // Towards zero: shift the magnitude, not the number.
+                // Rounds towards zero, as the absolute value is shifted and not the number.
                 let magnitude = si.to_bits().unsigned_abs();
                 let shifted = if fraction <= 32 {
                     magnitude >> (32 - fraction)
@@ -130,7 +131,8 @@ macro_rules! fixed_number {
             }
             #[inline]
             fn saturating_signal(si: Si) -> $signal {
-                // Towards zero: a shift floors, and a negative number is first raised by what it may lose.
+                // Rounds towards zero: a shift rounds down, so a negative number is first raised by the digits that the shift
+                // removes.
                 let down = const { Si::FRAC_NBITS - Self::SIGNAL_BITS };
                 let lost = (1_i64 << down) - 1;
                 let bits = si.to_bits();
@@ -173,12 +175,12 @@ macro_rules! fixed_number {
             }
             #[inline(always)]
             fn modulus(a: $signal) -> $signal {
-                // Of the magnitude, so that the compiler knows the sign of what comes out.
+                // Calculated from the absolute value, so that the compiler knows the sign of the result.
                 Self::signed(Self::magnitude(a).at_most_signed(), false)
             }
             #[inline(always)]
             fn scale(r: $signal, x: $signal) -> $signal {
-                // A ratio is never negative: its bits are its magnitude.
+                // A ratio is never negative, so its bits are its absolute value.
                 let size =
                     magnitude::scale(r.to_bits() as $word, Self::magnitude(x), Self::SIGNAL_BITS);
                 Self::signed(size, x.is_negative())
@@ -186,12 +188,12 @@ macro_rules! fixed_number {
 
             #[inline(always)]
             fn product(k: $gain, x: $signal) -> $wide {
-                // Two words in the double width: cannot overflow.
+                // A product of two words fits the double width.
                 <$wide>::from(k.to_bits()).wrapping_mul(<$wide>::from(x.to_bits()))
             }
             #[inline(always)]
             fn lift(x: $signal) -> $wide {
-                // A word shifted up by fewer bits than a word has.
+                // A word that is shifted up by fewer bits than a word has fits the double width.
                 <$wide>::from(x.to_bits()).wrapping_shl(Self::GAIN_BITS)
             }
             #[inline(always)]
@@ -225,7 +227,7 @@ macro_rules! fixed_number {
                 if p <= 0 {
                     return <$signal>::ZERO;
                 }
-                // Of the signed double word's magnitude, so the unsigned one has room for the one step more.
+                // The absolute value of a signed double word leaves room in the unsigned one for the step that rounds up.
                 let rounded = p.unsigned_abs().wrapping_add((1 << Self::GAIN_BITS) - 1);
                 let shifted = <$word as Word>::shift_down(rounded, Self::GAIN_BITS);
                 Self::signed(<$word as Word>::narrow(shifted), false)
@@ -240,7 +242,7 @@ macro_rules! fixed_number {
             }
             #[inline(always)]
             fn round_up(p: $wide) -> $signal {
-                // An arithmetic shift floors; -floor(-p) is the ceiling. The one value without a negative saturates.
+                // An arithmetic shift rounds down, so -floor(-p) rounds up. The one value without a negative saturates.
                 let floor = p.saturating_neg() >> Self::GAIN_BITS;
                 let ceiling = floor.saturating_neg();
                 let size = <$word as Word>::narrow(ceiling.unsigned_abs());
@@ -261,7 +263,7 @@ macro_rules! fixed_number {
 
             #[inline(always)]
             fn widen(x: $signal) -> Wide64 {
-                // A word with fewer digits in a double word: nothing is lost.
+                // A word with fewer fractional bits fits the double word without loss.
                 let up = Wide64::FRACTION.wrapping_sub(Self::SIGNAL_BITS);
                 Wide64(i64::from(x.to_bits()).wrapping_shl(up))
             }
@@ -269,7 +271,7 @@ macro_rules! fixed_number {
             fn narrow(x: Wide64) -> $signal {
                 let down = Wide64::FRACTION.wrapping_sub(Self::SIGNAL_BITS);
                 let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
-                // It wraps beyond the range only, and there the state says on which side.
+                // The sum wraps only if the state is beyond the range, and the state's sign then tells on which side.
                 let sum = x.0.wrapping_add(half);
                 // Of the upper word, which is all that a machine of words needs to look at.
                 let (high, limit) = ((sum >> 32) as i32, const { 1_i32 << (<$int>::BITS - 1 + Wide64::FRACTION - Self::SIGNAL_BITS - 32) });
@@ -306,7 +308,7 @@ macro_rules! fixed_number {
             }
             #[inline(always)]
             fn energy_digits_fitting(e: $energy) -> $signal {
-                // Twice the fractional bits of a signal.
+                // An energy has twice the fractional bits of a signal.
                 Self::shifted_fitting(e.to_bits(), Self::SIGNAL_BITS)
             }
             #[inline(always)]
@@ -345,7 +347,7 @@ macro_rules! fixed_number {
                 Self::signed(root.at_most_signed(), false)
             }
             fn root_of_four(k: $gain) -> $gain {
-                // sqrt(4 k 2^-b) = sqrt(k 2^(2+b)) 2^-b; the root of a word is far below the signed limit.
+                // sqrt(4 k 2^-b) = sqrt(k 2^(2+b)) 2^-b for b fractional bits; the root of a word is far below the signed limit.
                 let radicand = <$word as Word>::widen(k.to_bits().max(0).unsigned_abs())
                     .wrapping_shl(Self::GAIN_BITS + 2);
                 let root = magnitude::root::<$word>(radicand).root;
@@ -364,7 +366,7 @@ macro_rules! fixed_number {
 
             #[inline(always)]
             fn passivity_step(e: $energy, f: $signal, d: $signal) -> ($energy, $signal) {
-                // Negative energies and forces are outside the contract and count as zero; the callers keep both above.
+                // Negative energies and forces count as 0; the callers never pass them.
                 let energy = e.to_bits().max(0).unsigned_abs();
                 let force = Self::magnitude(f.max(<$signal>::ZERO));
                 let step = magnitude::passivity_step::<$word>(

@@ -1,9 +1,10 @@
-//! Floating-point formats as a reference: the same laws, rounded to nearest. Measured values saturate, calculated ones do not.
+//! Floating-point formats as a reference for the fixed-point ones: the same laws, rounded to nearest. Measured values saturate,
+//! calculated ones do not.
 
 use super::{Number, Reported};
 use crate::Si;
 
-/// Measured values saturate at ± this value, the range of [`super::Fixed32`].
+/// Measured values in the floating-point formats saturate at ± this value, the range of [`super::Fixed32`].
 const LARGEST: f64 = 128.0;
 
 macro_rules! float_number {
@@ -18,7 +19,7 @@ macro_rules! float_number {
             type Wide = $float;
 
             const NAME: &'static str = $text;
-            // The step of Fixed32, so that the floor of the offset step means the same in every format.
+            // The step of Fixed32, so that the smallest step of the offset is the same in every format.
             const QUANTUM: $float = 1.0 / 16_777_216.0;
 
             fn signal(si: Si) -> Option<$float> {
@@ -181,7 +182,7 @@ macro_rules! float_number {
             }
             #[inline(always)]
             fn affordable(e: $float, f: $float) -> ($float, $float) {
-                // In exact arithmetic nothing is left over.
+                // Without rounding no energy is left over.
                 if f > 0.0 && e > 0.0 {
                     (e / f, 0.0)
                 } else {
@@ -193,7 +194,7 @@ macro_rules! float_number {
                 let e = if e < 0.0 { 0.0 } else { e };
                 let f = if f < 0.0 { 0.0 } else { f };
                 let after = e + f * d;
-                // After a correction the energy is what the division left over: nothing, in exact arithmetic.
+                // After a correction the energy left is the remainder of the division, which is 0 without rounding.
                 if after >= 0.0 {
                     (after, f)
                 } else {
@@ -207,7 +208,7 @@ macro_rules! float_number {
                 f64::from(x)
             }
             fn signal_from_f64(x: f64) -> $float {
-                // An infinity, or a number whose products are infinite, would make a NaN of the next difference.
+                // An infinity, or a number with infinite products, would make the next difference a NaN.
                 if x.is_nan() {
                     0.0
                 } else {
@@ -221,7 +222,8 @@ macro_rules! float_number {
     };
 }
 
-/// A square root. `core` has none, and only this module needs one; the floating-point formats are built only where `std` exists.
+/// Square root for the floating-point formats. `core` has none, and only this module needs one; these formats exist only where
+/// `std` does.
 trait Root {
     fn root(self) -> Self;
 }

@@ -27,7 +27,8 @@ pub use wide::{Exact, Wide, Wide64, word_of};
 use crate::Si;
 use core::fmt::Debug;
 
-/// Arithmetic of one number format. All functions are total: they saturate instead of overflowing and never panic.
+/// Arithmetic of one number format. Every function has a result for every input: it saturates instead of overflowing and never
+/// panics.
 ///
 /// "Towards zero" in the methods' comments is exact for the fixed formats. `f32` and `f64` round to nearest, as their operations
 /// do.
@@ -40,28 +41,28 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     type Ratio: Copy + Debug + Default + PartialEq + PartialOrd;
     /// Energy, J.
     type Energy: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// Gain × signal before rounding: a force with more fractional digits.
+    /// Gain × signal (stiffness × position) before rounding: a force with more fractional digits.
     type Product: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// A gain prepared as a divisor, for fast repeated divisions.
+    /// A gain (stiffness) prepared as a divisor, for fast repeated divisions.
     type Divisor: Copy + Debug + Default + PartialEq;
-    /// A displacement with far more digits than a signal, for the state of an estimator.
+    /// A displacement with far more digits than a signal (position or force), for the state of an estimator.
     type Wide: Wide;
 
     /// Name of the format in settings and results.
     const NAME: &'static str;
 
-    /// The smallest positive signal; for floats, the step of [`Fixed32`].
+    /// The smallest positive signal (position or force); for floats, that of [`Fixed32`].
     const QUANTUM: Self::Signal;
 
-    /// Converts an SI value to a signal, towards zero; `None` outside the format.
+    /// Converts an SI value to a signal (position or force), rounded towards zero; `None` outside the format.
     fn signal(si: Si) -> Option<Self::Signal>;
-    /// Converts an SI value to a signal, towards zero, saturating.
+    /// Converts an SI value to a signal (position or force), rounded towards zero, saturating.
     fn saturating_signal(si: Si) -> Self::Signal;
-    /// Converts an SI value to a gain, towards zero; `None` if negative or too large.
+    /// Converts an SI value to a gain (stiffness), rounded towards zero; `None` if negative or too large.
     fn gain(si: Si) -> Option<Self::Gain>;
-    /// Converts an SI value to a ratio, towards zero; `None` if negative or too large.
+    /// Converts an SI value to a ratio, rounded towards zero; `None` if negative or too large.
     fn ratio(si: Si) -> Option<Self::Ratio>;
-    /// Converts an SI value to an energy, towards zero; `None` outside the format.
+    /// Converts an SI value to an energy, rounded towards zero; `None` outside the format.
     fn energy(si: Si) -> Option<Self::Energy>;
 
     /// `a + b`, saturating.
@@ -72,12 +73,12 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn neg(a: Self::Signal) -> Self::Signal;
     /// `|a|`, saturating.
     fn modulus(a: Self::Signal) -> Self::Signal;
-    /// `r · x` towards zero, saturating.
+    /// Ratio times signal, `r · x`, rounded towards zero, saturating.
     fn scale(r: Self::Ratio, x: Self::Signal) -> Self::Signal;
 
-    /// `k · x`, unrounded.
+    /// Gain times signal, `k · x`, unrounded.
     fn product(k: Self::Gain, x: Self::Signal) -> Self::Product;
-    /// Converts a signal exactly to a product, as if multiplied by a gain of 1.
+    /// Converts a signal (force) exactly to a product, as if multiplied by a gain of 1.
     fn lift(x: Self::Signal) -> Self::Product;
     /// `a + b`, saturating.
     fn add_product(a: Self::Product, b: Self::Product) -> Self::Product;
@@ -87,24 +88,24 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn add_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
     /// `a - b` without an overflow check; the caller guarantees that the difference fits.
     fn sub_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
-    /// Rounds a product to a signal towards zero, saturating.
+    /// Rounds a product (an unrounded force) to a signal towards zero, saturating.
     fn round_to_zero(p: Self::Product) -> Self::Signal;
-    /// Rounds a product to a signal upwards (towards plus infinity), saturating.
+    /// Rounds a product (an unrounded force) to a signal upwards (towards plus infinity), saturating.
     fn round_up(p: Self::Product) -> Self::Signal;
     /// [`Number::round_to_zero`] of a positive product; 0 for a product of 0 or less.
     fn positive_down(p: Self::Product) -> Self::Signal;
     /// [`Number::round_up`] of a positive product; 0 for a product of 0 or less.
     fn positive_up(p: Self::Product) -> Self::Signal;
-    /// `p / k` towards zero, saturating; 0 for `k = 0`, which `validate` refuses.
+    /// Product over gain, `p / k`, rounded towards zero, saturating; 0 for `k = 0`, which the validation of settings refuses.
     fn divide(p: Self::Product, k: Self::Gain) -> Self::Signal;
     /// Prepares a gain as a divisor. The preparation is slow: call it before the ticks, not in one.
     fn divisor(k: Self::Gain) -> Self::Divisor;
     /// [`Number::divide`] by the gain of the prepared divisor, with the same result bit by bit.
     fn divide_by(p: Self::Product, k: &Self::Divisor) -> Self::Signal;
 
-    /// Converts a signal exactly to an estimator's state.
+    /// Converts a signal (position) exactly to the wide format of an estimator's state.
     fn widen(x: Self::Signal) -> Self::Wide;
-    /// Converts an estimator's state to a signal, to nearest (halves up), saturating.
+    /// Converts an estimator's state to a signal (position), to nearest (halves up), saturating.
     fn narrow(x: Self::Wide) -> Self::Signal;
 
     /// Force × displacement, `f · d`, exact.
@@ -117,7 +118,7 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn add_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
     /// `a - b` without an overflow check; the caller guarantees that the difference fits.
     fn sub_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
-    /// An energy rounded down (towards minus infinity) to the digits of a signal; the caller guarantees that it fits.
+    /// An energy rounded down (towards minus infinity) to the precision of a signal; the caller guarantees that it fits.
     fn energy_digits_fitting(e: Self::Energy) -> Self::Signal;
     /// `|a|` without an overflow check; the caller guarantees that it fits.
     fn modulus_fitting(a: Self::Signal) -> Self::Signal;
@@ -128,23 +129,24 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
         q: Self::Ratio,
         y: Self::Signal,
     ) -> Self::Signal;
-    /// A product rounded down to a signal; the caller guarantees that it fits.
+    /// A product (an unrounded force) rounded down to a signal; the caller guarantees that it fits.
     fn round_down_fitting(p: Self::Product) -> Self::Signal;
     /// Half of a non-negative energy, rounded up.
     fn half_energy_up(e: Self::Energy) -> Self::Energy;
-    /// `|e| / |x|` towards zero, saturating; the largest signal for `x = 0`.
+    /// Energy over displacement, `|e| / |x|`, rounded towards zero, saturating; the largest signal for `x = 0`.
     fn energy_per(e: Self::Energy, x: Self::Signal) -> Self::Signal;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`.
+    /// Square root of an energy: the largest signal whose square does not exceed `e`; 0 for a negative `e`.
     fn root(e: Self::Energy) -> Self::Signal;
 
-    /// `floor(sqrt(4 k))` in the format of a gain: its square never exceeds `4 k`.
+    /// Square root of four times a gain, rounded down, in the format of a gain: its square never exceeds `4 k`.
     fn root_of_four(k: Self::Gain) -> Self::Gain;
-    /// Distance over which a force `f > 0` can be pushed back until the energy `e >= 0` is used up, and the energy left: `f · moved
+    /// Distance over which the energy `e >= 0` pays for an outward motion against a force `f > 0`, and the energy left: `f · moved
     /// + rest = e`. See [`crate::magnitude::affordable`].
     fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
 
-    /// Runs one passivity step. Takes a stored energy `e >= 0`, a requested force `f >= 0` and a displacement `d` (positive:
-    /// inward, where the force absorbs energy). Returns stored energy and allowed force. See [`crate::magnitude::passivity_step`].
+    /// Bounds a force by stored energy. Takes the stored energy `e >= 0`, the requested force `f >= 0` and the displacement `d`
+    /// (positive: inward, where the force absorbs energy). Returns the energy left and the allowed force. See
+    /// [`crate::magnitude::passivity_step`].
     fn passivity_step(
         e: Self::Energy,
         f: Self::Signal,

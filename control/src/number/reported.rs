@@ -8,9 +8,9 @@ use crate::{Energy, Force, Position};
 
 /// A number format whose values convert from and to `f64` in SI units.
 pub trait Reported: Number {
-    /// Converts a signal to `f64`, in SI units.
+    /// Converts a signal (position or force) to `f64`, in SI units.
     fn signal_to_f64(x: Self::Signal) -> f64;
-    /// The nearest signal to a measured value in SI units, saturating; a NaN gives 0.
+    /// The signal (position or force) nearest to a measured value in SI units, saturating; a NaN gives 0.
     fn signal_from_f64(x: f64) -> Self::Signal;
     /// Converts an energy to `f64`, in J.
     fn energy_to_f64(e: Self::Energy) -> f64;
@@ -18,7 +18,7 @@ pub trait Reported: Number {
 
 macro_rules! fixed_reported {
     ($name:ident, $int:ty) => {
-        // The crate's own conversions go through integers by hand, at some 100 instructions each; these give the same bits.
+        // The fixed-point crate's own conversions take some 100 instructions each; these give the same bits in fewer.
         impl Reported for $name {
             #[inline(always)]
             fn signal_to_f64(x: <$name as Number>::Signal) -> f64 {
@@ -28,9 +28,10 @@ macro_rules! fixed_reported {
             fn signal_from_f64(x: f64) -> <$name as Number>::Signal {
                 let (low, high) = (f64::from(<$int>::MIN), f64::from(<$int>::MAX));
                 let one = (1_u64 << <$name as Number>::Signal::FRAC_NBITS) as f64;
-                // Beyond the range the limit, as adding what follows would lose digits; NaN passes and becomes 0.
+                // A number beyond the range becomes the limit, as the addition below would lose its digits; a NaN passes and
+                // becomes 0.
                 let scaled = (x * one).clamp(low, high);
-                // 1.5 · 2^52: the sum has no digits below one, so it is rounded there, to the nearest, ties to even.
+                // Adding 1.5 · 2^52 removes the digits below one, so that the sum is rounded to the nearest, ties to even.
                 const WHOLE: f64 = 6_755_399_441_055_744.0;
                 <$name as Number>::Signal::from_bits(((scaled + WHOLE) - WHOLE) as $int)
             }

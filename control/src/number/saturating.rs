@@ -24,7 +24,7 @@ macro_rules! saturates {
                     }
                     match self.checked_add(other) {
                         Some(sum) => sum,
-                        // Both have the sign of the end that the sum is beyond.
+                        // If the sum does not fit, both numbers have the sign of the end that it is beyond.
                         None if self < 0 => Self::MIN,
                         None => Self::MAX,
                     }
@@ -70,7 +70,7 @@ mod tests {
         for a in i8::MIN..=i8::MAX {
             for b in i8::MIN..=i8::MAX {
                 check!(a, b);
-                // The same pair at either end of a wider format, and across its middle.
+                // The same pair of numbers at each end of a wider format, and around its middle.
                 let [c, d] = [a, b].map(i64::from);
                 for (c, d) in [
                     (c << 56, d << 56),

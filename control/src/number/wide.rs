@@ -8,14 +8,14 @@
 
 use core::fmt::Debug;
 
-/// Exact type in which a weight is calculated before it is rounded: ±128 in steps of 1.4e-17.
+/// Type in which an estimator's coefficient is calculated before it is rounded: ±128 in steps of 1.4e-17.
 pub type Exact = fixed::types::I8F56;
 
 /// A displacement in rad (m), or a displacement per tick or per tick², with many digits.
 pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
-    /// The leading digits of a state or of a torque, which are multiplied with weights.
+    /// The leading digits of a state or of a torque. Only these are multiplied with weights, so that products are fast.
     type Part: Copy + Debug + Default + PartialEq;
-    /// A coefficient with which leading digits are multiplied.
+    /// A coefficient that is multiplied with the leading digits of a state or torque.
     type Weight: Copy + Debug + Default + PartialOrd;
 
     /// Converts a coefficient of a motion to a weight, to nearest; `None` outside ±32.
@@ -27,7 +27,7 @@ pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
     fn plus_fitting(self, other: Self) -> Self;
     /// `self - other` without an overflow check; the caller guarantees that the difference fits.
     fn minus_fitting(self, other: Self) -> Self;
-    /// Weight × leading digits, exact.
+    /// Weight times the leading digits of a state or torque, exact.
     fn product(weight: Self::Weight, part: Self::Part) -> Self;
     /// The leading digits of a value, rounded down; the caller guarantees that the value is within ±8.
     fn part(self) -> Self::Part;
@@ -37,12 +37,12 @@ pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
     fn within(self, bits: u32) -> bool;
 }
 
-/// The estimator's state in the fixed formats: a 64-bit word with 54 fractional bits.
+/// The estimator's state in the fixed-point formats: a 64-bit integer with 54 fractional bits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Wide64(pub i64);
 
 impl Wide64 {
-    /// Fractional bits of a state.
+    /// Number of fractional bits of an estimator's state.
     pub const FRACTION: u32 = 54;
     const PART: u32 = 28;
     const TORQUE: u32 = 24;
@@ -70,8 +70,8 @@ impl Wide64 {
     }
 }
 
-/// The 32-bit word that begins at bit `from` (1 to 31) of a 64-bit number, put together from the two halves. So the compiler of a
-/// 32-bit machine sees a word and multiplies words.
+/// The 32-bit word that begins at bit `from` (1 to 31) of a 64-bit number, put together from the number's two halves. In this form
+/// a compiler for a 32-bit machine uses one 32-bit multiplication for a product with the word.
 #[inline(always)]
 #[must_use]
 pub const fn word_of(bits: i64, from: u32) -> i32 {
@@ -102,7 +102,7 @@ impl Wide for Wide64 {
     }
     #[inline(always)]
     fn product(weight: i32, part: i32) -> Self {
-        // Two words in a double word: cannot overflow.
+        // A product of two 32-bit words fits 64 bits.
         Self(i64::from(weight).wrapping_mul(i64::from(part)))
     }
     #[inline(always)]

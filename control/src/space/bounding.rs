@@ -1,7 +1,9 @@
-//! Force bounding on three axes: a vector spring, and one energy that bounds the length of its force.
+//! Force bounding on three axes: a spring that gives a force vector, and one energy that bounds the length of the force.
 //!
-//! `E += F·Δx + (c_i/T) |Δx|²` and `|F| <= sqrt(4 E c_i/T)`, for a damping that is the same in all directions. The coefficients are
-//! those of [`crate::law::Fba`]. Along a fixed normal, with a hand that moves along it, the force is the same as that law's.
+//! The energy `E` sums what the hand and the device's damping `c_i` give: `E += F·Δx + (c_i/T) |Δx|²`, with force `F`, displacement
+//! `Δx` and control period `T`. The bound is `|F| <= sqrt(4 E c_i/T)`, for a damping that is the same in all directions. The
+//! coefficients are those of [`crate::law::Fba`]. Along a fixed normal, with a hand that moves along it, the force is the same as
+//! that law's.
 
 use super::number::Spatial;
 use super::touch::{Touch, Track};
@@ -9,10 +11,10 @@ use super::vector::Vector;
 use crate::law::Fba;
 use crate::{Energy, Force, Number, Position};
 
-/// Vector force bounding around the spring `k_de`.
+/// Force bounding around a spring on three axes: limits the length of the force vector to what energy and damping allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounding<N: Spatial> {
-    /// Coefficients of the force bounding law of one axis.
+    /// Coefficients of the force bounding law of one axis, used here for lengths.
     pub law: Fba<N>,
     track: Track<N>,
     energy: Energy<N>,
@@ -30,7 +32,7 @@ impl<N: Spatial> Bounding<N> {
         }
     }
 
-    /// Energy summed so far, J: taken from the hand and by the device's damping.
+    /// Energy summed so far, J: given by the hand, and dissipated by the device's damping.
     pub fn energy(&self) -> Energy<N> {
         self.energy
     }
@@ -43,7 +45,7 @@ impl<N: Spatial> Bounding<N> {
             (self.energy, self.force) = (Energy::zero(), Vector::default());
             return self.force;
         }
-        // The force pushes: what the hand does against it is taken in.
+        // The force pushes the hand, so a motion of the hand against the force puts energy in.
         let absorbed = (-self.force).work(moved);
         self.energy = (self.energy + absorbed + damped(&self.law, moved)).min(self.law.energy_cap);
         let wanted = (self.law.desired * touch.depth).towards_zero();
@@ -55,7 +57,7 @@ impl<N: Spatial> Bounding<N> {
     }
 }
 
-/// Energy that the device's damping took over a displacement, rounded down.
+/// Energy that the device's damping dissipated over a displacement, rounded down.
 fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
     let [x, y, z] = moved
         .map(|part| crate::observer::damping_loss(law.device_damping, part))

@@ -1,5 +1,5 @@
-//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor. It lets go at `μ_s` times the
-//! normal force and then slides at `μ_k` times the normal force.
+//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor on the surface. The anchor slides
+//! when the spring's force exceeds `μ_s` times the normal force `f_n`; the friction is then `μ_k` times the normal force.
 //!
 //! ```text
 //! z = across the normal (x - anchor)      F = -k z      stick:  |k z| <= μ_s f_n      slide:  z cut to |k z| = μ_k f_n
@@ -8,11 +8,12 @@
 //! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position
 //! alone, and no rounding errors add up.
 //!
-//! **It is passive with the device's own damping.** With `V = k z²/2`, a tick in stick takes `k z·Δ` and `V` grows by `k z·Δ + k
-//! Δ²/2`. The difference is the energy leak of a sampled spring; a device that damps `c = b/T >= k/2` dissipates `c Δ²`. A cut only
-//! shortens `z`. Where the normal turns, `z` and the anchor are first laid into the new tangent plane, which also shortens `z`. So
-//! `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2
-//! b/T`. Rounding adds at most four quanta of displacement times the force per tick.
+//! **It is passive with the device's own damping `b`.** The spring `k` stores `V = k z²/2`. For a displacement `Δ`, a tick in stick
+//! takes `k z·Δ` from the hand and `V` grows by `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring. A device
+//! that damps `c = b/T >= k/2` (`T` is the control period) dissipates `c Δ²`. A cut only shortens `z`. Where the normal turns, `z`
+//! and the anchor are first laid into the new tangent plane, which also shortens `z`. So `Σ (F taken + c |Δx|²) >= V >= 0` from the
+//! first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2 b/T`. Rounding adds at most the force times
+//! four steps of the position format per tick.
 //!
 //! `μ_k > μ_s` would stop a sliding point and release a resting one, so it is refused.
 
@@ -24,14 +25,16 @@ use crate::settings::Si;
 use crate::{Compliance, Force, Position, Stiffness};
 use core::fmt;
 
-/// Friction's coefficients.
+/// Coefficients of the friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<N: Spatial> {
-    /// Stiffness of the spring across the normal.
+    /// Stiffness of the spring that holds the hand's point to its anchor on the surface.
     pub stiffness: Stiffness<N>,
-    /// `μ_s/k`: largest stretch of the spring for each newton of normal force, before the point slides.
+    /// Largest stretch of the spring for each newton of normal force before the point slides: static friction coefficient over
+    /// stiffness.
     pub static_reach: Compliance<N>,
-    /// `μ_k/k`: stretch of the spring for each newton of normal force while the point slides; at most `static_reach`.
+    /// Stretch of the spring for each newton of normal force while the point slides: kinetic friction coefficient over stiffness.
+    /// At most `static_reach`.
     pub kinetic_reach: Compliance<N>,
 }
 
@@ -40,16 +43,16 @@ pub struct Friction<N: Spatial> {
 pub struct FrictionState<N: Spatial> {
     /// Whether the hand's point (HIP) slides.
     pub sliding: bool,
-    /// The stretch of the spring: from the anchor to the HIP, across the normal.
+    /// The stretch of the spring: the vector from the anchor to the hand's point (HIP), without its part along the normal.
     pub stretch: Vector<Position<N>>,
-    /// The spring's hold on the surface; `None` without contact.
+    /// Where the friction spring holds on to the surface; `None` without contact.
     pub contact: Option<Hold<N>>,
 }
 
-/// The spring's hold on the surface, with position and normal of the last tick.
+/// Where the friction spring holds on to the surface, with position and normal of the last tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold<N: Spatial> {
-    /// The end of the spring that does not move while it sticks.
+    /// The end of the spring on the surface, which does not move while the spring sticks.
     pub anchor: Vector<Position<N>>,
     /// Position of the hand's point (HIP) in the last tick.
     pub last: Vector<Position<N>>,
@@ -80,7 +83,8 @@ impl<N: Spatial> Friction<N> {
                 stretch = stretch.shortened(stretch.length_up(), reach);
                 anchor = touch.at - stretch;
             } else {
-                // It holds again when it is pushed back: with room for a press that is not quite even.
+                // The spring sticks again at three quarters of the sliding stretch, so that a slightly uneven press does not make
+                // it slide at once.
                 sliding = stretch.is_longer(Position(N::three_quarters(reach.0)));
             }
         }
@@ -96,7 +100,7 @@ impl<N: Spatial> Friction<N> {
         stretch.map(|z| Force::zero() - (self.stiffness * z).towards_zero())
     }
 
-    /// Position of the spring's anchor, laid into the present tangent plane.
+    /// Position of the spring's anchor, projected into the tangent plane of this tick.
     #[inline]
     fn anchor(&self, state: &FrictionState<N>, touch: &Touch<N>) -> Vector<Position<N>> {
         let Some(hold) = &state.contact else {
@@ -105,7 +109,7 @@ impl<N: Spatial> Friction<N> {
         if hold.normal == touch.normal {
             return hold.anchor;
         }
-        // Never longer than it was.
+        // Projecting the stretch into the tangent plane never makes it longer.
         hold.last - touch.normal.across(state.stretch)
     }
 }
@@ -113,7 +117,7 @@ impl<N: Spatial> Friction<N> {
 /// Settings of the friction, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrictionSettings {
-    /// Stiffness of the spring while the point sticks, N/m; above 0, at most `2 b/T`.
+    /// Stiffness of the spring while the point sticks, N/m; above 0 and at most twice the device's damping over the control period.
     pub stiffness: Si,
     /// Static friction coefficient `μ_s`, 0 to 10.
     pub static_coefficient: Si,
@@ -128,19 +132,19 @@ pub enum FrictionError {
     Stiffness {
         /// The given stiffness, N/m.
         stiffness: Si,
-        /// Largest allowed stiffness `2 b/T`, N/m.
+        /// Largest allowed stiffness, N/m: twice the device's damping over the control period.
         most: Si,
     },
     /// The friction coefficients are not `0 <= kinetic <= static <= 10`.
     Coefficients {
-        /// Static coefficient: `μ_s`.
+        /// Static friction coefficient.
         static_coefficient: Si,
-        /// Kinetic coefficient: `μ_k`.
+        /// Kinetic friction coefficient.
         kinetic_coefficient: Si,
     },
     /// A coefficient does not fit the number format.
     OutOfFormat {
-        /// The value in the device's length unit.
+        /// The value that does not fit, in the device's unit of length.
         value: Si,
         /// Name of the number format.
         format: &'static str,

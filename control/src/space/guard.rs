@@ -1,10 +1,10 @@
 //! The energy guard on three axes: one energy account, with forces and displacements as vectors.
 //!
-//! Its theorem is that of [`crate::guard`], with scalar products for products and lengths for moduli. The port's energy is the sum
-//! over three axes, and each axis has its own inequality. A displacement of length `d` costs a force of length `|F|` at most `|F|
-//! d`. If each coordinate of a position is right to half a count, the position vector is right to `√3/2` counts. So the
-//! coefficients are those of the guard of one axis with `√3 δ` for its `δ`. Only the charge of each axis for a change of its own
-//! force uses `δ`. Derivation: `docs/three-axes.md`.
+//! The theorem is that of [`crate::guard`], with scalar products for products and lengths for absolute values. The port's energy is
+//! the sum over three axes, and each axis has its own inequality. A displacement of length `d` costs a force of length `|F|` at
+//! most `|F| d`. If each coordinate of a position is right to half an encoder count `δ`, the position vector is right to `√3/2`
+//! counts. So the coefficients are those of the guard of one axis with `√3 δ` in the place of `δ`. Only the charge of each axis for
+//! a change of its own force uses `δ`. Derivation: `docs/three-axes.md`.
 //!
 //! The guard shortens the force and never turns it.
 
@@ -13,27 +13,28 @@ use super::vector::Vector;
 use crate::guard::{Guard, Overspeed};
 use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError, Si};
 
-/// The guard's coefficients.
+/// Coefficients of the energy guard on three axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VectorGuard<N: Spatial> {
-    /// Coefficients as for one axis. The `count` is the error of a position vector, the `slack` is that of one axis.
+    /// Coefficients as for one axis. `count` is twice the error of a position vector, `slack` belongs to the error of a single
+    /// coordinate.
     pub of_length: Guard<N>,
     /// Coordinate, to either side, from which on no force is allowed: the end of the position format less two largest displacements
     /// per tick.
     edge: Position<N>,
-    /// Largest error of a displacement's length that was rounded up: a count and a quantum. The length less this error is at most
-    /// the true length.
+    /// Largest error of a displacement's length: a count and a step of the number format. The measured length, which is rounded up,
+    /// less this error is at most the true length.
     unsure: Position<N>,
 }
 
-/// The guard's memory. Its energy account is full at power-up only.
+/// Memory of the energy guard on three axes. The energy account is full at power-up only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VectorGuardState<N: Spatial> {
     /// Energy in the account, which the hand may still get out.
     pub account: Energy<N>,
     /// The negative of the last tick's force: a displacement along this vector puts energy into the account.
     pub against: Vector<Force<N>>,
-    /// The force of the tick before the last.
+    /// The force of the tick before the last one.
     pub older: Vector<Force<N>>,
     /// Upper bound of the length of the last tick's force.
     pub size: Force<N>,
@@ -43,8 +44,8 @@ pub struct VectorGuardState<N: Spatial> {
 const ROOT_OF_THREE: Si = Si::lit("1.7320509");
 
 impl<N: Spatial> VectorGuard<N> {
-    /// Validates the settings and computes the coefficients. Settings and device must be in the device's unit of length:
-    /// [`super::LengthUnit::guard`].
+    /// Validates the settings and computes the coefficients. Settings and device must already be in the unit of length that the
+    /// device uses: [`super::LengthUnit::guard`].
     ///
     /// # Errors
     /// Same as [`Guard::new`].
@@ -57,7 +58,7 @@ impl<N: Spatial> VectorGuard<N> {
                 ..*device
             },
         )?;
-        // The quantum that a position is rounded by, as a vector: one more than along an axis.
+        // The rounding of a position vector is one step of the format larger than that along an axis.
         Ok(Self::of(Guard {
             slack: of_axis.slack,
             count: of_length.count + Position::quantum(),
@@ -66,7 +67,7 @@ impl<N: Spatial> VectorGuard<N> {
         }))
     }
 
-    /// Makes the guard from coefficients that are already those of lengths.
+    /// Makes the guard from the coefficients of a guard for one axis that already hold for the lengths of vectors.
     #[must_use]
     pub fn of(of_length: Guard<N>) -> Self {
         let furthest = of_length.furthest;
@@ -118,7 +119,8 @@ impl<N: Spatial> VectorGuard<N> {
         let beyond = |x: Position<N>| x >= self.edge || x <= other_edge;
         let [x, y, z] = at.0;
         let ends = (beyond(x) || beyond(y) || beyond(z)) && wanted != Vector::default();
-        // The forces that acted are booked before none follows. One call, so that the compiler puts a tick here without the change's part.
+        // The account counts the forces that acted before the force becomes 0. One call for both cases lets the compiler leave out
+        // the code for a measured change of force.
         let shown = if ends { Vector::default() } else { wanted };
         let force = self.tick(state, moved, shown)?;
         if ends { Err(Overspeed) } else { Ok(force) }
@@ -182,7 +184,7 @@ impl<N: Spatial> VectorGuard<N> {
         }
     }
 
-    /// The energy in the account after a tick, without the part of the damping.
+    /// The energy in the account after a tick, before the energy that the damping dissipated is added.
     ///
     /// It fits its format for the same reason as on one axis: the scalar product of two vectors is at most the product of their
     /// lengths, and so is every part of its sum.
@@ -221,7 +223,7 @@ impl<N: Spatial> VectorGuard<N> {
         (self.of_length.damping * way).down_fitting() * way
     }
 
-    /// Charges overspeed to the account: the largest possible loss under the last two forces until the force is off.
+    /// Overspeed: takes from the account the largest possible loss under the last two forces until the force is off.
     #[cold]
     fn overrun(&self, state: &mut VectorGuardState<N>) -> Result<Vector<Force<N>>, Overspeed> {
         let size = state.size.max(state.older.length_up());

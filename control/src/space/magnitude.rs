@@ -1,9 +1,9 @@
-//! One law of one degree of freedom along the surface's normal (thesis §4.2, §4.5): its force times the direction out of the
-//! object.
+//! A law of one degree of freedom that acts along the surface's normal (thesis §4.2, §4.5). The force is the law's force times the
+//! direction out of the object.
 //!
 //! The law's offset, virtual mass and energy are scalars along the normal and turn with it. `docs/three-axes.md` calculates the
-//! energy that this turning gives and takes. The law itself decides when the HIP has left: outside, the penetration is the negative
-//! distance to the surface, and the offset reaches as far as in one degree of freedom.
+//! energy that this turning gives and takes. The law itself decides when the hand's point (HIP) has left: outside, the penetration
+//! is the negative distance to the surface, and the offset reaches as far as in one degree of freedom.
 
 use super::number::Spatial;
 use super::scalar::Along;

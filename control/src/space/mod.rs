@@ -4,9 +4,9 @@
 //! HIP -> states -> object -> surface point -> shell (law along the normal, or one an axis) + friction -> saturation -> guard -> force
 //! ```
 //!
-//! `docs/three-axes.md` has the foundations and the choices that were made. The number formats are those of one degree of freedom;
-//! lengths are in a unit that is chosen for the device, [`LengthUnit`]. Forces are vectors on the hand's point (HIP): they push it
-//! out of the object.
+//! HIP is the hand's point. `docs/three-axes.md` has the foundations and the choices that were made. The number formats are those
+//! of one degree of freedom; lengths are in a unit that is chosen for the device, [`LengthUnit`]. Forces are vectors on the HIP:
+//! they push it out of the object.
 
 pub mod bounding;
 pub mod environment;

@@ -7,67 +7,72 @@ use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_hi
 use crate::magnitude::Word;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
-/// Three numbers of a format, one for each axis.
+/// Three numbers of one number format: x, y and z.
 pub type Axes<T> = [T; 3];
 
-/// Lengths and directions in one number format. All functions are total: they saturate and never divide by zero.
+/// Lengths and directions in one number format. Every function has a result for every input: it saturates and never divides by
+/// zero.
 pub trait Spatial: Number {
     /// The value 1, or the largest signal of a format whose range ends below 1 ([`Fixed8`]).
     const ONE: Self::Signal;
 
-    /// `a · b` towards zero, saturating.
+    /// Product of two signals, rounded towards zero, saturating.
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
-    /// A vector of this length along a direction: each component is rounded towards zero; a negative length reverses it. The
-    /// components are products by [`Spatial::times`].
+    /// A vector of this length along the direction `u`. Each component is a product by [`Spatial::times`], rounded towards zero; a
+    /// negative length gives the opposite vector.
     fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal>;
-    /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
+    /// `x · part / whole`, rounded once and towards zero, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
-    /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
+    /// Scalar product of a direction `u` and a vector `v`, rounded down once, saturating; exact if the components of `u` are whole
+    /// numbers.
     fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
     /// Length `|v|` rounded down, less than one step of the format too short. Saturates at the largest signal.
     fn length_down(v: Axes<Self::Signal>) -> Self::Signal;
     /// Length `|v|` rounded up, less than one step of the format too long. Saturates at the largest signal.
     fn length_up(v: Axes<Self::Signal>) -> Self::Signal;
-    /// `|v| > limit` for a limit of at least 0, exactly, and without a root.
+    /// Whether the vector is longer than a limit of at least 0; exact, and without a root.
     fn longer(v: Axes<Self::Signal>, limit: Self::Signal) -> bool;
-    /// `floor(3 x/4)` for `x >= 0`.
+    /// Three quarters of `x`, rounded down, for `x >= 0`.
     fn three_quarters(x: Self::Signal) -> Self::Signal;
-    /// `v · part/whole` for `0 <= part < whole`, with each component towards zero. One quotient serves all three components, so
-    /// each is at most two quanta too short.
+    /// `v · part/whole` for `0 <= part < whole`, with each component rounded towards zero. One quotient serves all three
+    /// components, so each is at most two steps of the number format too short.
     fn shortened(
         v: Axes<Self::Signal>,
         part: Self::Signal,
         whole: Self::Signal,
     ) -> Axes<Self::Signal>;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as [`Number::root`], calculated faster.
+    /// Square root of an energy: the largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as
+    /// [`Number::root`], but faster.
     fn root_of_squares(e: Self::Energy) -> Self::Signal;
-    /// The part of `v` perpendicular to a direction. Each component is right within two quanta, rounded towards zero; the result is
-    /// never longer than `v`.
+    /// The part of `v` perpendicular to the direction `u`. Each component is right within two steps of the number format, rounded
+    /// towards zero; the result is never longer than `v`.
     fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal>;
     /// A direction turned towards another one by an angle that is given by cosine and sine. Each component is right within three
-    /// quanta; the result is never longer than 1. `None` where the two directions are parallel or opposite.
+    /// steps of the number format; the result is never longer than 1. `None` where the two directions are parallel or opposite.
     fn turned(
         u: Axes<Self::Signal>,
         towards: Axes<Self::Signal>,
         turn: [Self::Signal; 2],
     ) -> Option<Axes<Self::Signal>>;
-    /// [`Spatial::length_down`] and [`Spatial::unit`] of the same vector, with a single square root.
+    /// The length of a vector, rounded down, and its direction, with a single square root. Same as [`Spatial::length_down`] and
+    /// [`Spatial::unit`].
     fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>);
     /// The direction of `v`; `None` for the zero vector.
     ///
-    /// Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g` 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the
-    /// direction's length is at most 1. At 32 bits it is at least 1 less 1.8 quanta (1.1e-7), however short `v` is.
+    /// Every component is rounded towards zero and lies at most `1 + g` steps of the number format from that of `v/|v|`; `g` is
+    /// 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the direction's length is at most 1. At 32 bits it is at least 1 less 1.8 steps
+    /// (1.1e-7), however short `v` is.
     fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>>;
 }
 
-/// `x / 2^bits` towards zero.
+/// `x / 2^bits`, rounded towards zero.
 #[inline(always)]
 fn towards_zero(x: i64, bits: u32) -> i64 {
     let ones = 1_i64.wrapping_shl(bits).wrapping_sub(1);
     x.wrapping_add((x >> 63) & ones) >> bits
 }
 
-/// The vector product; the caller guarantees that the products of components fit.
+/// The vector product (cross product); the caller guarantees that the products of components fit.
 #[inline(always)]
 fn cross([ax, ay, az]: Axes<i64>, [bx, by, bz]: Axes<i64>) -> Axes<i64> {
     let minor = |a: i64, b: i64, c: i64, d: i64| a.wrapping_mul(b).wrapping_sub(c.wrapping_mul(d));
@@ -78,7 +83,7 @@ fn cross([ax, ay, az]: Axes<i64>, [bx, by, bz]: Axes<i64>) -> Axes<i64> {
     ]
 }
 
-/// Fractional bits of a vector whose length is nearly 1.
+/// Fractional bits of the components of a vector whose length is nearly 1.
 const NEAR_ONE: u32 = 30;
 
 /// Makes a vector 1 long by `v (3 - |v|²)/2`, Newton's step for a reciprocal root. The vector is at most `sqrt(2)` long and has
@@ -87,13 +92,13 @@ const NEAR_ONE: u32 = 30;
 #[inline(always)]
 fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
     const DOWN: u32 = 2 * NEAR_ONE + 1;
-    // Each is a word, which saves the machine two products.
+    // Each component fits a 32-bit word. The casts say so to the compiler, which saves the machine two products.
     let [x, y, z] = v.map(|x| i64::from(x as i32));
     let squares = x
         .wrapping_mul(x)
         .wrapping_add(y.wrapping_mul(y))
         .wrapping_add(z.wrapping_mul(z));
-    // Rounded down.
+    // The factor is rounded down.
     let factor = (3_i64 << (2 * NEAR_ONE)).wrapping_sub(squares) >> NEAR_ONE;
     [x, y, z].map(|x| towards_zero(x.wrapping_mul(factor), DOWN.wrapping_sub(digits)))
 }
@@ -114,14 +119,15 @@ macro_rules! fixed_spatial {
                     bits
                 })
             }
-            /// The sum of three squares of at most `2^(2W-2)` each, which fits the unsigned double word.
+            /// The sum of three squares. Each square is at most `2^(2W-2)` for a word of `W` bits, so the sum fits the unsigned
+            /// double word.
             #[inline(always)]
             fn squares(v: Axes<$word>) -> $wide {
                 let [x, y, z] = v.map(|part| part.times(part));
                 x.wrapping_add(y).wrapping_add(z)
             }
-            /// Largest amount by which a product with an inverse is less than the quotient, for a direction: 2^(digits + 3 - W) and
-            /// a quantum.
+            /// Largest error of a direction's component that is calculated as a product with an inverse instead of a quotient. In
+            /// steps of the number format: one, plus 2^(fractional bits + 3 - bits of a word).
             const SMALLER: u32 =
                 1 + match (<$name as Number>::Signal::FRAC_NBITS + 3).checked_sub(<$word>::BITS) {
                     Some(bits) => 1 << bits,
@@ -132,22 +138,22 @@ macro_rules! fixed_spatial {
             fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
                 v.map(|x| i64::from(x.to_bits()))
             }
-            /// The scalar product of a direction, which is at most 1 long, and a vector: no sum overflows.
+            /// The scalar product of a direction, which is at most 1 long, and a vector. No sum overflows.
             #[inline(always)]
             fn inner([ux, uy, uz]: Axes<i64>, [vx, vy, vz]: Axes<i64>) -> i64 {
                 ux.wrapping_mul(vx)
                     .wrapping_add(uy.wrapping_mul(vy))
                     .wrapping_add(uz.wrapping_mul(vz))
             }
-            /// A product of two signals as a signal, rounded down, saturating.
+            /// A product of two signals, rounded down to a signal, saturating.
             #[inline(always)]
             fn rounded_down(product: i64) -> <$name as Number>::Signal {
                 let down = product >> <$name as Number>::Signal::FRAC_NBITS;
                 let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
                 <$name as Number>::Signal::from_bits(down.max(least).min(most) as $int)
             }
-            /// The leading digits of a long vector, shifted so that its largest component has the highest bit but two of a word.
-            /// `None` for the zero vector.
+            /// The leading digits of a vector of double words, shifted so that its largest component uses a word's bits but the two
+            /// highest. `None` for the zero vector.
             #[inline(always)]
             fn leading(v: Axes<i64>) -> Option<Axes<<$name as Number>::Signal>> {
                 let [x, y, z] = v.map(i64::unsigned_abs);
@@ -162,11 +168,11 @@ macro_rules! fixed_spatial {
                 };
                 Some(digits.map(|x| <$name as Number>::Signal::from_bits(x as $int)))
             }
-            /// Root of a sum of three squares, rounded up.
+            /// Square root of a sum of three squares, rounded up.
             #[inline(always)]
             fn root_up(squares: $wide) -> $word {
                 let root = $root(squares);
-                // Below 2^W sqrt(3)/2, so there is room for the one.
+                // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.
                 root.wrapping_add(<$word>::from(root.times(root) != squares))
             }
         }
@@ -225,7 +231,7 @@ macro_rules! fixed_spatial {
             #[inline(always)]
             fn three_quarters(x: Self::Signal) -> Self::Signal {
                 let size = Self::size(x);
-                // Below half of the word's range, so there is room for the three.
+                // The size is below half of the word's range, so adding 3 cannot overflow.
                 Self::with_sign(size.wrapping_sub(size.wrapping_add(3) >> 2), x < 0)
             }
             #[inline(always)]
@@ -235,7 +241,7 @@ macro_rules! fixed_spatial {
                 whole: Self::Signal,
             ) -> Axes<Self::Signal> {
                 const DOWN: u32 = <$word>::BITS - 1;
-                // Below 1, with as many digits as a component has.
+                // A fraction below 1, with as many digits as a component has.
                 let share = Self::size(whole)
                     .divides_within(<$wide>::from(Self::size(part)) << DOWN)
                     .map_or(<$word as Word>::MAX_SIGNED, |(share, _)| share);
@@ -263,15 +269,15 @@ macro_rules! fixed_spatial {
                 [cosine, sine]: [Self::Signal; 2],
             ) -> Option<Axes<Self::Signal>> {
                 const DIGITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
-                // u × (towards × u) is the part of `towards` across `u`, exact but for one shortening of the inner product: no
-                // digits are lost where the two are nearly parallel.
+                // u × (towards × u) is the part of `towards` perpendicular to `u`, exact except that the inner product is shortened
+                // once. So no digits are lost where the two directions are nearly parallel.
                 let axis = cross(Self::long(towards), Self::long(u));
                 let axis = Self::long(Self::leading(axis)?);
                 let side = Self::unit(Self::leading(cross(Self::long(u), axis))?)?;
                 let (cosine, sine) = (i64::from(cosine.to_bits()), i64::from(sine.to_bits()));
                 let part = |u: i64, side: i64| {
                     let long = cosine.wrapping_mul(u).wrapping_add(sine.wrapping_mul(side));
-                    // 2 DIGITS fractional bits, of which NEAR_ONE are enough.
+                    // The product has twice DIGITS fractional bits, of which NEAR_ONE are enough.
                     match (2 * DIGITS).checked_sub(NEAR_ONE) {
                         Some(down) => long >> down,
                         None => long << NEAR_ONE.saturating_sub(2 * DIGITS),
@@ -279,7 +285,7 @@ macro_rules! fixed_spatial {
                 };
                 let ([ux, uy, uz], [sx, sy, sz]) = (Self::long(u), Self::long(side));
                 let unit = lengthened([part(ux, sx), part(uy, sy), part(uz, sz)], DIGITS);
-                // At the end of the format there is no 1.
+                // A format whose range ends below 1 gets its largest number instead of 1.
                 Some(unit.map(|x| Self::with_sign(x.unsigned_abs() as $word, x < 0)))
             }
             #[inline]
@@ -292,14 +298,15 @@ macro_rules! fixed_spatial {
                 if all == 0 {
                     return (Self::Signal::ZERO, None);
                 }
-                // So long that the root has all its digits, and so short that the squares fit: the highest bit but one.
+                // Scales the vector so that its largest component has the highest bit but one: the root then has all its digits,
+                // and the squares fit.
                 let up = all.leading_zeros().saturating_sub(1);
                 let scale = (1 as $word).wrapping_shl(up);
                 let scaled = sizes.map(|size| size.wrapping_mul(scale));
-                // The one value whose highest bit is set is a power of two: its square fits three times as well.
+                // Only one scaled component can have the highest bit set, the power of two; three times its square still fits.
                 let squares = Self::squares(scaled);
                 let root = $root_high(squares);
-                // Below 2^W sqrt(3)/2, so there is room for the one.
+                // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.
                 let length = root.wrapping_add(<$word>::from(root.times(root) != squares));
                 // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude; that it
                 // is said once more spares the machine a look.
@@ -310,7 +317,7 @@ macro_rules! fixed_spatial {
                     .map_or(<$word as Word>::MAX_SIGNED, |(inverse, _)| inverse);
                 let mut unit = [Self::Signal::ZERO; 3];
                 for (out, (size, x)) in unit.iter_mut().zip(scaled.into_iter().zip(v)) {
-                    // At most a few too small; what is left says so.
+                    // The product may be a few steps too small; the remainder corrects it.
                     let mut size_of_part =
                         (size.times(inverse) >> (INVERSE_BITS - ONE_BITS)) as $word;
                     let mut rest =

@@ -1,11 +1,12 @@
 //! Three laws of one degree of freedom, one for each axis (thesis §4.4), with three rules for when a contact ends.
 //!
-//! Each law gets the modulus of its coordinate of `e`, negative outside, and pushes to the side of the surface. Where that side
-//! changes, the law's offset changes its side too: the jump of Fig. 5.13.
+//! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes to
+//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps.
 //!
-//! **Equation (4.8) lacks a sign.** Outside, `e` and `O` are opposed, so the `α` of (4.8b) is negative. Then (4.8c), `α < 1`,
-//! holds for any position of the HIP: as printed, an object is never left. This code follows Fig. 4.9: the object is left where
-//! `|e| > |O'|` and `e` and `O'` are opposed. With the moduli of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a division.
+//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of
+//! the laws' offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left
+//! where `e` is longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`,
+//! without a division.
 
 use super::number::Spatial;
 use super::scalar::Along;
@@ -14,27 +15,28 @@ use super::vector::{Direction, Vector};
 use crate::law::{Contact, Sample};
 use crate::{Energy, Force, Position};
 
-/// The condition for having left the object and its shifted surface (thesis §4.4.1).
+/// The rule by which the contact of three single-axis laws ends after the hand's point (HIP) has left the object (thesis §4.4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Leaving {
-    /// Each axis ends its contact alone: a force can remain after the HIP has left the object (Fig. 4.7).
+    /// Each axis ends its contact alone. A force can remain after the hand's point (HIP) has left the object.
     Decoupled,
-    /// All axes end their contact as soon as one has left: forces drop where a coordinate is small (Fig. 4.8).
+    /// All axes end their contact as soon as one axis does. The force drops where a coordinate of the penetration is small.
     AnyAxis,
-    /// All axes end their contact by the projection of the offset on `e` (equation 4.8, Fig. 4.9).
+    /// All axes end their contact together, when the penetration is longer than the offset's projection on it (thesis, equation
+    /// 4.8).
     #[default]
     Projection,
 }
 
-/// One law of one degree of freedom for each axis.
+/// One law of one degree of freedom for each axis, and a rule for when their contact ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerAxis<N: Spatial, L> {
     /// The laws with their memories.
     pub laws: [L; 3],
-    /// The condition for having left the object.
+    /// The rule by which the contact of the three laws ends.
     pub leaving: Leaving,
     track: Track<N>,
-    /// For each axis, whether the surface lies on the negative side; a coordinate of 0 keeps its side.
+    /// For each axis, whether the law's force pushes towards the negative side; a normal with a component of 0 keeps the side.
     negative: [bool; 3],
     /// Penetration along each axis in the last tick.
     last: Vector<Position<N>>,
@@ -81,12 +83,12 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         force
     }
 
-    /// Displacement along the last tick's normal, as a part for each axis. On a flat surface it is the change of that axis'
-    /// penetration, bit for bit.
+    /// Splits the displacement along the last tick's normal into a part for each axis. On a flat surface a part is the change of
+    /// that axis' penetration, bit for bit.
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        // The cheapest question first: on a surface that turns it is the one that says no.
+        // The cheapest comparison comes first: on a surface that turns it is usually the one that fails.
         let straight = moved == touch.depth - self.track.depth();
         if straight && touch.moved.is_none() && normal == touch.normal {
             return e - self.last;
@@ -94,7 +96,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         share_of(&normal, moved)
     }
 
-    /// Whether the HIP has left the object.
+    /// Whether the hand's point (HIP) has left the object, by the chosen rule.
     fn has_left(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> bool {
         if touch.depth >= Position::zero() {
             return false;
@@ -107,8 +109,8 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
 }
 
 impl Leaving {
-    /// Whether a contact ends while the HIP is outside. Takes the penetration along each axis (none positive) and the offset (none
-    /// negative).
+    /// Whether the contact ends by this rule while the hand's point is outside. Takes the penetration along each axis (none
+    /// positive) and the offset (none negative).
     #[inline]
     pub fn ends<N: Spatial>(self, e: Vector<Position<N>>, offset: Vector<Position<N>>) -> bool {
         let reach = e + offset;
@@ -116,7 +118,7 @@ impl Leaving {
             Self::Decoupled => false,
             Self::AnyAxis => reach.0.iter().any(|reach| *reach < Position::zero()),
             Self::Projection => {
-                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
+                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact unless it saturates.
                 let [x, y, z] = e.zip(reach, |e, reach| Force::<N>(e.0) * reach).0;
                 x + y + z > Energy::zero()
             }
@@ -124,7 +126,7 @@ impl Leaving {
     }
 }
 
-/// A length along a direction, split into the moduli of its components, each with the sign of the length, towards zero.
+/// Splits a length along a direction into absolute values for each axis, rounded towards zero. Each has the sign of the length.
 #[inline(always)]
 fn share_of<N: Spatial>(along: &Direction<N>, length: Position<N>) -> Vector<Position<N>> {
     Vector(N::share_of_length(along.0, length.0).map(Position))
@@ -135,8 +137,7 @@ mod tests {
     use super::*;
     use crate::Fixed8;
 
-    /// Checks for every direction component and every length of 8 bits that the part of the length along the direction has the
-    /// length's sign.
+    /// Checks for every direction component and every length of 8 bits: the part of the length for an axis has the length's sign.
     #[test]
     fn a_share_of_a_length_is_the_part_along_a_direction_without_its_side() {
         for u in i8::MIN..=i8::MAX {

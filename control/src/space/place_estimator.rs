@@ -1,10 +1,10 @@
 //! Predicts position and displacement of the hand's point (HIP) for the time at which the next force acts: a state estimator for
 //! each Cartesian axis.
 //!
-//! It works along the axes of space and not along the normal, because the model is linear there: `M dv/dt = F - b v + M h` holds
-//! for any object. Along a normal that turns, depth and velocity would change without any force, by `v²/R`, and the commands that
-//! are not yet in effect would have to be turned too. When the HIP goes from one face to another, the state would change its
-//! coordinate. `docs/three-axes.md` compares the two choices.
+//! It works along the axes of space and not along the normal, because the model is linear there: `M dv/dt = F - b v + M h` (mass,
+//! velocity, force, damping, push of the hand) holds for any object. Along a normal that turns with radius `R`, depth and velocity
+//! would change without any force, by `v²/R`, and the commands that are not yet in effect would have to be turned too. When the HIP
+//! goes from one face to another, the state would change its coordinate. `docs/three-axes.md` compares the two choices.
 //!
 //! Each axis uses [`crate::Estimator`] unchanged, with `-x` for its penetration, so that a force along `x` pushes out. So on a
 //! plane across an axis through the origin, a wall of three axes on estimated states is the wall of one axis, bit for bit.
@@ -17,9 +17,9 @@ use crate::{Force, Position};
 /// The predicted state of the hand's point (HIP), which the laws use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceAhead<N: Spatial> {
-    /// Predicted position.
+    /// Predicted position of the hand's point (HIP).
     pub at: Vector<Position<N>>,
-    /// Predicted displacement per tick.
+    /// Predicted displacement of the hand's point (HIP) per tick.
     pub moved: Vector<Position<N>>,
 }
 
@@ -30,7 +30,8 @@ pub struct PlaceEstimator<N: Spatial> {
 }
 
 impl<N: Spatial> PlaceEstimator<N> {
-    /// The state before the first sample. Coefficients must be in the device's unit of length: [`super::LengthUnit::estimator`].
+    /// The estimator before the first sample. The coefficients must be in the unit of length that the device uses:
+    /// [`super::LengthUnit::estimator`].
     #[must_use]
     pub fn new(axes: [Estimator<N>; 3]) -> Self {
         Self {
@@ -58,7 +59,7 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// Reports the force on the HIP that was commanded after a tick, after every stage that may change it.
+    /// Reports the force on the hand's point (HIP) that was commanded after a tick, after every stage that may change it.
     #[inline]
     pub fn commanded(&mut self, force: Vector<Force<N>>) {
         for ((estimator, state), force) in self.axes.iter_mut().zip(force.0) {

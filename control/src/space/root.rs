@@ -11,7 +11,7 @@
 //! two machine divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a
 //! root of 32 bits.
 
-/// The root of the largest 16-bit number whose first eight bits are `h`: `floor(sqrt(256 h + 255))`.
+/// For each first byte `h` of a 16-bit number, the root of the largest number with that byte: `floor(sqrt(256 h + 255))`.
 const LARGEST_ROOTS: [u8; 256] = {
     let mut roots = [0; 256];
     let (mut high, mut root) = (0_usize, 0_u32);
@@ -25,8 +25,8 @@ const LARGEST_ROOTS: [u8; 256] = {
     roots
 };
 
-/// Root and remainder of a 16-bit number with one of its two highest bits set. Roots of numbers with the same first byte differ by
-/// at most 1.
+/// Square root, rounded down, and remainder of a 16-bit number with one of its two highest bits set. Roots of numbers with the same
+/// first byte differ by at most 1.
 #[inline(always)]
 fn scaled_16(n: u16) -> (u16, u16) {
     let first = usize::from((n >> 8) as u8);
@@ -42,7 +42,8 @@ fn scaled_16(n: u16) -> (u16, u16) {
 
 macro_rules! level {
     ($scaled:ident, $below:ident, $word:ty, $wide:ty) => {
-        /// Root and remainder of a number with one of its two highest bits set. The remainder is at most twice the root.
+        /// Square root, rounded down, and remainder of a number with one of its two highest bits set. The remainder is at most
+        /// twice the root.
         #[inline(always)]
         fn $scaled(n: $wide) -> ($wide, $wide) {
             const HALF: u32 = <$word>::BITS / 2;
@@ -51,9 +52,10 @@ macro_rules! level {
             let (root, rest) = $below(high);
             let (root, rest) = (root as $word, rest as $word);
             let (a, b) = (low >> HALF, low & LOW);
-            // By half of the divisor, so that the dividend is a word: the rest of one level is at most twice its root.
+            // Divides by half of the divisor, so that the dividend fits a word: the remainder of the level above is at most twice
+            // its root.
             let dividend = (rest << (HALF - 1)) | (a >> 1);
-            // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
+            // The root's highest bit is set. Setting it again lets the compiler leave out the check for a division by 0.
             let digit = dividend.checked_div(root | 1 << (HALF - 1)).unwrap_or(0);
             let left = (dividend.wrapping_sub(digit.wrapping_mul(root)) << 1) | (a & 1);
             let (wide_digit, digit_root) = (<$wide>::from(digit), <$wide>::from(root));
@@ -86,13 +88,14 @@ macro_rules! whole {
             if n == 0 {
                 return 0;
             }
-            // By a power of four, so that the root is shifted by a power of two.
+            // Scales the number by a power of four, so that the root is scaled by a power of two.
             let pairs = n.leading_zeros() / 2;
             let (root, _) = $scaled(n << (2 * pairs));
             (root >> pairs) as $word
         }
 
-        /// The root of a number with one of its four highest bits set: at most one power of four is taken out before.
+        /// The square root, rounded down, of a number with one of its four highest bits set. The number is first shifted up by at
+        /// most two bits.
         #[inline]
         #[must_use]
         pub fn $high(n: $wide) -> $word {
@@ -104,15 +107,15 @@ macro_rules! whole {
 }
 
 whole!(
-    /// `floor(sqrt(n))` of 16 bits.
+    /// Square root of a 16-bit number, rounded down.
     root_16, root_high_16, scaled_16, u8, u16
 );
 whole!(
-    /// `floor(sqrt(n))` of 32 bits.
+    /// Square root of a 32-bit number, rounded down.
     root_32, root_high_32, scaled_32, u16, u32
 );
 whole!(
-    /// `floor(sqrt(n))` of 64 bits.
+    /// Square root of a 64-bit number, rounded down.
     root_64, root_high_64, scaled_64, u32, u64
 );
 
@@ -132,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Checks where the root of 32 bits changes: at every square, just below and just above.
+    /// Checks 32-bit square roots where the root changes: at every square, just below and just above.
     #[test]
     fn every_step_of_a_root_of_32_bits() {
         for root in 1..=u16::MAX {

@@ -1,4 +1,4 @@
-//! A law of one degree of freedom with its memory, as the walls of three axes call it.
+//! A control law of one degree of freedom together with its memory, in the form in which walls on three axes call it.
 
 use crate::law::{
     Contact, DampedState, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState,
@@ -6,7 +6,7 @@ use crate::law::{
 };
 use crate::{AnyLaw, Force, Number};
 
-/// A law of one degree of freedom with its memory.
+/// A control law of one degree of freedom together with its memory. Walls on three axes use one along a direction.
 pub trait Along<N: Number> {
     /// Runs one control period: takes penetration and displacement along a direction, returns the outward force.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
@@ -40,10 +40,10 @@ impl<N: Number> Along<N> for AnyLaw<N> {
     }
 }
 
-/// A single law with its memory, where no choice between laws is needed.
+/// A single law with its memory, for use where the law is known at compile time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held<N: Number, L: Law<N>> {
-    /// The law.
+    /// The control law.
     pub law: L,
     /// The memory of the law.
     pub state: L::State,

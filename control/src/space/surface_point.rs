@@ -1,4 +1,5 @@
-//! The surface point towards which the force is directed: the closest one, the point of entry, or a restricted one (thesis §4.3).
+//! The surface point towards which the force is directed. It is the closest one, the point of entry, or the closest one in a cone
+//! (thesis §4.3).
 
 use super::environment::{Nearest, Surface};
 use super::number::Spatial;
@@ -6,21 +7,21 @@ use super::touch::Touch;
 use super::vector::{Direction, Turn, Vector};
 use crate::Position;
 
-/// The rule that chooses the surface point.
+/// The rule that chooses the surface point towards which the force is directed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Rule<N: Spatial> {
-    /// The closest surface point (thesis 4.5): the force's direction can jump (Fig. 4.3).
+    /// The closest surface point (thesis 4.5). The force's direction can jump as the hand's point (HIP) moves.
     #[default]
     Closest,
-    /// The point where the HIP entered the object (thesis 4.6): the HIP is pulled back to it (Fig. 4.4).
+    /// The point where the hand's point (HIP) entered the object (thesis 4.6). The HIP is pulled back to it.
     Penetration,
-    /// The closest surface point in a cone around the direction of the last tick (thesis §4.3.3). The direction turns by at most
-    /// the cone's angle per tick (Fig. 4.5).
+    /// The closest surface point in a cone around the direction of the last tick (thesis §4.3.3). So the force's direction turns by
+    /// at most the cone's angle per tick.
     Restricted(Turn<N>),
 }
 
 impl<N: Spatial> Turn<N> {
-    /// The angle of a cone, given by its tangent.
+    /// The turn by half the opening angle of a cone; `across` is the tangent of that half angle.
     #[must_use]
     pub fn of_ratio(across: N::Signal) -> Self {
         let zero = N::Signal::default();
@@ -34,14 +35,16 @@ impl<N: Spatial> Turn<N> {
 pub struct SurfacePoint<N: Spatial> {
     /// The rule that chooses the surface point.
     pub rule: Rule<N>,
-    /// Direction to the closest surface point in the last tick.
+    /// Direction from the hand's point (HIP) to the closest surface point in the last tick.
     side: Direction<N>,
-    /// While the HIP is inside: the direction in use, and the point at which the HIP entered. `None` outside.
+    /// While the hand's point (HIP) is inside the object: the direction in use, and the point at which the HIP entered. `None`
+    /// outside.
     inside: Option<(Direction<N>, Vector<Position<N>>)>,
 }
 
 impl<N: Spatial> SurfacePoint<N> {
-    /// The state outside the object. For an object with two sides, the HIP is on the side on which it is first measured.
+    /// The state outside the object. An object with two sides, such as a plate, is approached from the side on which the hand's
+    /// point (HIP) is first measured.
     #[must_use]
     pub fn new(rule: Rule<N>) -> Self {
         Self {
@@ -51,7 +54,7 @@ impl<N: Spatial> SurfacePoint<N> {
         }
     }
 
-    /// Runs one control period: takes the HIP's position, returns the contact with the chosen surface point.
+    /// Runs one control period: takes the position of the hand's point (HIP), returns the contact with the chosen surface point.
     #[inline]
     pub fn tick(&mut self, surface: &impl Surface<N>, at: Vector<Position<N>>) -> Touch<N> {
         let nearest = surface.nearest(at, &self.side);
@@ -73,7 +76,7 @@ impl<N: Spatial> SurfacePoint<N> {
     }
 }
 
-/// The direction from the HIP back to the point of entry.
+/// The direction from the hand's point (HIP) back to the point where it entered the object.
 fn back_to<N: Spatial>(
     entry: Vector<Position<N>>,
     at: Vector<Position<N>>,
@@ -122,7 +125,7 @@ fn restricted<N: Spatial>(
             });
         });
     }
-    // Where no way leads out, the direction stays until one does.
+    // If no direction leads out of the object, the last tick's direction stays until one does.
     best.unwrap_or(Nearest {
         normal: *direction,
         depth: nearest.depth,

@@ -1,4 +1,4 @@
-//! The contact and the motion along the normal, as the three-axis laws see them.
+//! The contact of the hand's point with an object, and the motion along the normal, as input of the laws on three axes.
 
 use super::environment::Nearest;
 use super::number::Spatial;
@@ -6,21 +6,21 @@ use super::vector::{Direction, Vector};
 use crate::Position;
 use crate::law::Sample;
 
-/// Position of the HIP with respect to the surface.
+/// Position of the hand's point (HIP) with respect to the surface of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch<N: Spatial> {
     /// Position of the hand's point (HIP).
     pub at: Vector<Position<N>>,
     /// The normal out of the object, along which the force pushes.
     pub normal: Direction<N>,
-    /// How deep the HIP is below the surface point, positive inside.
+    /// How deep the hand's point (HIP) is below the surface point, positive inside.
     pub depth: Position<N>,
     /// Displacement per tick if it is estimated; `None` means the displacement since the last tick.
     pub moved: Option<Vector<Position<N>>>,
 }
 
 impl<N: Spatial> Touch<N> {
-    /// The contact at a measured position.
+    /// The contact at a measured position, seen against the closest surface point.
     #[inline(always)]
     #[must_use]
     pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {
@@ -39,14 +39,15 @@ pub struct Track<N: Spatial> {
     last: Option<(Vector<Position<N>>, Nearest<N>)>,
 }
 
-/// Whether a change of the penetration equals the displacement, except for the rounding of two projections.
+/// Whether a change of the penetration differs from the displacement along the normal by no more than the rounding of two
+/// projections.
 fn is_rounding<N: Spatial>(change: Position<N>, moved: Position<N>) -> bool {
     let two = Position::quantum() + Position::quantum();
     (change - moved).modulus() <= two
 }
 
 impl<N: Spatial> Track<N> {
-    /// Displacement of the HIP as a vector; zero in the first tick if it is not estimated.
+    /// Displacement of the hand's point (HIP) as a vector. If it is not estimated, it is zero in the first tick.
     #[inline]
     #[must_use]
     pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
@@ -56,8 +57,8 @@ impl<N: Spatial> Track<N> {
         })
     }
 
-    /// Penetration and inward displacement along the normal **of the last tick**. The last force acted along that normal, so force
-    /// times displacement is the work at the port, `F·Δx`.
+    /// Penetration, and displacement inward along the normal **of the last tick**. The last force acted along that normal, so force
+    /// times displacement is the work at the hand.
     ///
     /// On a flat surface the displacement is the change of the penetration, bit for bit, as in one degree of freedom. An estimated
     /// displacement is projected on the same normal.
@@ -76,7 +77,7 @@ impl<N: Spatial> Track<N> {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
-        // Rounded down, so that no law counts more inward work than was done.
+        // Rounded down, so that no law counts more inward work than the hand did.
         let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {

@@ -1,11 +1,11 @@
-//! The unit of length of a device, chosen when its coefficients are built.
+//! The unit of length of a device, chosen when the coefficients are computed.
 //!
 //! The metre is too long a unit for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, but the effector of
-//! an omega.3 at 4 kHz has an `m/T²` of 2.4e6 N/m. Compliances have steps of 6e-8, so the `1/k_v` of that device, 2e-4 m/N, has
-//! three digits only. In centimetres the same values are 24,000 N/cm and 0.02 cm/N, with six digits. Positions then reach ±1.28 m
-//! in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in units of 10 mJ. In millimetres the energy guard's account would
-//! end at 32 mJ. So `Centimetre` is the unit of three axes. The unit of knobs is a metre of arc, the radian. Laws do not depend on
-//! the unit: newtons stay newtons, and a tick has no length.
+//! an omega.3 at 4 kHz has a mass over squared control period of 2.4e6 N/m. Compliances have steps of 6e-8, so the inverse of that
+//! device's soft stiffness, 2e-4 m/N, has three digits only. In centimetres the same values are 24,000 N/cm and 0.02 cm/N, with six
+//! digits. Positions then reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in units of 10 mJ. In
+//! millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes. The unit of knobs is a
+//! metre of arc, the radian. Laws do not depend on the unit: newtons stay newtons, and a tick has no length.
 //!
 //! If a value still does not fit (0.7 kg at 10 kHz), it is refused with the error of its own setting.
 
@@ -25,7 +25,7 @@ pub enum LengthUnit {
     /// Centimetre; energies are in 10 mJ.
     #[default]
     Centimetre,
-    /// Millimetre; energies are in mJ.
+    /// Millimetre; energies are in mJ. The energy guard's account then ends at 32 mJ.
     Millimetre,
 }
 
@@ -40,20 +40,20 @@ impl LengthUnit {
         }
     }
 
-    /// Converts a length, an energy, a speed or a power from SI to this unit.
+    /// Converts a length, an energy, a speed or a power from SI units to this unit of length.
     #[must_use]
     pub fn of_length(self, si: Si) -> Si {
         si.saturating_mul(Si::saturating_from_num(self.per_metre()))
     }
 
-    /// Converts a stiffness, a damping or a mass from SI to this unit. Rounded down, so that a device never has more damping than
-    /// it has in truth.
+    /// Converts a stiffness, a damping or a mass from SI units to this unit of length. Rounded down, so that no device counts as
+    /// more damped than it is.
     #[must_use]
     pub fn per_length(self, si: Si) -> Si {
         si.saturating_div(Si::saturating_from_num(self.per_metre()))
     }
 
-    /// Converts the settings of a law from SI to this unit.
+    /// Converts the settings of a law from SI units to this unit of length.
     #[must_use]
     pub fn settings(self, si: &Settings) -> Settings {
         let filter = FilterSettings {
@@ -69,13 +69,13 @@ impl LengthUnit {
             virtual_damping: self.per_length(si.virtual_damping),
             energy_credit: self.of_length(si.energy_credit),
             filter,
-            // A law's coefficients are built of these alone; guard and estimator of three axes have their own.
+            // A law's coefficients depend on these settings only; on three axes, guard and estimator have their own settings.
             guard: GuardSettings {
                 on: false,
                 ..GuardSettings::default()
             },
             states: StatesKind::Measured,
-            // A direction that turns is no axis whose velocity could be filtered.
+            // A velocity filter needs an axis with a fixed direction, and the normal turns.
             velocity: VelocitySettings {
                 from: VelocityKind::Told,
                 ..VelocitySettings::default()
@@ -90,7 +90,7 @@ impl LengthUnit {
     /// Same as [`AnyLaw::new`]. An error gives ranges in SI units, but a coefficient that does not fit in this unit of length.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
-        // Ranges are those of SI; the guard and the estimator of one axis are none of these.
+        // Ranges are checked in SI units, without the guard and the estimator of one axis, which are not used here.
         Settings {
             guard: unit.guard,
             states: unit.states,
@@ -100,10 +100,10 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// Makes an estimator for each axis, from settings in SI units.
+    /// Makes a state estimator for each axis, from settings in SI units.
     ///
     /// # Errors
-    /// Same as [`EstimatorSettings::estimator`]; an error gives ranges in this unit.
+    /// Same as [`EstimatorSettings::estimator`]; an error gives ranges in this unit of length.
     pub fn estimator<N: Spatial>(
         self,
         si: &[EstimatorSettings; 3],
@@ -122,7 +122,7 @@ impl LengthUnit {
         Ok(PlaceEstimator::new([axis(x)?, axis(y)?, axis(z)?]))
     }
 
-    /// Converts the settings of the energy guard and its device from SI to this unit.
+    /// Converts the settings of the energy guard, and the device's properties, from SI units to this unit of length.
     #[must_use]
     pub fn guard(
         self,

@@ -76,9 +76,9 @@ macro_rules! signal_vector {
             pub fn is_longer(self, limit: $quantity<N>) -> bool {
                 N::longer(self.signals(), limit.0)
             }
-            /// The vector shortened to at most a limit below the end of the format. A vector within the limit is unchanged. Each
-            /// component of a longer one is up to three quanta shorter than exact. The direction is kept, except for the rounding
-            /// of each component towards zero.
+            /// The vector shortened to at most a limit below the end of the number format. A vector within the limit is unchanged.
+            /// Each component of a longer one is up to three steps of the format shorter than exact. The direction is kept, except
+            /// for the rounding of each component towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
@@ -99,7 +99,7 @@ macro_rules! signal_vector {
             }
             /// Shortens the vector where it is longer than the limit.
             fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
-                // At the end of the format a length is no length any more: that of the half is.
+                // A length at the end of the format is saturated and says nothing, so half of the vector is measured instead.
                 if length + $quantity::<N>::quantum() == length {
                     return self.half_shortened(limit);
                 }
@@ -129,19 +129,19 @@ impl<N: Spatial> Vector<Force<N>> {
     }
 }
 
-/// A unit vector, as exact as its components can be: see [`Spatial::unit`].
+/// A unit vector. It is as exact as [`Spatial::unit`] says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Direction<N: Spatial>(pub Axes<N::Signal>);
 
 impl<N: Spatial> Default for Direction<N> {
-    /// The direction up, along z.
+    /// The direction straight up, along z.
     fn default() -> Self {
         Self::along(2, false)
     }
 }
 
 impl<N: Spatial> Direction<N> {
-    /// The direction along a coordinate axis (0 to 2; other numbers mean z), or against it.
+    /// The direction along a coordinate axis (0 to 2 for x, y, z; larger numbers mean z), or against it.
     #[inline]
     #[must_use]
     pub fn along(axis: usize, against: bool) -> Self {
@@ -211,8 +211,8 @@ impl<N: Spatial> Direction<N> {
     pub fn opposite(&self) -> Self {
         Self(self.0.map(|x| N::sub(N::Signal::default(), x)))
     }
-    /// This direction turned towards another by a given angle, right to a few quanta. Unchanged where the two directions are
-    /// parallel or opposite.
+    /// This direction turned towards another by a given angle, right to a few steps of the number format. Unchanged where the two
+    /// directions are parallel or opposite.
     #[inline]
     #[must_use]
     pub fn turned(&self, towards: &Self, turn: &Turn<N>) -> Self {

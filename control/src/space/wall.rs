@@ -15,15 +15,15 @@ use super::vector::Vector;
 use crate::guard::Overspeed;
 use crate::{Force, Position};
 
-/// How laws of one degree of freedom give a force vector.
+/// How laws of one degree of freedom give a force vector on three axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)]
 pub enum Shell<N: Spatial, L> {
-    /// One law along the normal.
+    /// One law along the surface's normal.
     Magnitude(Magnitude<N, L>),
-    /// One law for each axis.
+    /// One law for each coordinate axis.
     PerAxis(PerAxis<N, L>),
-    /// Force bounding of the force vector.
+    /// A spring whose force vector is bounded by energy and damping (force bounding).
     Bounding(Bounding<N>),
 }
 
@@ -39,16 +39,16 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
     }
 }
 
-/// A virtual object with everything that renders it: shape, estimator of the HIP, law, friction and guard.
+/// A virtual object with everything that renders it: shape, estimator of the hand's position, law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
-    /// The object's shape.
+    /// The shape of the virtual object.
     pub surface: S,
-    /// The estimator that predicts the HIP's position; `None` means that the measured position is used.
+    /// The estimator that predicts the position of the hand's point (HIP); `None` means that the measured position is used.
     pub estimator: Option<PlaceEstimator<N>>,
     /// The rule that chooses the touched point of the object, with its memory.
     pub point: SurfacePoint<N>,
-    /// The law, and how it gives a force vector.
+    /// The law, and how it gives a force vector: along the normal, or one law per axis.
     pub shell: Shell<N, L>,
     /// Friction with its memory; `None` without friction.
     pub friction: Option<(Friction<N>, FrictionState<N>)>,
@@ -57,12 +57,12 @@ pub struct SpaceWall<N: Spatial, S, L> {
     /// The energy guard with its memory; `None` without a guard.
     pub guard: Option<(VectorGuard<N>, VectorGuardState<N>)>,
     last: Option<Vector<Position<N>>>,
-    /// The force commanded at the last tick, after every later stage that may change it.
+    /// The force commanded at the last tick, as changed by later stages such as a current limit.
     commanded: Vector<Force<N>>,
 }
 
 impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
-    /// A wall in the state outside and at rest, without estimator, friction and guard.
+    /// A wall before the first touch, without estimator, friction and guard. `limit` is the largest length of the force.
     pub fn new(surface: S, point: SurfacePoint<N>, shell: Shell<N, L>, limit: Force<N>) -> Self {
         Self {
             surface,
@@ -77,7 +77,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
         }
     }
 
-    /// Runs one control period: takes the measured position of the HIP, returns the force on it.
+    /// Runs one control period: takes the measured position of the hand's point (HIP), returns the force on it.
     ///
     /// If a later stage changes that force, the caller must report it with [`SpaceWall::commanded`].
     ///
@@ -104,7 +104,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
-        // The guard sums the energy at the port, so it gets the measured position.
+        // The guard sums the energy at the hand, so it gets the measured position and not the estimated one.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {

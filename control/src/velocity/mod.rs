@@ -7,8 +7,8 @@
 //! |---|---|---|
 //! | difference | exact | `2 σ²` |
 //! | [`Smoothed`], a first-order filter with gain `a` | exact in the end | `2 a²/(2 - a) σ²` |
-//! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` | depends on the window |
-//! | [`Tracker`], steady Kalman gains | exact in the end | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
+//! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` ticks, `d` the allowed distance from a line | depends on the window |
+//! | [`Tracker`], steady Kalman gains `α`, `β` | exact in the end | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
 //!
 //! These filters know neither the device nor the commanded forces. [`crate::estimator`] is the filter that uses both.
 
@@ -32,17 +32,17 @@ pub enum Velocity<N: Number> {
     Smoothed(Smoothed<N>),
     /// The slope of the longest straight line that fits the last positions within the error of an encoder count.
     Window(FirstOrderAdaptiveWindow<N>),
-    /// A Kalman filter of the position in its steady state.
+    /// A Kalman filter of the position with constant gains (its steady state).
     Tracker(Tracker<N>),
 }
 
 /// Memory of a [`Velocity`]; the default is the state before the first position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityState<N: Number> {
-    /// Memory of a filter that follows a motion: position, displacement per tick, and for a third-order filter the change of that
-    /// displacement.
+    /// Memory of a recursive filter: position, displacement per tick, and for a third-order filter the change of that displacement
+    /// per tick.
     Motion(Option<EstimatedMotion<N>>),
-    /// Memory of a window: the last positions, the latest first.
+    /// Memory of adaptive windowing: the last positions, the latest first.
     Positions([Position<N>; LONGEST_WINDOW]),
 }
 

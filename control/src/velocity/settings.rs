@@ -1,4 +1,4 @@
-//! The velocity filter's settings in SI, and the coefficients computed from them.
+//! The velocity filter's settings in SI units, and the coefficients computed from them.
 
 use super::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity};
 use crate::estimator::{Flow, Weight, approach, per_tick, ratio_of_bits};
@@ -7,7 +7,7 @@ use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
 };
 
-/// `1/√2`, to the last digit of the format in which weights are calculated.
+/// `1/√2`, to the last digit of the number format in which filter coefficients are calculated.
 const ROOT_HALF: Exact = Exact::lit("0.7071067811865475244");
 
 impl VelocitySettings {
@@ -30,8 +30,8 @@ impl VelocitySettings {
         }
     }
 
-    /// Validates the settings and computes the filter's coefficients. `None` where the law uses the displacement that it gets.
-    /// `count` is the distance between neighbouring positions, rad (m).
+    /// Validates the settings and computes the filter's coefficients. `None` if the settings choose no filter. `count` is the
+    /// distance between neighbouring positions, rad (m).
     ///
     /// # Errors
     /// Same as [`VelocitySettings::validate`]; also a count that the number format cannot hold.
@@ -66,11 +66,11 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
     Some(Velocity::Smoothed(Smoothed { share }))
 }
 
-/// The Kalman filter whose poles are at `r`, given `lost = 1 - r`.
+/// The Kalman filter whose poles in the z-plane are at `r`. `lost` is `1 - r`; `accelerates` chooses constant acceleration.
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);
-    // 1 - r² = (1 - r)(2 - (1 - r)).
+    // The gain α = 1 - r², with r = 1 - lost: 1 - r² = (1 - r)(2 - (1 - r)).
     let alpha = lost.saturating_mul(two.saturating_sub(lost));
     let beta = lost.saturating_add(lost).saturating_mul(lost);
     let gamma = if accelerates {
@@ -104,7 +104,7 @@ fn window<N: Number>(window_s: Si, rate_hz: u32, count: Si) -> Option<Velocity<N
     Some(Velocity::Window(FirstOrderAdaptiveWindow {
         slopes,
         longest,
-        // A quantum each for the three positions that are compared.
+        // Adds a step of the number format for each of the three positions that are compared.
         margin: Position(N::signal(count)?)
             + Position::quantum()
             + Position::quantum()

@@ -4,11 +4,11 @@ use crate::estimator::{EstimatedMotion, LARGEST_MOTION_BITS, LARGEST_SURPRISE_BI
 use crate::number::Wide as _;
 use crate::{Number, Position};
 
-/// `v(n) = v(n-1) + a (x(n) - x(n-1) - v(n-1))`, calculated with 54 fractional bits, so that rounding errors of a slow motion do
-/// not add up.
+/// First-order low-pass filter of the displacement per tick: `v(n) = v(n-1) + a (x(n) - x(n-1) - v(n-1))` with the position `x` and
+/// the gain `a`. It is calculated with 54 fractional bits, so that rounding errors of a slow motion do not add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothed<N: Number> {
-    /// Filter gain `a = 1 - exp(-2π p T)` for a bandwidth `p`.
+    /// Filter gain `1 - exp(-2π p T)` for a bandwidth `p` in Hz and the control period `T`.
     pub share: Weight<N>,
 }
 

@@ -6,31 +6,32 @@ use crate::{Number, Position, Ratio, Stiffness};
 /// The most past positions that a window holds.
 pub const LONGEST_WINDOW: usize = 16;
 
-/// The length of a window in ticks, as a factor and as its inverse.
+/// The length of a window in ticks and its inverse, in the number formats in which the slope over it is calculated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope<N: Number> {
-    /// Length of the window, ticks: `n`.
+    /// Length of the window, ticks.
     pub times: Stiffness<N>,
-    /// Inverse of the length: `1/n`.
+    /// Inverse of the window's length, 1/ticks.
     pub share: Ratio<N>,
 }
 
-/// Velocity as the slope over the longest usable window. In such a window a straight line from the first to the last position
-/// passes every position between them by no more than `d`. So the window is long, with little noise, while the motion is even. It
-/// is short, and follows fast, when the motion turns.
+/// Velocity as the slope over the longest usable window of past positions. In such a window a straight line from the first to the
+/// last position passes every position between them by no more than `margin`. So the window is long, with little noise, while the
+/// motion is even. It is short, and follows fast, when the motion turns.
 ///
 /// Each position is tested once: the slope to it must lie within the bounds that all later positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
-    /// The possible windows, shortest first.
+    /// The lengths of the possible windows, shortest first.
     pub slopes: [Slope<N>; LONGEST_WINDOW],
     /// Length of the longest window, ticks.
     pub longest: u8,
-    /// `d`: largest distance of a position from the line. The end positions and those between have errors of at most half a count.
+    /// Largest distance of a position from the line through a window's first and last position. All these positions have errors of
+    /// at most half a count.
     pub margin: Position<N>,
 }
 
-/// A bound on a slope: a distance and the number of ticks over which it is measured.
+/// A bound on a slope, kept as a distance and the number of ticks over which it is measured.
 type Bound<N> = Option<(Position<N>, Stiffness<N>)>;
 
 impl<N: Number> FirstOrderAdaptiveWindow<N> {
@@ -42,7 +43,7 @@ impl<N: Number> FirstOrderAdaptiveWindow<N> {
         let slopes = self.slopes.iter().take(usize::from(self.longest));
         for (before, slope) in past.iter().zip(slopes) {
             let way = at - *before;
-            // As products, without a quotient: `way/n` against `bound/m`.
+            // Compares the slopes `way/n` and `bound/m` as products, without a division.
             let above =
                 |(bound, ticks): (Position<N>, Stiffness<N>)| ticks * way > slope.times * bound;
             let below =

@@ -1,27 +1,30 @@
-//! Check of a stored alignment: the field is raised where the rotor should be according to the alignment, and is rocked a little.
+//! Check of a stored alignment. The alignment gives the direction in which the rotor should be; a current raises the field there
+//! and rocks it a little.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
 //! ```
 //!
-//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current along the stored direction of the rotor turns
-//! the rotor by `k_t I sin φ` towards its true direction.
+//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current `I` along the stored direction of the rotor
+//! turns the rotor with the torque `k_t I sin φ` towards its true direction.
 //!
-//! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of that position,
-//!    and the field is raised there.
-//! 2. From then on the rotor must stay within an eighth of an electrical turn of the field. With a `φ` of a quarter turn the rising current
-//!    pulls the rotor further away, and the outputs are switched off.
-//! 3. With a `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the field is rocked
-//!    by an eighth of a turn each way. A rotor that stands against the field then turns away from it, or does not move at all.
-//! 4. On the way back and forth, at each 32nd of a turn, the difference of rotor and field is taken. Friction makes the rotor lag, once in
-//!    each direction, so the mean of both is `φ`. It must be within 20 electrical degrees. Between the two ends the rotor must have moved at
-//!    least half as far as the field, and in the same direction. This detects a held shaft, phases in another order, and a rotor that is stuck
-//!    against the field.
+//! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of
+//!    that position, and the field is raised there.
+//! 2. From then on the rotor must stay within an eighth of an electrical turn of the field. With a `φ` of a quarter turn the rising
+//!    current pulls the rotor further away, and the outputs are switched off.
+//! 3. With a `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the
+//!    field is rocked by an eighth of a turn each way. A rotor that stands against the field then turns away from it, or does not
+//!    move at all.
+//! 4. While the field moves back and forth, the check samples the angle between rotor and field at each 32nd of a turn. Friction
+//!    makes the rotor lag, once in each direction, so the mean of all samples is `φ`. It must be within 20 electrical degrees.
+//!    Between the two ends the rotor must have moved at least half as far as the field, and in the same direction. This detects a
+//!    held shaft, phases in another order, and a rotor that is stuck against the field.
 //!
 //! The check cannot detect the following errors:
 //!
 //! - a magnet that slipped by whole electrical turns, which makes no difference to the motor;
-//! - another number of pole pairs with which the rotor moves nearly as far (the settings' number is compared with the stored one instead);
+//! - another number of pole pairs with which the rotor moves nearly as far (the settings' number is compared with the stored one
+//!   instead);
 //! - an error below 20 degrees, which costs at most 6 % of the torque;
 //! - a load that turns the shaft as far as the alignment's error, in the opposite direction.
 
@@ -36,13 +39,13 @@ const REACH: i64 = 1 << 29;
 /// lags by less than half of that.
 const APART: i32 = 0x2000;
 /// Largest allowed mean angle between rotor and field, in 1/65,536 electrical turns: 20 degrees. An eccentric magnet and cogging
-/// can cause 15 degrees of it.
+/// can cause up to 15 degrees without an error of the alignment.
 const WRONG: i32 = 65_536 / 18;
-/// Largest motion of a shaft that counts as standing still, in 1/65,536 electrical turns: a 64th of a turn.
+/// Range within which a shaft that stands still may move, in 1/65,536 electrical turns: a 64th of a turn.
 const STILL: i32 = 0x400;
 /// Longest time that the check waits for the shaft to stand still, in half seconds.
 const PATIENCE: u32 = 8;
-/// Distance between the positions at which samples are taken, in 2^-32 electrical turns, as a power of two: a 32nd of a turn.
+/// Distance of the field's angle between two samples: 2 to this power, in 2^-32 electrical turns, which is a 32nd of a turn.
 const PLACES_LOG2: u32 = 27;
 
 /// The motions of the field while it is rocked, in their order.
@@ -57,19 +60,20 @@ enum Way {
 /// The state of a running check of a stored alignment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Check {
-    /// The stored alignment, converted to count 0 of the unwrapped encoder.
+    /// The stored alignment, converted so that it holds for count 0 of the unwrapped encoder.
     kept: Alignment,
-    /// Count at which the shaft stands. The next fields: for how many ticks it stands, and how many ticks the check has waited.
+    /// Encoder count at which the shaft stands. The next fields: for how many control periods it has stood there, and how many
+    /// periods the check has waited.
     stands: Option<i64>,
     still: u32,
     waited: u32,
     way: Way,
-    /// Angle of the field from where it was raised, 2^-32 electrical turns.
+    /// Angle by which the field has moved from where it was raised, 2^-32 electrical turns.
     reached: i64,
-    /// Sum of the angles between rotor and field. The next field is their number.
+    /// Sum of the sampled angles between rotor and field. The next field is the number of samples.
     sum: i32,
     samples: i32,
-    /// The rotor's angle at the far end of the way back.
+    /// The rotor's electrical angle when the field reached the far end of its way back.
     end: Angle,
 }
 
@@ -89,7 +93,7 @@ impl From<KeptAlignment> for Alignment {
 }
 
 impl Alignment {
-    /// The rotor's electrical angle at a count.
+    /// The rotor's electrical angle at an encoder count, by this alignment.
     #[must_use]
     pub fn at(&self, count: i64, scale: &ElectricalScale) -> Angle {
         let turned = scale.angle(if self.against {
@@ -100,7 +104,7 @@ impl Alignment {
         self.offset.plus(turned)
     }
 
-    /// The same alignment after count 0 is moved by this many counts.
+    /// This alignment, converted for an encoder whose count 0 is moved by this many counts.
     #[must_use]
     pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
         Self {
@@ -129,7 +133,7 @@ impl Calibration {
         calibration
     }
 
-    /// Checks that the rotor is within the allowed angle of the field; returns the reason of a failure.
+    /// Checks that the rotor is within the allowed angle of the field. If not, returns why the calibration failed.
     pub(super) fn watch(&mut self, count: i64) -> Option<Reason> {
         let field = self.field_angle();
         let check = self.check.as_mut()?;
@@ -150,15 +154,15 @@ impl Calibration {
         (i32::from(rotor.since(field)).abs() > APART).then_some(Reason::KeptWrong)
     }
 
-    /// Whether the shaft has stood still for a quarter of a second; always true in a calibration without a check.
+    /// Whether the shaft has stood still for a quarter of a second; always true for a calibration that checks no stored alignment.
     pub(super) fn may_begin(&self) -> bool {
         self.check
             .is_none_or(|check| check.still >= self.config.settle / 2)
     }
 
-    /// Runs one tick of rocking the field.
+    /// Runs one control period of rocking the field.
     pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let field = self.field_angle();
         let (most, step) = self.rocking();
         self.speed = self.speed.saturating_add(step).min(most);
@@ -193,7 +197,7 @@ impl Calibration {
             Way::Forth => {
                 let mean = check.sum.checked_div(check.samples).unwrap_or(i32::MAX);
                 let followed = i32::from(rotor.since(check.end));
-                // The field moved by four times this.
+                // The field moved by four times this value.
                 const HALF: i32 = (REACH >> 16) as i32;
                 if !(HALF..=3 * HALF).contains(&followed) {
                     return Some(failed(Reason::KeptNotFollowed));
@@ -209,10 +213,11 @@ impl Calibration {
         None
     }
 
-    /// Speed of the field while it is rocked, 2^-32 electrical turns per tick, and its largest change in a tick. The speed is at
-    /// most one electrical turn per second, so that a light rotor does not swing around the field.
+    /// Largest speed of the field while it is rocked, 2^-32 electrical turns per control period, and the largest change of that
+    /// speed in a period. The speed is at most one electrical turn per second, so that a light rotor does not swing around the
+    /// field.
     fn rocking(&self) -> (u32, u32) {
-        // Ticks in a second and in a quarter of one.
+        // Control periods in a second and in a quarter of a second.
         let settle = self.config.settle.max(2);
         let second = settle.saturating_mul(2);
         let most = self

@@ -11,19 +11,19 @@ use touchstone_protocol::DeviceSettings;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationConfig {
     pub(super) current: Amps,
-    /// Rise of the calibration's current per tick, A.
+    /// Rise per control period of the current that makes the calibration's field, A.
     pub(super) current_step: Amps,
-    /// Speed of the field, 2^-32 electrical turns per tick.
+    /// Speed of the calibration's rotating field, 2^-32 electrical turns per control period.
     pub(super) speed: u32,
-    /// Change of the field's speed per tick at the beginning of a motion.
+    /// Change of the field's speed per control period while it speeds up, 2^-32 electrical turns per period.
     pub(super) speed_step: u32,
-    /// Factor from an angle per tick to an angle per PWM period, with 16 fractional bits.
+    /// Factor from an angle per control period to an angle per PWM period, with 16 fractional bits.
     pub(super) per_period: u32,
-    /// Ticks for which the rotor settles in the field; also the longest time that the offsets may take.
+    /// Control periods for which the rotor settles in the field. The measurement of the current sensors' offsets may take as long.
     pub(super) settle: u32,
-    /// Counts within which a rotor at rest may move: a 64th of an electrical turn.
+    /// Encoder counts within which a rotor at rest may move: a 64th of an electrical turn.
     pub(super) rest: i64,
-    /// Number of electrical turns in each direction that are examined.
+    /// Number of electrical turns in each direction in which samples are taken.
     pub(super) turns: i64,
     pub(super) pole_pairs: u8,
     pub(super) counts_per_rev: u32,
@@ -34,20 +34,21 @@ pub struct CalibrationConfig {
     /// Whether the board measures the motor's currents.
     #[cfg(feature = "voltage")]
     pub(super) senses: bool,
-    /// Whether the board measures no currents and the motor's values are not set with which a current is converted to a voltage.
+    /// Whether the board measures no currents, and the settings lack motor values that are needed to convert a current to a
+    /// voltage.
     #[cfg(feature = "voltage")]
     pub(super) is_untold: bool,
 }
 
 impl CalibrationConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a calibration from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let pole_pairs = settings.motor.pole_pairs.max(1);
         let counts_per_rev = settings.encoder.counts_per_rev.max(1);
-        // 2^32 turns · turns/s / rate, from 32 fractional bits.
+        // Electrical turns per second over the control rate; the quotient's 32 fractional bits are units of 2^-32 turns.
         let speed = settings
             .calibration
             .electrical_turns_per_s
@@ -56,7 +57,7 @@ impl CalibrationConfig {
             / u64::from(rate);
         let speed = u32::try_from(speed).unwrap_or(u32::MAX);
         let current = narrow(settings.calibration.current_a);
-        // Half a second for the current, a quarter for the speed.
+        // The current rises in half a second, the speed in a quarter of a second.
         let (half, quarter) = ((rate / 2).max(1), (rate / 4).max(1));
         let step = current.to_bits() / i32::try_from(half).unwrap_or(i32::MAX);
         Self {

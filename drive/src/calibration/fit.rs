@@ -2,11 +2,12 @@
 
 use crate::angle::Angle;
 
-/// Angles between field and rotor, for one direction of counting.
+/// Sampled angles between field and rotor, for an assumed direction of the encoder's counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Fit {
     first: Option<Angle>,
-    /// Sum, smallest and largest of the angles relative to the first one.
+    /// Sum of the sampled angles relative to the first one, in 1/65,536 of a turn. The next fields: the smallest and the largest
+    /// one.
     sum: i32,
     pub(super) least: i32,
     pub(super) most: i32,
@@ -23,7 +24,7 @@ impl Fit {
     pub(super) fn add(&mut self, difference: Angle) {
         let first = *self.first.get_or_insert(difference);
         let relative = i32::from(difference.since(first));
-        // At most 2 · 8 · 50 samples of 2^15.
+        // The sum is at most 2 · 8 · 50 samples of 2^15.
         self.sum = self.sum.saturating_add(relative);
         self.least = self.least.min(relative);
         self.most = self.most.max(relative);
@@ -31,7 +32,7 @@ impl Fit {
 
     pub(super) fn mean(&self, count: i32) -> Angle {
         let mean = self.sum.checked_div(count).unwrap_or(0);
-        // Within the least and the most, so within 16 bits.
+        // The mean is between the least and the most, so it fits into 16 bits.
         self.first.unwrap_or_default().plus(Angle(mean as u16))
     }
 }

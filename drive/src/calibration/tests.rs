@@ -3,7 +3,8 @@ use crate::current::Offsets;
 use crate::hardware::IHM08M1;
 use touchstone_protocol::DeviceSettings;
 
-/// Control ticks until the field turns. `rotor` gives the rotor's position in counts at each tick.
+/// Runs a calibration and returns the control periods until its field turns. `rotor` gives the rotor's position in counts in each
+/// period.
 fn ticks_until_the_field_turns(rotor: impl Fn(u32) -> i64) -> u32 {
     let config = CalibrationConfig::new(&DeviceSettings::default(), &IHM08M1);
     let code = IHM08M1.offset_code << 4;
@@ -33,14 +34,14 @@ fn ticks_until_the_field_turns(rotor: impl Fn(u32) -> i64) -> u32 {
 #[test]
 fn the_field_waits_for_a_rotor_that_swings_and_not_for_ever() {
     let at_rest = ticks_until_the_field_turns(|_| 700);
-    // Half a second for the current, half a second to settle, at 1 kHz.
+    // At 1 kHz: half a second in which the current rises, and half a second in which the rotor settles.
     assert!((1_000..1_010).contains(&at_rest), "{at_rest}");
-    // A count or two are no swing.
+    // A motion of one count is no swing.
     assert_eq!(
         ticks_until_the_field_turns(|tick| 700 + i64::from(tick & 1)),
         at_rest
     );
-    // Ten times a second, by an eighth of an electrical turn of 11 pole pairs, until some time.
+    // The rotor swings ten times a second by an eighth of an electrical turn (11 pole pairs), until the given time.
     let swings = |until: u32| {
         move |tick: u32| {
             let phase = i64::from(tick % 100);

@@ -6,25 +6,25 @@ use crate::angle::Angle;
 use crate::transform::Dq;
 use touchstone_protocol::FaultCode;
 
-/// Mode of the bridge until the next control tick.
+/// Mode of the bridge until the next control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum CurrentMode {
     /// The bridge is off: all six switches are open.
     #[default]
     Off = 0,
-    /// The bridge is off, and the current sensors' readings without current are measured.
+    /// The bridge is off, and the current sensors' readings at zero current (offsets) are measured.
     Offsets = 1,
-    /// The bridge is on and holds the command's currents, in the frame that the command's angle gives.
+    /// The bridge is on. The loop holds the command's currents, in a frame at the command's electrical angle.
     Drive = 2,
 }
 
-/// The command from the control tick to the current loop.
+/// The command from the control interrupt to the current loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentCommand {
-    /// Number of the control tick. A new number is a sign of life.
+    /// Number of the control period. A new number is a sign of life.
     pub tick: u32,
-    /// The mode that is commanded.
+    /// The mode of the bridge.
     pub mode: CurrentMode,
     /// Electrical angle at the time when the encoder was read.
     pub angle: Angle,
@@ -35,7 +35,7 @@ pub struct CurrentCommand {
 }
 
 impl CurrentCommand {
-    /// The command to be off. Its tick number is 0, which gives no sign of life.
+    /// The command to switch the bridge off. Its number of the control period is 0, which gives no sign of life.
     pub const OFF: Self = Self {
         tick: 0,
         mode: CurrentMode::Off,
@@ -45,23 +45,23 @@ impl CurrentCommand {
     };
 }
 
-/// The samples of a PWM period.
+/// The samples that the current loop gets in a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentSample {
-    /// Converter's code for the current of phase A.
+    /// Code of the analogue-to-digital converter for the current of phase A.
     pub phase_a: u16,
-    /// Converter's code for the current of phase B.
+    /// Code of the analogue-to-digital converter for the current of phase B.
     pub phase_b: u16,
-    /// Converter's code for the bus voltage.
+    /// Code of the analogue-to-digital converter for the bus voltage.
     pub bus: u16,
-    /// Converter's code for the power stage's temperature, which is passed on in the report.
+    /// Code of the analogue-to-digital converter for the power stage's temperature. The loop only passes it on in its report.
     pub temperature: u16,
     /// Whether the timer's break flag is set: the hardware has switched the outputs off.
     pub hardware_break: bool,
-    /// Whether the compare values of the period before were written too late for the timer: they act one period later than
+    /// Whether the previous PWM period's compare values were written too late for the timer. They then act one period later than
     /// intended.
     pub late: bool,
-    /// The last command from the control tick's mailbox.
+    /// The last command in the mailbox from the control interrupt.
     pub command: CurrentCommand,
 }
 
@@ -74,44 +74,45 @@ pub enum BridgeCommand {
     On([u16; 3]),
 }
 
-/// The actions that the PWM interrupt has to take next.
+/// The actions that the PWM interrupt has to take after a call of the current loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentOutput {
     /// Command for the bridge's timer.
     pub bridge: BridgeCommand,
-    /// Whether a control tick is due: the interrupt then pends the control interrupt.
+    /// Whether a control period begins: the PWM interrupt then pends the control interrupt.
     pub pend_control: bool,
-    /// Whether the encoder is to be read a second time: the control interrupt is then pended for that. Never in the period of a
-    /// control tick.
+    /// Whether to read the encoder a second time: the PWM interrupt then pends the control interrupt for that. Never true in a PWM
+    /// period in which a control period begins.
     pub reads_change: bool,
     /// Whether the command is older than two control periods. The firmware then switches off an analogue drive, whose output this
     /// loop does not control.
     pub is_stale: bool,
 }
 
-/// Why the current loop switched off without a command.
+/// Why the current loop switched the bridge off by itself, without a command to do so (a trip).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
-    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
+    /// The reason as a fault code: [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or
+    /// [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
-    /// The trip's value for the fault's context, see [`touchstone_protocol::Context::value`].
+    /// The trip's number for the context of the fault that it causes, see [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 
-/// The report from the current loop to the control tick.
+/// The report from the current loop to the control interrupt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentReport {
     /// PWM periods since the start, wrapping.
     pub periods: u32,
-    /// Measured currents in the frame of the command, A; calculated ones on a board that measures none.
+    /// Measured currents in the command's d, q frame, A. A board that measures no current calculates them.
     pub current: Dq,
-    /// Voltages given to the motor, in the frame of the command, V.
+    /// Voltages given to the motor, in the command's d, q frame, V.
     pub voltage: Dq,
     /// Bus voltage, V.
     pub bus: Volts,
-    /// Converter's code for the power stage's temperature.
+    /// Code of the analogue-to-digital converter for the power stage's temperature.
     pub temperature: u16,
-    /// Number of control ticks since the start that were due and brought no command in time, wrapping.
+    /// Number of control periods since the start that were due but brought no command in time, wrapping.
     pub missed: u16,
     /// Number of PWM periods since the start in which the voltage was at its limit, wrapping.
     pub saturated: u16,

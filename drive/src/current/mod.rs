@@ -1,14 +1,14 @@
 //! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys the [`CurrentCommand`] of the last control tick and depends on nothing else of the slower levels. It switches off
-//! by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or when
-//! the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
+//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. It switches
+//! off by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or
+//! when the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
 //! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
 //! by the rotor's motion in a period ([`ACTS_AFTER_PERIODS`]).
 //!
-//! On a board that measures no current the two controllers are left out, and the voltage is `R` times the requested current. The
-//! file `voltage.rs` describes the disadvantages.
+//! On a board that measures no current the two current controllers are left out. The voltage is the winding's resistance times the
+//! requested current. The file `voltage.rs` describes the disadvantages.
 
 mod interface;
 mod offsets;
@@ -40,33 +40,34 @@ pub struct CurrentConfig {
     pub modulator: Modulator,
     /// Result of [`Modulator::share`], stored because it takes a division.
     pub voltage_share: i32,
-    /// Current in A per converter's code, with 28 fractional bits; negative for shunts below the low-side transistors whose
-    /// amplifiers do not invert.
+    /// Current in A per code of the analogue-to-digital converter, with 28 fractional bits. It is negative for shunts below the
+    /// low-side transistors whose amplifiers do not invert.
     pub amps_per_code: i32,
-    /// Bus voltage in V per converter's code.
+    /// Bus voltage in V per code of the analogue-to-digital converter.
     pub volts_per_code: Volts,
-    /// Largest current that the loop holds, A.
+    /// Largest current that the loop drives through the motor, A.
     pub limit: Amps,
     /// Current of a phase, or length of the current vector, in A, at which the loop switches off (trips).
     pub trip: Amps,
     /// Number of PWM periods in a control period.
     pub periods_per_tick: u16,
-    /// PWM periods from a control tick until the encoder is read a second time; 0: it is not.
+    /// PWM periods from the start of a control period until the encoder is read a second time; 0 for no second reading.
     pub read_at: u16,
-    /// Calculates a voltage from the requested current on a board that measures none; `None` on other boards.
+    /// Calculates a voltage from the requested current, on a board that measures no current; `None` on other boards.
     #[cfg(feature = "voltage")]
     pub voltage: Option<VoltageStage>,
 }
 
 /// PWM periods from a sample to the middle of the time in which the compare values calculated from it act.
 ///
-/// The currents are sampled while the counter is at its top, with all low sides on. The compare values are written while it counts
-/// down; a later write makes a late period ([`CurrentSample::late`]). The timer's update at the bottom, half a period after the
-/// sample, takes them over. They act from that bottom to the next, around the top between them: a whole period after the sample.
+/// The currents are sampled while the timer's counter is at its top, with all low sides on. The compare values are written while it
+/// counts down; a later write makes a late period ([`CurrentSample::late`]). The timer loads them at the bottom, half a period
+/// after the sample. They act until the next bottom. The middle of that time is the top in between, a whole period after the
+/// sample.
 pub const ACTS_AFTER_PERIODS: u32 = 1;
 
-/// Number of late periods in a row that is a fault. A single one is harmless: the current changes little in 50 µs. A processor that
-/// is too slow for the loop is late in every period.
+/// Number of PWM periods in a row with late compare values that is a fault. A single one is harmless: the current changes little in
+/// 50 µs. A processor that is too slow for the loop is late in every period.
 const LATE_IN_A_ROW: u8 = 3;
 /// The current loop: its coefficients and memory.
 #[derive(Debug, Clone, Copy)]
@@ -74,12 +75,12 @@ pub struct CurrentLoop {
     config: CurrentConfig,
     d: Pi,
     q: Pi,
-    /// PWM periods since the last control tick was pended.
+    /// PWM periods since the last control period began.
     phase: u16,
-    /// PWM periods since the encoder reading on which the command is based.
+    /// PWM periods since the encoder reading from which the present command was computed.
     age: u32,
     last_tick: u32,
-    /// Number of late periods in a row.
+    /// Number of PWM periods in a row whose compare values were written too late.
     late: u8,
     sums: OffsetSums,
     tripped: bool,
@@ -132,7 +133,8 @@ impl CurrentLoop {
         let fresh = command.tick != self.last_tick;
         if fresh {
             self.last_tick = command.tick;
-            // Its encoder was read when the tick was pended. In the very period that pends the next, that was a whole tick ago.
+            // The command's encoder reading was made when its control period began. If the next control period begins now, that was
+            // a whole period ago.
             self.age = if pend_control {
                 u32::from(config.periods_per_tick)
             } else {
@@ -141,7 +143,8 @@ impl CurrentLoop {
         } else {
             self.age = self.age.saturating_add(1);
         }
-        // At the moment of pending, the command of the tick before is one control period old, or that tick did not end.
+        // When a control period begins, the command of the previous one is one period old. If it is older, the previous control
+        // period did not finish.
         if pend_control && self.age > u32::from(config.periods_per_tick) {
             self.report.missed = self.report.missed.wrapping_add(1);
         }
@@ -174,8 +177,8 @@ impl CurrentLoop {
         }
     }
 
-    /// Report of the last period for the control tick. It is returned by reference, since a copy would take a tenth of the period's
-    /// instructions.
+    /// Report of the last PWM period to the control interrupt. It is returned by reference, since a copy would take a tenth of the
+    /// period's instructions.
     #[must_use]
     pub const fn report(&self) -> &CurrentReport {
         &self.report
@@ -187,7 +190,7 @@ impl CurrentLoop {
     }
 
     fn trip(&mut self, code: FaultCode, value: i32) {
-        // The first cause until it is cleared, as in the fault machine.
+        // Keeps the first cause until it is cleared, as the fault machine does.
         if !self.tripped {
             self.tripped = true;
             self.report.trips = self.report.trips.wrapping_add(1);
@@ -195,7 +198,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Runs a period with the bridge off.
+    /// Runs a PWM period with the bridge off.
     fn rest(&mut self, sample: &CurrentSample) {
         self.late = 0;
         self.d.reset();
@@ -214,7 +217,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Runs a period with the bridge on, unless a check fails.
+    /// Runs a PWM period with the bridge on, unless a check fails.
     fn drive(&mut self, sample: &CurrentSample) -> BridgeCommand {
         let config = self.config;
         let command = &sample.command;
@@ -227,7 +230,7 @@ impl CurrentLoop {
         };
         let amps = |code: u16, offset: u16| {
             let difference = (i32::from(code) << Offsets::BITS) - i32::from(offset);
-            // 28 + 4 fractional bits to 16.
+            // Converts 28 + 4 fractional bits to 16.
             Amps::from_bits(product(
                 difference,
                 config.amps_per_code,
@@ -241,7 +244,7 @@ impl CurrentLoop {
         let c = a.saturating_add(b).saturating_neg();
         let vector = AlphaBeta::from_phases(a, b);
         let trip = u64::from(config.trip.to_bits().max(0).unsigned_abs());
-        // The largest of the phases is what a person would measure; the vector sees what two phases hide from the third.
+        // The largest phase current is what a person would measure. The vector's length also shows a current that two phases share.
         let largest = a
             .saturating_abs()
             .max(b.saturating_abs())
@@ -278,7 +281,7 @@ impl CurrentLoop {
         self.give(command, Dq { d: v_d, q: v_q })
     }
 
-    /// Whether the bridge must be off: the command or the processor is too late, or a check tripped.
+    /// Whether the bridge must be off: the command is too old, the processor is too late, or a check switched off (tripped).
     #[inline(always)]
     fn must_be_off(&mut self, sample: &CurrentSample) -> bool {
         if sample.late {
@@ -301,7 +304,7 @@ impl CurrentLoop {
         self.tripped
     }
 
-    /// Length in V of the longest voltage vector at this bus voltage.
+    /// Length in V of the longest voltage vector that the bridge can make at the present bus voltage.
     #[inline(always)]
     fn longest(&self) -> Volts {
         Volts::from_bits(product(
@@ -312,7 +315,8 @@ impl CurrentLoop {
         .max(Volts::ZERO)
     }
 
-    /// Turns a voltage from the command's frame to the rotor's angle at the time when it acts; returns the compare values.
+    /// Turns a voltage from the command's frame to the electrical angle that the rotor has when the voltage acts; returns the
+    /// compare values.
     #[inline(always)]
     fn give(&mut self, command: &CurrentCommand, voltage: Dq) -> BridgeCommand {
         self.report.voltage = voltage;
@@ -322,10 +326,10 @@ impl CurrentLoop {
     }
 }
 
-/// Angle by which the rotor turns in this number of PWM periods.
+/// Electrical angle by which the rotor turns in this number of PWM periods, by the speed in the command.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
-    // 2^-32 turns to 2^-16.
+    // Converts 2^-32 turns to 2^-16 turns.
     Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
@@ -335,7 +339,7 @@ fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));
     let (length, side) = (short(length), short(side));
-    // Both below 2^16, so the squares fit.
+    // Both values are below 2^16, so their squares fit into 32 bits.
     let root = (length * length).saturating_sub(side * side).isqrt();
     Volts::from_bits(clamp_i32(i64::from(root) << 6))
 }

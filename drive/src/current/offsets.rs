@@ -3,20 +3,20 @@
 /// The current sensors' readings at zero current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Offsets {
-    /// Mean reading of phase A's sensor, 1/16 of a converter's code.
+    /// Mean reading of phase A's sensor, in 1/16 of a code of the analogue-to-digital converter.
     pub a: u16,
-    /// Mean reading of phase B's sensor, 1/16 of a converter's code.
+    /// Mean reading of phase B's sensor, in 1/16 of a code of the analogue-to-digital converter.
     pub b: u16,
-    /// Difference of the largest and the smallest reading in converter's codes, the larger one of the two phases.
+    /// Largest less smallest reading of a phase, in codes of the analogue-to-digital converter; the larger value of phases A and B.
     pub spread: u16,
 }
 
 impl Offsets {
-    /// Fractional bits of an offset, which is a mean of readings.
+    /// Fractional bits of an offset: as a mean of many readings it is finer than a code of the converter.
     pub(super) const BITS: u32 = 4;
 }
 
-/// Number of samples of which an offset is the mean, as a power of two: 1,024 samples take 51 ms at 20 kHz.
+/// Number of samples from which an offset is averaged, as a power of two: 1,024 samples take 51 ms at 20 kHz.
 const OFFSET_SAMPLES_LOG2: u32 = 10;
 
 /// Sums of readings at zero current, from which the means are calculated.

@@ -4,16 +4,20 @@
 //! v = R i*       L di/dt = v - R i - e       e_q = ψ ω,  ψ = k_t/(3/2 p)
 //! ```
 //!
-//! **The back-EMF is not compensated.** So the torque is not `k_t i*` but, with the pole `R/L`,
+//! Here `i*` is the requested current, `i` the true one, `e` the back-EMF, `ψ` the flux linkage, `ω` the electrical speed, `k_t`
+//! the torque constant, and `p` the number of pole pairs.
+//!
+//! **The back-EMF is not compensated.** So the torque is not `k_t i*` but, with the winding's pole `R/L` and the speed `ω` of the
+//! shaft,
 //!
 //! ```text
 //! τ = (k_t i* - b ω)/(1 + s L/R)        b = k_t ψ p/R = k_t²/(3/2 R)
 //! ```
 //!
 //! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it
-//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, late
-//! by a tick and more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it is -1.1e-4
-//! N·m·s/rad, twelve times the damping of its bearings, and a knob that is let go speeds up by itself.
+//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, which
+//! is late by a control period and more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it
+//! is -1.1e-4 N·m·s/rad, twelve times the damping of its bearings, and a knob that is let go speeds up by itself.
 //!
 //! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same
 //! relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect against a
@@ -38,18 +42,18 @@ pub struct VoltageStage {
     ohms: I16F16,
     /// Conductance `1/R` of the winding, A/V.
     amps_per_volt: I16F16,
-    /// Back-EMF `ψ ω` in V at a speed of one electrical turn per PWM period.
+    /// Back-EMF in V at a speed of one electrical turn per PWM period.
     back_emf: Volts,
 }
 
-/// The constant `2π/(3/2)`.
+/// The constant `2π/(3/2)`, for the back-EMF from the torque constant.
 const TWO_PI_OVER_THREE_HALVES: Si = Si::lit("4.188790205");
 
 impl VoltageStage {
     /// Coefficients for a motor on a board; `None` if the board measures its currents.
     ///
     /// # Errors
-    /// The back-EMF does not fit its format.
+    /// The back-EMF does not fit its fixed-point format.
     pub fn new(motor: &MotorSettings, hardware: &Hardware) -> Result<Option<Self>, SettingsError> {
         if !hardware.gives_voltage() {
             return Ok(None);
@@ -68,7 +72,7 @@ impl VoltageStage {
         }
         Ok(Some(Self {
             ohms: narrow(motor.resistance_ohm),
-            // At most 100: a resistance is 0.01 ohm and more.
+            // The conductance is at most 100 A/V, because the settings require at least 0.01 ohm.
             amps_per_volt: narrow(quotient(Si::ONE, motor.resistance_ohm)),
             back_emf: narrow(back_emf),
         }))
@@ -76,7 +80,7 @@ impl VoltageStage {
 }
 
 impl CurrentLoop {
-    /// Runs a period with the bridge on by voltage, unless a check fails.
+    /// Runs a PWM period in which the bridge is on and the motor is driven by voltage, unless a check fails.
     pub(super) fn drive_by_voltage(
         &mut self,
         stage: &VoltageStage,

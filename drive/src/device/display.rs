@@ -1,4 +1,4 @@
-//! One tick of the control law, and how its force becomes a drive command.
+//! One period of the control law, and how its force becomes a drive command.
 
 use super::Device;
 use crate::command::{Drive, DriveCommand, Driven};
@@ -10,8 +10,8 @@ use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
 
 impl Device {
-    /// Displacement from the position at the change of force to the present one; 0 where the position at the change is not
-    /// measured.
+    /// Displacement from the position at the last change of force to the present position; 0 where the position at the change is
+    /// not measured.
     pub(super) fn since_change(
         &mut self,
         last: (Position<Fixed32>, i64),
@@ -21,7 +21,8 @@ impl Device {
         let config = self.configs.now();
         if let (Some(change), Some(until)) = (&config.change, read) {
             let record = &mut self.memory.record;
-            // Counts go on where positions end, far from the wall, and are the same at every turn.
+            // The displacement is calculated from counts: they also cover angles beyond the range of positions, and have the same
+            // step in every turn.
             let moved = if scenery.runs() {
                 config.scale.moved(record.count.saturating_sub(last.1))
             } else {
@@ -41,8 +42,8 @@ impl Device {
         }
     }
 
-    /// Handles the tick in which the outputs are switched off. If the last tick's force `acted` on the displacement up to now, the
-    /// guard books that displacement. Otherwise it books the worst case.
+    /// Handles the control period in which the outputs are switched off. If `acted` is true, the last force acted on the
+    /// displacement up to now, and the energy guard books that displacement. Otherwise the guard books the worst case.
     #[cold]
     pub(super) fn leave(
         &mut self,
@@ -54,14 +55,14 @@ impl Device {
         if acted {
             self.since_change(last, read, scenery);
             let here = self.here();
-            // What the law makes of it is forgotten with the next arming.
+            // The next arming clears the control law's memory, so the law's result does not matter.
             let _ = scenery.tick(&mut self.law, &self.configs.now().scale, &here);
             scenery.commanded(&mut self.law, Force::zero());
         }
         scenery.switched_off(&mut self.law);
     }
 
-    /// Runs one tick of the control law, and turns its force into a drive command.
+    /// Runs one period of the control law, and turns its force into a drive command.
     pub(super) fn display(
         &mut self,
         tick: u32,
@@ -91,19 +92,20 @@ impl Device {
         }
         let pushed = core::mem::replace(&mut self.memory.pushes, force != Force::zero());
         let is_tripped = scenery.is_tripped(&self.law);
-        // The wall alone is off where its guard trips.
+        // The single wall gives no force where its energy guard has tripped.
         let beyond_reach =
             (is_tripped || scenery.runs()) && scenery.is_beyond_reach(&self.law, here.penetration);
         if is_tripped {
             if beyond_reach && !scenery.runs() {
-                // The wall alone is off here, which is no fault. What the last force may still do is paid for.
+                // The single wall gives no force at this depth, which is no fault. The energy guard is charged for what the last
+                // force may still do.
                 scenery.switched_off(&mut self.law);
                 scenery.again(&mut self.law, &self.configs.now().law);
             } else if pushed || view.contact != Contact::Free {
                 let speed = self.memory.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
-                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
+                // A free knob turned too fast. No force acted meanwhile, so the energy guard need not be charged.
                 scenery.again(&mut self.law, &self.configs.now().law);
             }
         }
@@ -131,7 +133,7 @@ impl Device {
     }
 }
 
-/// The cogging map's current, multiplied by a fraction as in [`torque_of`].
+/// The cogging map's current, multiplied by the fade-in fraction as in [`torque_of`].
 #[cfg(feature = "large")]
 #[inline(always)]
 fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
@@ -140,8 +142,8 @@ fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
     })
 }
 
-/// The torque along `x` for a force out of the wall, which acts against `x`. While the force fades in, it is multiplied by the
-/// fraction `share` in 2^-32; `None` leaves it whole.
+/// The torque towards rising positions for a force out of the wall, which acts against them. While the force fades in, it is
+/// multiplied by the fraction `share` in 2^-32; `None` leaves it whole.
 #[inline(always)]
 #[must_use]
 pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {

@@ -1,27 +1,27 @@
-//! The alignment that is stored for the next start, and the values that an unattended start needs.
+//! The device's stored alignment (encoder count to electrical angle), and the values that an unattended start needs.
 
 use super::Device;
 use crate::calibration::{Alignment, Calibration};
 use touchstone_protocol::State;
 
-/// The stored alignment of an absolute encoder.
+/// The stored alignment of an absolute encoder: the electrical angle at its own zero.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kept {
-    /// The stored alignment, for the encoder's own zero; `None` without one.
+    /// The stored alignment, relative to the encoder's own zero; `None` if none is stored.
     alignment: Option<Alignment>,
     /// Whether the last calibration was a check of the stored alignment.
     was_checked: bool,
 }
 
 impl Device {
-    /// Sets the stored alignment, for the encoder's own zero, that the next calibration checks. With `None` that calibration
-    /// searches for one. The caller ensures that the alignment was measured with the present settings.
+    /// Sets the stored alignment, relative to the encoder's own zero, that the next calibration checks. With `None` that
+    /// calibration measures a new alignment. The caller ensures that the stored one was measured with the present settings.
     pub const fn keep(&mut self, alignment: Option<Alignment>) {
         self.kept.alignment = alignment;
     }
 
-    /// The alignment in use, for the encoder's own zero. `None` unless the device is calibrated with its present settings, or if
-    /// the encoder has no zero of its own.
+    /// The alignment in use, relative to the encoder's own zero. `None` unless the device is calibrated with its present settings,
+    /// or if the encoder has no zero of its own.
     #[must_use]
     pub fn found(&self) -> Option<Alignment> {
         let config = self.configs.now();
@@ -42,15 +42,15 @@ impl Device {
         self.kept.was_checked
     }
 
-    /// Whether the bus voltage was within its limits in the last tick.
+    /// Whether the bus voltage was within its limits in the last control period.
     #[must_use]
     pub fn is_supplied(&self) -> bool {
         let supervisor = &self.configs.now().supervisor;
         supervisor.takes_supply(self.memory.record.bus)
     }
 
-    /// Begins a calibration as a check if an alignment is stored. A calibration that measures the motor searches for the alignment
-    /// instead.
+    /// Begins a calibration. If an alignment is stored, the calibration checks it; one that measures the motor finds a new
+    /// alignment instead.
     #[cold]
     #[inline(never)]
     pub(super) fn begin_with_kept(&mut self) {

@@ -1,4 +1,4 @@
-//! The memory of the control tick. Supervisor, calibration and law have memories of their own.
+//! The device's memory from one control period to the next. Supervisor, calibration and control law have memories of their own.
 
 use crate::calibration::Alignment;
 use crate::record::Record;
@@ -6,33 +6,33 @@ use crate::supervisor::Found;
 use touchstone_control::{Fixed32, Position};
 use touchstone_protocol::Machine;
 
-/// The memory from which the next control tick starts.
+/// The memory from which the next control period starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// State of the device.
+    /// State of the device, with a latched fault.
     pub machine: Machine,
     /// Result of the last calibration.
     pub alignment: Alignment,
-    /// Count of the unwrapped encoder at the device's zero position.
+    /// Count of the unwrapped encoder at the position that the device calls zero.
     pub zero: i64,
-    /// Fraction of the torque while it fades in, 2^-32.
+    /// Factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade: u32,
-    /// A fault that another part of the firmware reported, for the next tick; `None` without one.
+    /// A fault that another part of the firmware reported and that the next control period latches; `None` without one.
     pub reported: Option<Found>,
-    /// Whether the last settings that were sent were refused.
+    /// Whether the device refused the settings that it received last.
     pub settings_refused: bool,
-    /// The current loop's counter of PWM periods at the voltage limit, as of the last tick.
+    /// The current loop's counter of PWM periods at the voltage limit, as of the last control period.
     pub saturated: u16,
-    /// Whether the law's force was not zero in its last tick.
+    /// Whether the control law's force was not zero in its last period.
     pub pushes: bool,
-    /// Displacement from the last tick to the change of force; `None` without a second encoder reading.
+    /// Displacement from the start of the last control period to the change of force; `None` without a second encoder reading.
     pub read: Option<Position<Fixed32>>,
-    /// The telemetry record of the last tick.
+    /// The telemetry record of the last control period.
     pub record: Record,
 }
 
 impl Memory {
-    /// The state just after power-on.
+    /// The memory just after power-on.
     pub(super) fn new() -> Self {
         Self {
             machine: Machine::new(),

@@ -1,4 +1,5 @@
-//! A calibration with a cogging sweep, and the cogging map with which the board compensates cogging.
+//! A calibration followed by a cogging sweep (a slow turn that measures the cogging torque), and the map with which the board
+//! compensates cogging.
 
 use super::Device;
 use crate::Amps;
@@ -43,13 +44,13 @@ impl Device {
         })
     }
 
-    /// Whether the alignment is found and a cogging sweep is requested.
+    /// Whether the calibration has found the alignment and a cogging sweep is requested.
     pub(super) fn begins_sweep(&self) -> bool {
         self.swept.wanted != Sweep::None && self.swept.running.is_none()
     }
 
-    /// Runs one tick of a cogging sweep; the first tick uses the alignment that was just found. During a sweep the reported
-    /// position is measured from the encoder's own zero.
+    /// Runs one control period of a cogging sweep; the first one uses the alignment that was just found. During a sweep the
+    /// reported position is measured from the encoder's own zero.
     #[cold]
     #[inline(never)]
     pub(super) fn swept(&mut self, tick: u32, count: i64, map: Amps) -> Progress {
@@ -59,7 +60,7 @@ impl Device {
         let own_zero = shaft.own_zero(config.supervisor.shaft());
         let sweep = config.sweep;
         let rotor = self.rotor(tick, count, 1 << 16);
-        // Once: the encoder's own reading begins anew with each turn.
+        // Only at the first control period, because the encoder's own reading wraps at each turn.
         if let (None, Some(own_zero)) = (&self.swept.running, own_zero) {
             self.memory.zero = own_zero.saturating_neg();
         }
@@ -78,7 +79,7 @@ impl Device {
         }
     }
 
-    /// Ends a cogging sweep when the state changes: a request holds for one calibration only.
+    /// Ends a cogging sweep when the device leaves the state `before`: a request holds for one calibration only.
     pub(super) fn leave_sweep(&mut self, before: State) {
         self.swept.running = None;
         if before == State::Calibrating {

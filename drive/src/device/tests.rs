@@ -5,7 +5,7 @@ use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
-/// A control input with this encoder counter and default values for the rest.
+/// A control input with this reading of the encoder's counter and default values for the rest.
 fn quiet(counter: u32) -> ControlInput {
     ControlInput {
         encoder: EncoderReading::Counter32(counter),
@@ -40,13 +40,14 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
     for inside in [true, false] {
         let mut device = Device::new(&DeviceSettings::default(), &IHM08M1).unwrap();
         let steps = 20_u8;
-        // Through the end, and back.
+        // The positions go beyond the end of the range, and back.
         for n in (0..steps).chain((0..steps).rev()) {
             let at = Si::lit("127") + step * Si::from_num(n);
             let place = Position::from_si(at).unwrap();
             device.memory.record.penetration = if inside { place } else { -place };
             let (_, limits) = device.display(0, 1 << 16, Some(0), &mut WallAlone);
-            // Two displacements of the guard's 60 rad/s before the format's end.
+            // The wall is off from two control periods' motion at the guard's 60 rad/s before the end of the position's number
+            // format.
             let is_there = at > Si::lit("127.88");
             let record = device.memory.record;
             assert_eq!(record.force > Force::zero(), inside && !is_there, "{at}");
@@ -57,8 +58,8 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
     }
 }
 
-/// Shakes a detent at 20 Hz, with the position measured when the force changes. Returns count, force, displacement since the
-/// change, and torque of every tick.
+/// Turns a knob with a detent back and forth at 20 Hz, with the position measured when the force changes. Returns count, force,
+/// displacement since the change, and torque of every control period.
 #[cfg(feature = "large")]
 fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
     use touchstone_protocol::settings::environment::DetentsBeside;
@@ -97,7 +98,7 @@ fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
             input.encoder = EncoderReading::Counter32(at(tick).cast_unsigned());
             let record = device.tick_around(&input, &mut around).record;
             assert_eq!(record.state, State::Armed, "{:?}", device.fault());
-            // The motor follows.
+            // The simulated motor's current follows the command.
             input.current.current.q = record.current_command;
             let change = at(tick + 0.4).cast_unsigned();
             device.read_change(EncoderReading::Counter32(change));
@@ -131,8 +132,8 @@ fn a_detent_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Energy in the guard's account around a tick that ends the arming, in 2^-48 J: before that tick, after it, and after the next
-/// arming.
+/// Energy that the energy guard still lets the wall give, around a control period that ends the arming, in 2^-48 J: before that
+/// period, after it, and after the next arming.
 fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
@@ -179,7 +180,7 @@ fn what_a_hand_gets_out_while_it_is_disarmed_is_in_the_books() {
     let (before, after, again) = accounts_around(|input, _| input.command = Some(Command::Disarm));
     assert!(0 < after && after < before, "{before} {after}");
     assert!(again >= after && again < before, "{again}");
-    // A fault may have switched off at any time in the tick.
+    // The hardware may have switched the outputs off at any time in the control period.
     let (before, after, again) = accounts_around(|input, _| input.hardware_break = true);
     assert_eq!(after, 0);
     assert!(before > 0 && again < before / 10, "{again}");

@@ -29,22 +29,23 @@ const READ_FIELD: u16 = 0xFFFC;
 
 const ERROR: u16 = 1 << 14;
 const DATA: u16 = 0x3FFF;
-/// The bits of `DIAAGC` for field too weak, too strong, overflow, and compensated. The next constant is their value in normal
-/// operation.
+/// The bits of `DIAAGC` that report a field too weak, a field too strong, an overflow, and compensated offsets. The next constant
+/// is their value in normal operation.
 const FIELD: u16 = 0xF << 8;
 const FIELD_IS_RIGHT: u16 = 1 << 8;
 
-/// The answers of a tick's two frames. The second frame requests the data that the next tick's first frame brings.
+/// The encoder's answers to the two frames of a control period. An answer comes one frame late: the second frame requests the data
+/// that the next period's first frame brings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frames {
     /// The answer to [`READ_ANGLE`].
     pub angle: u16,
-    /// The answer to the register request of the tick before; `None` if there was none.
+    /// The answer to the register that the previous control period requested; `None` if it requested none.
     pub before: Option<Asked>,
 }
 
 impl Frames {
-    /// The answers of a tick if the tick before requested only the angle.
+    /// The answers of a control period if the previous period requested no register besides the angle.
     #[must_use]
     pub const fn alone(angle: u16) -> Self {
         Self {
@@ -54,26 +55,26 @@ impl Frames {
     }
 }
 
-/// The answer to the register request at the end of the tick before.
+/// The answer to the register that was requested at the end of the previous control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// The value of the register `DIAAGC`, which reports the magnet's field.
     Field(u16),
-    /// The value of the register `ERRFL`. It is not used: reading it clears the error flag.
+    /// The value of the register `ERRFL`. The value is not used: the register is read to clear the error flag.
     Errors(u16),
 }
 
-/// The register that a tick requests in addition to the angle.
+/// The register that a control period requests in addition to the angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     /// The register that reports whether the magnet's field is in order.
     Field,
-    /// The register with the error flags of frames: the encoder marks every answer until it is read.
+    /// The register with the errors of earlier frames. Until it is read, the encoder sets the error flag in every answer.
     Errors,
 }
 
 impl Question {
-    /// The register to request after the first answer of a tick.
+    /// The register to request after the first answer of a control period: the errors if the answer has the error flag set.
     #[must_use]
     pub const fn after(answer: u16) -> Self {
         if answer & ERROR != 0 {
@@ -102,7 +103,7 @@ impl Question {
         }
     }
 
-    /// Joins an answer with the register to which it belongs.
+    /// Joins an answer of the encoder with the register that was requested.
     #[must_use]
     pub const fn answered(self, answer: u16) -> Asked {
         match self {
@@ -122,7 +123,7 @@ pub(super) fn decode(frames: Frames) -> Result<Word, EncoderError> {
     Ok(Word::new(u32::from(angle), 14))
 }
 
-/// The data of a frame with right parity and without an error flag; else the error.
+/// The 14 data bits of a frame with right parity and without an error flag; else the error.
 fn whole(frame: u16) -> Result<u16, EncoderError> {
     if !frame.count_ones().is_multiple_of(2) {
         return Err(EncoderError::Check(u32::from(frame)));
@@ -137,7 +138,7 @@ fn whole(frame: u16) -> Result<u16, EncoderError> {
 mod tests {
     use super::*;
 
-    /// An answer with this data and even parity.
+    /// Makes a frame with this data and even parity, as the encoder answers.
     fn answer(data: u16) -> u16 {
         data | ((data.count_ones() & 1) as u16) << 15
     }
@@ -182,12 +183,12 @@ mod tests {
                 before,
             })
         };
-        // Too weak, too strong, overflow, not yet compensated.
+        // Fields too weak and too strong, an overflow, and offsets that are not yet compensated.
         for field in [0x9FF, 0x500, 0x380, 0x080] {
             let word = answer(field);
             let status = Err(EncoderError::Status(u32::from(word)));
             assert_eq!(with(Some(Asked::Field(word))), status, "{field:x}");
-            // The same bits in `ERRFL` say nothing of a field.
+            // The same bits in the register `ERRFL` do not concern the field.
             assert!(with(Some(Asked::Errors(word))).is_ok());
         }
         assert!(with(None).is_ok());

@@ -10,14 +10,14 @@ use touchstone_protocol::Unwrap32;
 pub use as5047p::READ_ANGLE as AS5047P_READ_ANGLE;
 pub use as5047p::{Asked, Frames, Question};
 
-/// The encoder's reading in this tick.
+/// The encoder's raw reading in a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderReading {
-    /// The value of a 16-bit counter of encoder edges.
+    /// The value of a 16-bit timer that counts the edges of an incremental encoder.
     Counter16(u16),
-    /// The value of a 32-bit counter of encoder edges.
+    /// The value of a 32-bit timer that counts the edges of an incremental encoder.
     Counter32(u32),
-    /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the register request of the tick before.
+    /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the register that the previous control period requested.
     As5047p(Frames),
     /// The MT6701's 24 bits over SSI, with the first received bit in bit 23.
     Mt6701(u32),
@@ -28,7 +28,7 @@ pub enum EncoderReading {
 /// Why an encoder reading is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderError {
-    /// No answer came, or the answer belongs to another type of encoder.
+    /// No answer came, or the answer comes from another type of encoder than the settings name.
     Silent,
     /// The parity or checksum is wrong; holds the raw word.
     Check(u32),
@@ -36,7 +36,7 @@ pub enum EncoderError {
     Status(u32),
 }
 
-/// A good reading: the counter's value, shifted to the upper end of 32 bits, so that it wraps where the encoder does.
+/// A good reading. The counter's value is shifted to the upper end of 32 bits, so that it wraps where the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
     aligned: u32,
@@ -52,7 +52,7 @@ impl Word {
         }
     }
 
-    /// The counter's value, shifted back.
+    /// The encoder's counter as an ordinary number, with its lowest bit at bit 0 again.
     #[must_use]
     pub const fn value(self) -> u32 {
         self.aligned >> self.shift
@@ -63,7 +63,7 @@ impl EncoderReading {
     /// Checks and decodes the reading.
     ///
     /// # Errors
-    /// The reading's error.
+    /// The reading does not come from an encoder of this kind, fails its checksum, or reports an error.
     #[inline]
     pub fn decode(self, kind: EncoderKind) -> Result<Word, EncoderError> {
         match (kind, self) {
@@ -98,7 +98,8 @@ impl Unwrapped {
         }
     }
 
-    /// Takes the next reading; returns the continued count. It is right if the shaft moved by less than half the counter's range.
+    /// Takes the next reading; returns the continued count. The count is right if the shaft moved by less than half the counter's
+    /// range since the last reading.
     #[inline]
     pub fn update(&mut self, word: Word) -> i64 {
         let count = self.aligned.update(word.aligned) >> (self.shift & 31);
@@ -109,8 +110,8 @@ impl Unwrapped {
         }
     }
 
-    /// Counts from the encoder's own zero to the last reading, in the direction of counting. The value has no meaning for an
-    /// encoder that counts from where it was switched on.
+    /// Counts from the encoder's own zero to the last reading, positive in the direction of counting. The value has no meaning for
+    /// an encoder without a zero of its own, which counts from where it was switched on.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn from_own_zero(&self) -> i64 {
@@ -122,7 +123,7 @@ impl Unwrapped {
         }
     }
 
-    /// The count at the last reading.
+    /// The continued count at the last reading.
     #[must_use]
     pub const fn count(&self) -> i64 {
         let count = self.aligned.count() >> (self.shift & 31);

@@ -15,7 +15,7 @@ const TRACK_LOST: u32 = 1 << 9;
 const FIELD: u32 = 3 << 6;
 
 pub(super) fn decode(frame: u32) -> Result<Word, EncoderError> {
-    // Divided whole, check sum included, a right frame leaves nothing.
+    // The whole frame, with its CRC, is divisible by the polynomial if it is right.
     if frame >> 24 != 0 || remainder(frame) != 0 {
         return Err(EncoderError::Check(frame));
     }
@@ -44,7 +44,7 @@ mod tests {
 
     fn frame(angle: u32, status: u32) -> u32 {
         let data = (angle << 10) | (status << 6);
-        // By the register that data sheets draw, bit by bit, as a second way.
+        // A second, independent calculation: the shift register that data sheets draw, bit by bit.
         let mut crc = 0_u32;
         for bit in (6..24).rev() {
             let feedback = ((crc >> 5) ^ (data >> bit)) & 1;

@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
+//! Power stage of the shield X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
 //!
 //! | number | source |
 //! |---|---|
@@ -15,8 +15,9 @@ use super::{Hardware, sampling_counts};
 use crate::thermistor::NTC_10K_3455_OVER_4K7;
 use touchstone_control::Si;
 
-/// NUCLEO-G474RE with X-NUCLEO-IHM08M1: shunts of 0.01 Ω, pulled up by 680 Ω and 6.8 kΩ to 3.3 V, behind a gain of 1 + 4.7/1: 5.18
-/// around 1.71 V. Bus divider 169 kΩ over 9.31 kΩ, 3.3 V, 12 bits.
+/// Power stage of the shield X-NUCLEO-IHM08M1 on a NUCLEO-G474RE: shunts of 0.01 Ω, pulled up by 680 Ω and 6.8 kΩ to 3.3 V, behind
+/// amplifiers. The total gain is 5.18, with 1.71 V at zero current. Bus divider 169 kΩ over 9.31 kΩ, converter of 3.3 V and 12
+/// bits.
 pub const IHM08M1: Hardware = Hardware {
     pwm_hz: 20_000,
     core_hz: 170_000_000,
@@ -32,7 +33,7 @@ pub const IHM08M1: Hardware = Hardware {
     offset_tolerance: 250,
     offset_spread: 60,
     current_max_a: Si::lit("15"),
-    // The shield's own range begins there (UM1996), and its gate drivers turn on at 9 to 10 V (L6398's data sheet).
+    // The shield is specified from 10 V on (UM1996), and its gate drivers turn on at 9 to 10 V (L6398's data sheet).
     bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("48"),
     temperature_max_c: Si::lit("110"),

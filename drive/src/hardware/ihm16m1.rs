@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
+//! Power stage of the shield X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
 //!
 //! | number | source |
 //! |---|---|
@@ -17,18 +17,18 @@
 use super::{Hardware, IHM08M1, sampling_counts};
 use touchstone_control::Si;
 
-/// X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind amplifiers with a gain of 2. The total gain
-/// is 1.528, with 1.56 V at zero current. Bus divider 1:16, converter of 3.3 V and 12 bits. A code is 1.6 mA, a tenth of that of
-/// the IHM08M1 shield.
+/// Power stage of the shield X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind amplifiers with a
+/// gain of 2. The total gain is 1.528, with 1.56 V at zero current. Bus divider 1:16, converter of 3.3 V and 12 bits. A code of the
+/// converter is 1.6 mA, a tenth of that of the IHM08M1 shield.
 pub const IHM16M1: Hardware = Hardware {
-    // The driver's own dead time; an amplifier of 20 MHz at a gain of 2.
+    // The first number is the driver's own dead time; the second follows from an amplifier of 20 MHz at a gain of 2.
     sampling_counts: sampling_counts(550, 700),
     senses_current: true,
     // 3.3 V / 4,096 / (0.33 Ω · 1.5278)
     amps_per_code: Si::lit("-0.00159801"),
     // 3.3 V / 4,096 · 16
     volts_per_code: Si::lit("0.012891"),
-    // 3.3 V · 680/2,880 · 2 of 3.3 V
+    // 680/2,880 · 2 of the reference of 3.3 V, times 4,096.
     offset_code: 1_934,
     offset_tolerance: IHM08M1.offset_tolerance,
     offset_spread: IHM08M1.offset_spread,

@@ -1,4 +1,5 @@
-//! SimpleFOC Mini (DRV8313), on the NUCLEO-G474RE. **It measures no current**: neither shunts nor amplifiers are on it.
+//! Power stage of the board SimpleFOC Mini (DRV8313), on the NUCLEO-G474RE. **It measures no current**: neither shunts nor
+//! amplifiers are on it.
 //!
 //! | number | source |
 //! |---|---|
@@ -18,9 +19,9 @@ use super::{Hardware, IHM08M1};
 use crate::thermistor::Thermistor;
 use touchstone_control::Si;
 
-/// SimpleFOC Mini: no current, no temperature; the bus by a divider of 1:11, 3.3 V, 12 bits.
+/// Power stage of the board SimpleFOC Mini: no sensors of current or temperature, bus divider 1:11, converter of 3.3 V and 12 bits.
 pub const SIMPLEFOC_MINI: Hardware = Hardware {
-    // No shunt that a low side must be on for: all compare values but the one at which a phase never switches.
+    // Without shunts the low side need not be on. All compare values are allowed except the one at which a phase never switches.
     sampling_counts: 2,
     senses_current: false,
     amps_per_code: Si::ZERO,
@@ -32,7 +33,7 @@ pub const SIMPLEFOC_MINI: Hardware = Hardware {
     current_max_a: Si::lit("2.5"),
     bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("24"),
-    // Only the range of settings that nothing reads here.
+    // Only limits the range of settings that have no effect on this board.
     temperature_max_c: IHM08M1.temperature_max_c,
     thermistor: Thermistor::NONE,
     pwm_hz: IHM08M1.pwm_hz,

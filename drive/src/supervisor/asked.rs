@@ -1,4 +1,5 @@
-//! Stop button and silence of the computer: a person can switch the device off by pressing the button or by pulling the cable.
+//! Checks of the stop button and of the computer's silence: a person can switch the device off by pressing the button or by pulling
+//! the cable.
 
 use super::Found;
 use crate::input::ControlInput;
@@ -9,13 +10,13 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 /// Coefficients of the checks of stop button and computer.
 #[derive(Debug, Clone, Copy)]
 pub struct AskedConfig {
-    /// Number of ticks without a frame from the computer that is a fault; 0 if silence is allowed.
+    /// Number of control periods without a frame from the computer after which silence is a fault; 0 if silence is allowed.
     silent: u32,
     rate_hz: u32,
 }
 
 impl AskedConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -31,7 +32,7 @@ impl AskedConfig {
     }
 }
 
-/// The time for which the computer has been silent.
+/// The time for which the computer has been silent, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
     ticks: u32,
@@ -44,7 +45,7 @@ impl Asked {
         Self { ticks: 0 }
     }
 
-    /// Checks a tick; returns the broken limit, if any. Silence counts only while the outputs may be on.
+    /// Checks a control period; returns the fault, if there is one. Silence counts only while the outputs may be on.
     pub fn update(
         &mut self,
         config: &AskedConfig,

@@ -1,7 +1,7 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance. The windings' rise above the room's temperature follows the mean
-//! square of the current, with one time constant:
+//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`,
+//! the mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
@@ -27,7 +27,8 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Fractional bits of the square of a current, A².
 const SQUARE_BITS: u32 = 16;
-/// Fractional bits of the mean square, more than those of a square, so that the small amount that a tick adds is not lost.
+/// Fractional bits of the running mean of the squared current. They are more than those of a square, so that the small amount that
+/// a control period adds is not lost.
 const MEAN_BITS: u32 = 48;
 /// The whole current limit, as a fraction in 1/65,536.
 const ALL: u32 = 1 << 16;
@@ -35,20 +36,20 @@ const ALL: u32 = 1 << 16;
 /// Coefficients of the heat model; squares of currents in A² with `SQUARE_BITS` fractional bits.
 #[derive(Debug, Clone, Copy)]
 pub struct HeatConfig {
-    /// Weight of a tick in the mean, 2^-32: tick over time constant, at most 2^-7.
+    /// Weight of a control period in the running mean, 2^-32: period over thermal time constant, at most 2^-7.
     share: i32,
-    /// Mean square of the current, in A², above which the current limit is reduced: 80 % of `bears`.
+    /// Running mean of the squared current, A², above which the current limit is reduced: 80 % of `bears`.
     warm: i32,
     /// Square, in A², of the current that the motor can carry continuously.
     bears: i32,
-    /// Mean square of the current, in A², at which the motor's heat is a fault: 1.5 times `bears`.
+    /// Running mean of the squared current, A², at which the motor's heat is a fault: 1.5 times `bears`.
     hot: i32,
     /// The motor's continuous current as a fraction of its current limit, 1/65,536.
     for_ever: u32,
 }
 
 impl HeatConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the heat model from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -72,7 +73,8 @@ impl HeatConfig {
         }
     }
 
-    /// Fraction of the current limit that is allowed at this mean square, in 1/65,536: a straight line from `warm` to `bears`.
+    /// Fraction of the current limit that is allowed at this running mean of the squared current, in 1/65,536. It falls in a
+    /// straight line between `warm` and `bears`.
     fn left(&self, mean: i32) -> u32 {
         if mean <= self.warm {
             return ALL;
@@ -80,7 +82,7 @@ impl HeatConfig {
         if mean >= self.bears {
             return self.for_ever;
         }
-        // Less than the whole, so the quotient is below 2^16; never by zero.
+        // `beyond` is less than the divisor, so the quotient is below 2^16. The divisor is never zero.
         let beyond = i64::from(mean - self.warm) << 16;
         let way = beyond
             .checked_div(i64::from(self.bears - self.warm))
@@ -99,7 +101,7 @@ const fn square(current: crate::Amps) -> i64 {
 /// The state of the heat model of the windings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heat {
-    /// Mean square of the current, A² with [`MEAN_BITS`] fractional bits; never negative.
+    /// Running mean of the squared current, A² with [`MEAN_BITS`] fractional bits; never negative.
     mean: i64,
 }
 
@@ -110,13 +112,13 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// The windings at room temperature.
+    /// The heat model with the windings at room temperature.
     #[must_use]
     pub const fn cold() -> Self {
         Self { mean: 0 }
     }
 
-    /// The windings at their limit, because it is unknown how long the processor was off.
+    /// The windings assumed at their limit, because it is unknown how long the processor was off.
     #[must_use]
     pub const fn unknown(config: &HeatConfig) -> Self {
         Self {
@@ -124,13 +126,13 @@ impl Heat {
         }
     }
 
-    /// Takes a tick's measured current. Returns the broken limit, if any, and the allowed fraction of the current limit, in
-    /// 1/65,536.
+    /// Takes a control period's measured current. Returns the fault, if there is one, and the allowed fraction of the current
+    /// limit, in 1/65,536.
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let now = clamp_i32(square(report.current.d) + square(report.current.q));
         let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
-        // Both squares are at least 0 and below 2^31: so is the mean afterwards, as a share of less than one is taken of their
-        // difference, which has 16 + 32 fractional bits then.
+        // Both squares are at least 0 and below 2^31. So is the new mean, because less than the whole difference is added. The
+        // product has 16 + 32 fractional bits.
         self.mean += i64::from(now - mean) * i64::from(config.share);
         let fault = (mean > config.hot).then(|| {
             let permille = (i64::from(mean) * 1_000).checked_div(i64::from(config.bears));
@@ -156,8 +158,8 @@ mod tests {
         }
     }
 
-    /// Requests the same current for `seconds`, and drives as much as the limit allows. Returns the largest mean square of the
-    /// windings' current, calculated in floating point, and the current at the end.
+    /// Requests the same current for `seconds`, in which the motor gets as much of it as the limit allows. Returns the largest
+    /// running mean of the squared current, calculated in floating point, and the current at the end.
     fn leans(settings: &DeviceSettings, asked: f64, seconds: f64) -> (f64, f64) {
         let config = HeatConfig::new(settings);
         let limit: f64 = settings.motor.current_limit_a.to_num();
@@ -183,7 +185,7 @@ mod tests {
             let (worst, given) = leans(&settings, 2.0, 12.0);
             assert!(worst <= 0.49 * 1.001, "{rate} Hz: {worst} A²");
             assert!((0.69..0.703).contains(&given), "{rate} Hz: {given} A");
-            // What the motor bears is never taken from it.
+            // The current that the motor can carry continuously is never reduced.
             let (worst, given) = leans(&settings, 0.62, 12.0);
             assert!((worst - 0.3844).abs() < 0.002, "{worst} A²");
             assert_eq!(given, 0.62);
@@ -210,10 +212,10 @@ mod tests {
         let Some((tick, (FaultCode::MotorHot, value))) = fault else {
             panic!("{fault:?}");
         };
-        // 20 s times ln(2.25/(2.25 - 0.735)).
+        // The expected time is 20 s times ln(2.25/(2.25 - 0.735)).
         assert!((7_890..7_930).contains(&tick), "{tick}");
         assert!((1_500..1_503).contains(&value), "{value}");
-        // After a reset of which nobody knows how long it took.
+        // After a reset of unknown duration.
         let (_, left) = Heat::unknown(&config).update(&config, &report(0.0));
         assert!((22_000..23_500).contains(&left), "{left}");
     }

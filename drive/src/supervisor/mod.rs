@@ -1,8 +1,9 @@
 //! The supervisor: checks for faults.
 //!
-//! At the beginning of each control tick it compares all readings with their limits. The first broken limit becomes the tick's
-//! fault. The fault machine switches the outputs off in the same tick and latches the fault with its context. Power and sensors are
-//! checked from the command to calibrate until the next stop, since parts that are off may be unpowered or disconnected.
+//! At the beginning of each control period (tick) it compares all readings with their limits. The first broken limit becomes the
+//! fault of the period. The fault machine switches the outputs off in the same period and latches the fault with its context. Power
+//! and sensors are checked from the command to calibrate until the next stop, since parts that are off may be unpowered or
+//! disconnected.
 //!
 //! | checked in | faults |
 //! |---|---|
@@ -43,27 +44,27 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Whether the motor is compared with its model. The smaller chips have too little memory for it.
+/// Whether this build compares the motor's voltages with a model. The smaller chips have too little memory for it.
 const HAS_MODEL: bool = cfg!(feature = "large");
 
-/// A fault's code, and the value for its context.
+/// A fault's code, and the number that the fault's context carries.
 pub type Found = (FaultCode, i32);
 
-/// The limits of all checks, computed once.
+/// The limits of all checks, computed once from the settings.
 #[derive(Debug, Clone, Copy)]
 pub struct SupervisorConfig {
     shaft: ShaftConfig,
-    /// Limits of power stage, encoder standstill and motor heat; `None` for an analogue drive, whose power stage is external.
+    /// Limits of power stage, stuck encoder and motor heat; `None` for an analogue drive, whose power stage is external.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
-    /// Coefficients of the motor's model; `None` where no currents are measured.
+    /// Coefficients of the check of the motor's voltages; `None` where no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
-    /// Processor cycles of a control period.
+    /// Length of a control period in processor cycles.
     period: u32,
 }
 
 impl SupervisorConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of all checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -103,14 +104,14 @@ impl SupervisorConfig {
         self.motor.is_none_or(|(power, ..)| power.takes(bus))
     }
 
-    /// The filter of the shaft's speed.
+    /// Coefficients of the checks of the encoder's readings and of the shaft's speed.
     #[must_use]
     pub const fn shaft(&self) -> &ShaftConfig {
         &self.shaft
     }
 }
 
-/// The supervisor's memory from tick to tick.
+/// The supervisor's memory from one control period to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Supervisor {
     shaft: Shaft,
@@ -124,29 +125,29 @@ pub struct Supervisor {
     watched: bool,
 }
 
-/// Result of a tick's checks.
+/// Result of the checks in a control period.
 #[derive(Debug, Clone, Copy)]
 pub struct Verdict {
-    /// The first broken limit; `None` if all are kept.
+    /// The first fault found; `None` if all limits are kept.
     pub fault: Option<Found>,
-    /// The continued encoder count; `None` if the reading was bad.
+    /// The encoder count, continued over the encoder's wrap; `None` if the reading was bad.
     pub count: Option<i64>,
     /// Fraction of the current limit that the temperatures of power stage and motor allow, in 1/65,536.
     pub derating: u32,
 }
 
-/// The checks that apply in the present state of the device.
+/// The device's present state, as far as it decides which checks apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Watch {
-    /// Whether broken limits are faults.
+    /// Whether readings outside their limits are faults in this state.
     pub watched: bool,
-    /// Whether the outputs may be on.
+    /// Whether the outputs may be on in this state.
     pub may_be_on: bool,
-    /// Whether the control law drove the motor in the tick before.
+    /// Whether the control law drove the motor in the previous control period.
     pub driven: bool,
-    /// Whether the encoder's second reading, at the change of force, is missing.
+    /// Whether the encoder's second reading in the previous control period, at the change of force, is missing.
     pub untold: bool,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
@@ -157,7 +158,7 @@ impl Default for Supervisor {
 }
 
 impl Supervisor {
-    /// The memory before the first tick.
+    /// The supervisor's memory before the first control period.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -180,7 +181,8 @@ impl Supervisor {
         }
     }
 
-    /// Starts with another configuration. The shaft's memory is cleared; the current loop's counters and the motor's heat are kept.
+    /// Prepares for another configuration: clears the memory of the shaft's motion. The current loop's counters and the motor's
+    /// heat are kept.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
@@ -194,7 +196,7 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Checks all readings of a tick.
+    /// Checks all readings of a control period.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
@@ -227,7 +229,8 @@ impl Supervisor {
             }
         };
         let share_fault = if watched {
-            // A tick whose reading at the change is missing counts its own reading as bad too: that is not the tick's reading's doing.
+            // If the second reading of the previous control period is missing, this period's first reading counts as bad too. That
+            // must not add to the sum of bad first readings.
             let bad = count.is_none() && !(driven && untold);
             self.share.update(bad, driven.then_some(untold))
         } else {
@@ -243,7 +246,7 @@ impl Supervisor {
                     speed
                 };
                 let found = self.model.update(model, along, report);
-                // Nothing moves at all: the encoder is the nearer cause.
+                // If the count does not move at all, a stuck encoder is the more likely cause.
                 let code = if self.stuck.is_suspected() {
                     FaultCode::EncoderStuck
                 } else {
@@ -252,7 +255,7 @@ impl Supervisor {
                 found.map(|beyond| (code, beyond))
             }
             _ => {
-                // A bad reading between two good ones is no new beginning.
+                // A bad reading between two good ones does not reset the model.
                 if !may_be_on {
                     self.model = Model::new();
                 }
@@ -269,7 +272,7 @@ impl Supervisor {
         };
         let asked_fault = self.asked.update(&config.asked, input, may_be_on);
         let loop_fault = self.look_at_loop(config, input.timing, report);
-        // Always taken along, so that what happened unwatched is not found later.
+        // Updated in every state, so that events outside the watched states are not reported later.
         let before = self.watched;
         self.watched = watched;
         let fault = break_fault(input)
@@ -288,7 +291,7 @@ impl Supervisor {
         }
     }
 
-    /// Checks the current loop's report and the deadlines for the time since the last tick.
+    /// Checks the current loop's report and the control interrupt's deadlines for the time since the last control period.
     fn look_at_loop(
         &mut self,
         config: &SupervisorConfig,
@@ -306,7 +309,7 @@ impl Supervisor {
         if missed != 0 {
             return Some((FaultCode::DeadlineMiss, i32::from(missed)));
         }
-        // Half a period late, or not done when the next is due.
+        // The control interrupt began half a period late, or had not finished when the next one was due.
         if timing.lateness > config.period / 2 {
             return Some((FaultCode::DeadlineMiss, cycles(timing.lateness)));
         }
@@ -322,7 +325,7 @@ fn cycles(cycles: u32) -> i32 {
 }
 
 fn break_fault(input: &ControlInput) -> Option<Found> {
-    // A driver with a line for it pulls the break by it: its own word is the nearer one.
+    // A gate driver with a fault line pulls the break by that line. Then the driver's error is the more exact cause.
     if input.gate_driver_error {
         Some((FaultCode::GateDriver, 0))
     } else if input.hardware_break {

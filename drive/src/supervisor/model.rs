@@ -5,6 +5,9 @@
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
+//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the
+//! shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
+//!
 //! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
 //! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
 //! axis. Only the equation of the q axis depends much on the windings' resistance, which is known to a third only. A voltage on the
@@ -17,8 +20,8 @@
 //! - on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %;
 //! - as constants: dead time (0.3 V at 24 V and 500 ns), rounding, and `L di/dt` (0.5 V for a step of 2 A in the small motor).
 //!
-//! Both `r` and `a` go through the same mean of 10 to 20 ms. The mean is
-//! linear and positive: a device that keeps `|r| <= a` in each tick keeps it in the mean, so there is no alarm.
+//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <=
+//! a` in each control period keeps it in the mean, so there is no alarm.
 //!
 //! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
 //! then. A board that measures no current calculates it by the same equations, so there the check is left out.
@@ -30,15 +33,15 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 
-/// Coefficients of the motor's model.
+/// Coefficients of the check of the motor's voltages.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelConfig {
     ohms: I16F16,
-    /// Flux linkage `ψ`, V·s/rad.
+    /// Flux linkage times pole pairs: back-EMF per speed of the shaft, V·s/rad.
     flux: I16F16,
-    /// Inductance times pole pairs, `p L`, H.
+    /// Inductance `L` times the number of pole pairs `p`, H.
     henries: I16F16,
-    /// Length of the mean in ticks, as a power of two.
+    /// Length of the running mean in control periods, as a power of two.
     over_log2: u32,
 }
 
@@ -61,22 +64,22 @@ impl ModelConfig {
     }
 }
 
-/// Running sums; divided by `2^over_log2` they are the means, with 16 fractional bits.
+/// Running sums of the voltages. Divided by `2^over_log2` they are means, with 16 fractional bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Model {
-    /// Sums of `r_d`, `a_d`, `r_q`, `a_q`: unexplained and allowed voltage on each axis.
+    /// Sums of the unexplained voltage `r` and of the allowed voltage `a` on each axis: `r_d`, `a_d`, `r_q`, `a_q`.
     sums: [i64; 4],
 }
 
 impl Model {
-    /// The memory before the first tick.
+    /// The running sums before the first control period: zero.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
     }
 
-    /// Takes a tick in which the law drove the motor, with the `speed` in the direction of the electrical angle, rad/s. Returns by
-    /// how much the unexplained voltage exceeds the allowed one, mV.
+    /// Takes a control period in which the control law drove the motor. `speed`, in rad/s, is positive if the electrical angle
+    /// rises. Returns by how much the unexplained voltage exceeds the allowed one, mV.
     pub fn update(
         &mut self,
         config: &ModelConfig,
@@ -91,7 +94,7 @@ impl Model {
             I16F16::from_bits(product(config.henries.to_bits(), speed.to_bits(), 16)),
             i.q,
         );
-        // All are words of 32 bits: no sum of these comes near 2^63.
+        // All terms have 32 bits, so no sum comes near 2^63.
         let now = [
             i64::from(v.d.to_bits()) - drop_d + cross,
             (1 << 15) + (drop_q.abs() >> 4) + (emf.abs() >> 2),

@@ -10,7 +10,7 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Limits of the power stage.
+/// Limits of the power stage's bus voltage and temperature.
 #[derive(Debug, Clone, Copy)]
 pub struct PowerConfig {
     bus_min: Volts,
@@ -19,12 +19,13 @@ pub struct PowerConfig {
     #[cfg(feature = "voltage")]
     is_without_sensor: bool,
     fault_from: Celsius,
-    /// Loss of current per degree above the first temperature, as a fraction of the current limit in 1/65,536.
+    /// Reduction of the current limit per degree above the temperature at which derating begins, as a fraction of the limit in
+    /// 1/65,536.
     share_per_degree: i32,
 }
 
 impl PowerConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of bus voltage and temperature from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -64,8 +65,9 @@ impl Power {
         thermistor.celsius(report.temperature)
     }
 
-    /// Returns the broken limit, if any, and the fraction of the current limit that the temperature allows, in 1/65,536. The whole
-    /// is allowed up to the first temperature, nothing at the second, with a straight line between.
+    /// Returns the fault, if there is one, and the fraction of the current limit that the temperature allows, in 1/65,536. The
+    /// whole limit is allowed up to the temperature at which derating begins, nothing at that of the fault, with a straight line
+    /// between.
     #[must_use]
     pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);
@@ -85,7 +87,7 @@ impl Power {
             Some((FaultCode::UnderVoltage, milli(report.bus)))
         } else {
             match temperature {
-                // Nothing to read: the driver looks after itself.
+                // The board has no temperature sensor; its driver protects itself.
                 #[cfg(feature = "voltage")]
                 None if config.is_without_sensor => None,
                 Some(celsius) if celsius < config.fault_from => None,
@@ -141,7 +143,7 @@ mod tests {
         assert_eq!(code(24.0, 0), Some((FaultCode::OverTemperature, i32::MAX)));
         let (fault, value) = code(24.0, 3_393).unwrap();
         assert_eq!((fault, value), (FaultCode::OverTemperature, 1_000));
-        // A broken sensor leaves no current either.
+        // With a broken sensor no current is allowed either.
         assert_eq!(Power::inspect(&config, &report(24.0, 4_095)).1, 0);
     }
 }

@@ -1,10 +1,12 @@
 //! Checks of the encoder's readings: bad readings, jumps, and the speed from the good readings.
 //!
-//! Overspeed is checked twice. The displacement of one tick shows a speed that is clearly too high, at the first reading after a
-//! whole period at that speed. The mean over a window also shows a slight excess with an encoder that counts little in a tick.
+//! Overspeed is checked twice. The displacement of one control period (tick) shows a speed that is clearly too high, at the first
+//! reading after a whole period at that speed. The mean over several periods also shows a slight excess, even if the encoder moves
+//! by few counts per period.
 //!
 //! A bad reading is not used, and the outputs are off until the next good one. Several bad readings in a row are a fault, with the
-//! code of the last. After a gap the shaft may have moved in each of the missing ticks.
+//! code of the last. After a gap in the readings, the limits allow for the motion that the shaft may have made in each missing
+//! period.
 
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
@@ -15,37 +17,38 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Longest window over which the speed is measured, ticks.
+/// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
-/// Encoder counts by which a reading may jitter.
+/// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed and jumps.
 const JITTER: i64 = 4;
-/// A displacement at this many times the highest allowed speed is a jump; a smaller excess is overspeed.
+/// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
+/// counts as overspeed.
 const JUMP_FACTOR: i32 = 4;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// Coefficients of the checks of the shaft.
+/// Coefficients of the checks of encoder readings and shaft speed.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaftConfig {
     kind: EncoderKind,
     reversed: bool,
     bad_readings: u8,
-    /// Counts per tick that no real shaft moves: a jump.
+    /// Counts per control period that no real shaft moves; such a displacement is a jump of the reading.
     jump: i32,
-    /// Ticks over which the speed is measured: 2 ms, at least 2 ticks.
+    /// Number of control periods over which the speed is averaged (the window): 2 ms, at least 2 periods.
     window: usize,
-    /// Counts per tick from which on the speed is too high.
+    /// A motion of this many counts in a control period is overspeed.
     fastest_in_tick: i32,
-    /// Counts per window from which on the speed is too high.
+    /// A motion of this many counts in the window over which the speed is averaged is overspeed.
     fastest: i32,
-    /// Speed in rad/s for each count in a window.
+    /// Speed in rad/s for each count that the shaft moves in the window over which the speed is averaged.
     speed_per_count: I16F16,
-    /// Electrical angle per PWM period for each count that the shaft moves in a window, in 2^-48 turns.
+    /// Change of the electrical angle in a PWM period for each count that the shaft moves in the speed window, in 2^-48 turns.
     advance_per_count: i64,
 }
 
 impl ShaftConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -55,7 +58,7 @@ impl ShaftConfig {
             .unwrap_or(2)
             .clamp(2, WINDOW_MAX);
         let window_ticks = Si::saturating_from_num(window);
-        // Counts in a tick per rad/s.
+        // Counts per control period, for each rad/s.
         let per_speed = quotient(
             quotient(Si::saturating_from_num(counts), TWO_PI),
             Si::saturating_from_num(rate),
@@ -69,7 +72,8 @@ impl ShaftConfig {
             clamp_i32(whole.saturating_add(JITTER))
         };
         let speed = quotient(quotient(Si::ONE, per_speed), window_ticks);
-        // 2^48 pole pairs/(counts · PWM periods in a window).
+        // Electrical turns per PWM period for each count in the window: 2^48 pole pairs/(counts per turn · PWM periods in a
+        // window).
         let periods =
             (window as u64).saturating_mul(u64::from(periods_per_tick(settings, hardware)));
         let divisor = u64::from(counts).saturating_mul(periods).max(1);
@@ -93,14 +97,14 @@ impl ShaftConfig {
 pub enum Seen {
     /// The reading is good.
     Good {
-        /// The count, continued over the encoder's wrap.
+        /// The encoder count, continued over the encoder's wrap.
         count: i64,
-        /// Counts since the last good reading.
+        /// Counts that the shaft moved since the last good reading.
         moved: i64,
     },
-    /// The reading must not be used.
+    /// The reading is bad and must not be used, but is no fault yet.
     Bad,
-    /// The reading is a fault; holds its code and value.
+    /// The reading is a fault; holds the fault's code and the number that goes with it.
     Fault(FaultCode, i32),
 }
 
@@ -109,10 +113,10 @@ pub enum Seen {
 pub struct Shaft {
     unwrapped: Option<Unwrapped>,
     bad: u8,
-    /// Counts that the shaft moved in each of the last ticks.
+    /// Counts that the shaft moved in each of the last control periods.
     moves: [i32; WINDOW_MAX],
     at: usize,
-    /// Sum of the counts moved over the window.
+    /// Counts that the shaft moved in the window over which the speed is averaged.
     sum: i32,
 }
 
@@ -135,7 +139,7 @@ impl Shaft {
         }
     }
 
-    /// Checks and takes a tick's reading. If the second reading of the tick before is missing, this one counts as bad.
+    /// Checks a control period's first reading. If the second reading of the previous period is missing, this one counts as bad.
     pub fn read(
         &mut self,
         config: &ShaftConfig,
@@ -168,7 +172,7 @@ impl Shaft {
         if !watched {
             return Seen::Good { count, moved };
         }
-        // The product of 32 and 8 bits fits.
+        // The product of 32 and 8 bits fits into 64 bits.
         let is_beyond = |limit: i32| moved.saturating_abs() > i64::from(limit) * ticks;
         if is_beyond(config.jump) {
             return Seen::Fault(FaultCode::EncoderJump, clamp_i32(moved));
@@ -176,7 +180,7 @@ impl Shaft {
         let is_tick_fast = is_beyond(config.fastest_in_tick);
         if is_tick_fast || self.sum.saturating_abs() > config.fastest {
             let mean = if is_tick_fast {
-                // Counts in a window at this speed; never by zero.
+                // Counts in a window at this speed. The divisor is never zero.
                 let in_window = clamp_i32(moved.saturating_mul(config.window as i64));
                 in_window.checked_div(clamp_i32(ticks)).unwrap_or(in_window)
             } else {
@@ -188,7 +192,7 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The count of a reading between two ticks, if the reading is good and no jump. The memory stays unchanged.
+    /// The encoder count of a reading between two control periods, if the reading is good and no jump. The memory stays unchanged.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
@@ -221,7 +225,7 @@ impl Shaft {
 
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
         if !watched {
-            // Nobody counts on it: begin anew with the next good one.
+            // In this state the count is not used, so counting starts anew with the next good reading.
             *self = Self::new();
             return Seen::Bad;
         }
@@ -248,13 +252,13 @@ impl Shaft {
         }
     }
 
-    /// Mean speed over the window, rad/s, saturating.
+    /// Mean speed of the shaft over the last 2 ms, rad/s, saturating.
     #[must_use]
     pub fn speed(&self, config: &ShaftConfig) -> I16F16 {
         Self::speed_of(config, self.sum)
     }
 
-    /// The speed for this number of counts in a window, rad/s, saturating.
+    /// The speed for this number of counts in the window over which the speed is averaged, rad/s, saturating.
     fn speed_of(config: &ShaftConfig, counts: i32) -> I16F16 {
         I16F16::from_bits(clamp_i32(
             i64::from(counts) * i64::from(config.speed_per_count.to_bits()),
@@ -273,8 +277,8 @@ mod tests {
     use super::*;
     use crate::hardware::IHM08M1;
 
-    /// Turns an encoder of 16,384 counts per turn by this many counts in each tick, with good readings; returns the fault and its
-    /// tick.
+    /// Turns an encoder of 16,384 counts per turn by this many counts in each control period, with good readings. Returns the fault
+    /// and the number of the period in which it came.
     fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
         let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;
@@ -295,7 +299,7 @@ mod tests {
 
     #[test]
     fn what_is_clearly_too_fast_shows_in_a_tick_and_a_slight_excess_in_a_window() {
-        // The limit of 60 rad/s is 156.5 counts in a tick, and 313 in a window of two; 4 more for jitter.
+        // The limit of 60 rad/s is 156.5 counts in a control period and 313 in a window of two; 4 counts are added for jitter.
         assert_eq!(turned(1_000, 158), None);
         for (counts, tick, least, most) in [
             (161, 2, 61_000, 62_000),
@@ -308,7 +312,7 @@ mod tests {
             assert_eq!(at, tick, "{counts} counts");
             assert!((least..most).contains(&speed), "{counts}: {speed} mrad/s");
         }
-        // 15.6 counts in a tick, and a window of 20.
+        // At 10 kHz the limit is 15.6 counts in a control period, and the window has 20 periods.
         assert_eq!(turned(10_000, 15), None);
         assert!(matches!(turned(10_000, 16), Some((20, _))));
         assert!(matches!(turned(10_000, -21), Some((1, _))));

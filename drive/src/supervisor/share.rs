@@ -1,15 +1,16 @@
 //! Checks the fraction of bad encoder readings, whether or not they come in a row.
 //!
-//! After a bad reading the bridge is off for a tick, and the guard charges the worst that may have happened meanwhile. A few bad
-//! readings are harmless. An encoder that keeps giving them must not drive a motor. Each bad reading adds 50 to a sum, each good
-//! one takes 1 away, and 1,000 is a fault: 20 bad readings nearly at once, or a lasting fraction of more than 1 in 51. If every
-//! second reading is bad, the fault comes after 41 readings.
+//! After a bad reading the bridge is off for a control period (tick), and the energy guard charges the worst that may have happened
+//! meanwhile. A few bad readings are harmless. An encoder that keeps giving them must not drive a motor. Each bad reading adds 50
+//! to a sum, each good one takes 1 away, and 1,000 is a fault: 20 bad readings nearly at once, or a lasting fraction of more than 1
+//! in 51. If every second reading is bad, the fault comes after 41 readings.
 //!
-//! A good encoder does not reach the fault. With independent bad readings of probability `p`, the chance that a tick ends a climb
-//! to 1,000 is at most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one in a thousand.
+//! A good encoder does not reach the fault. With independent bad readings of probability `p`, the chance that the sum reaches 1,000
+//! in a given period is at most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one bad reading in a
+//! thousand.
 //!
-//! The first reading of a tick and the second one at the change of force have separate sums: good first readings do not hide bad
-//! second ones.
+//! The first reading of a control period and the second one at the change of force have separate sums: good first readings do not
+//! hide bad second ones.
 
 use super::Found;
 use touchstone_protocol::FaultCode;
@@ -17,21 +18,21 @@ use touchstone_protocol::FaultCode;
 const BAD: u16 = 50;
 const MOST: u16 = 1_000;
 
-/// The sums that bad readings raise and good readings lower, one for each of a tick's two readings.
+/// The sums that bad readings raise and good readings lower, one for each of the two encoder readings in a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Share {
     of: [u16; 2],
 }
 
 impl Share {
-    /// The state before any bad reading.
+    /// The sums before any bad reading: zero.
     #[must_use]
     pub const fn new() -> Self {
         Self { of: [0; 2] }
     }
 
-    /// Takes whether a tick's first reading was bad, and whether its second was, if one was due. Returns the fault, if there is
-    /// one.
+    /// Counts a control period's readings: whether the first one was bad, and whether the second was, if one was due. Returns the
+    /// fault, if there is one.
     pub fn update(&mut self, tick: bool, change: Option<bool>) -> Option<Found> {
         let mut fault = None;
         for ((left, bad), number) in self.of.iter_mut().zip([Some(tick), change]).zip(1..) {
@@ -52,7 +53,7 @@ impl Share {
 mod tests {
     use super::*;
 
-    /// Number of ticks until a fault, and the value that says which of the two readings caused it.
+    /// Number of control periods until a fault, and the fault's number, which says which of the two readings caused it.
     fn after(ticks: u32, bad: impl Fn(u32) -> (bool, Option<bool>)) -> Option<(u32, i32)> {
         let mut share = Share::new();
         (0..ticks).find_map(|tick| {

@@ -24,14 +24,14 @@ use touchstone_protocol::FaultCode;
 #[derive(Debug, Clone, Copy)]
 pub struct StuckConfig {
     resistance_ohm: I16F16,
-    /// Largest unexplained voltage at rest, V.
+    /// Largest voltage beyond `R i` that a shaft at rest may show, V; dead time and rounding cause it.
     least: Volts,
-    /// Number of suspicious ticks in a row that is a fault.
+    /// Number of control periods in a row in which the encoder looks stuck that is a fault.
     ticks: u32,
 }
 
 impl StuckConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the check from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -39,7 +39,7 @@ impl StuckConfig {
         // Speed at which 8 counts pass in 10 ms, at least 5 rad/s: 2π · 8/(counts · 0.01 s).
         let counts = Si::saturating_from_num(settings.encoder.counts_per_rev);
         let speed = quotient(const { Si::lit("5026.548") }, counts).max(const { Si::lit("5") });
-        // k_t = 3/2 p λ, and the back-EMF's amplitude is p λ ω.
+        // With pole pairs p and flux linkage λ the torque constant is k_t = 3/2 p λ, and the amplitude of the back-EMF is p λ ω.
         let flux = motor
             .torque_constant_n_m_per_a
             .saturating_mul(const { Si::lit("0.666666667") });
@@ -52,7 +52,7 @@ impl StuckConfig {
     }
 }
 
-/// The time for which the encoder has looked stuck.
+/// The time for which the encoder has looked stuck, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stuck {
     ticks: u32,
@@ -71,13 +71,13 @@ impl Stuck {
         Self { ticks: 0 }
     }
 
-    /// Whether the encoder looked stuck in the last tick.
+    /// Whether the encoder looked stuck in the last control period.
     #[must_use]
     pub const fn is_suspected(&self) -> bool {
         self.ticks != 0
     }
 
-    /// Takes a tick in which the motor was driven; returns the fault, if there is one.
+    /// Takes a control period in which the motor was driven; returns the fault, if there is one.
     pub fn update(
         &mut self,
         config: &StuckConfig,
@@ -88,7 +88,7 @@ impl Stuck {
         let drop =
             |i: I16F16| Volts::from_bits(product(config.resistance_ohm.to_bits(), i.to_bits(), 16));
         let beyond = |v: Volts, i: I16F16| v.saturating_sub(drop(i)).saturating_abs();
-        // The larger part is at least 0.7 of the vector and never more than it.
+        // The larger component stands for the length of the vector: it is at least 0.7 of it and never more.
         let emf = beyond(report.voltage.d, d).max(beyond(report.voltage.q, q));
         let doubt = drop(d.saturating_abs().saturating_add(q.saturating_abs()));
         let excess = emf

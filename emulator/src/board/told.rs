@@ -1,4 +1,4 @@
-//! The motor's values that a person enters where the board cannot measure them.
+//! The motor's values that a person enters in the settings of a board that cannot measure them.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;

@@ -1,19 +1,20 @@
-//! The paths that switch the motor's power bridge off without the processor: the break pin, the comparators and the system break. A
-//! lockup, the supply's detector or an error in flash raises the system break, where SYSCFG_CFGR2 enables it (RM0440, 10.2.5).
+//! The paths that switch the motor's power bridge off without the processor: the break pin, the comparators and the system break.
+//! The system break is raised by a lockup, by the detector of low supply, or by an error in flash, as far as the register
+//! SYSCFG_CFGR2 enables each (RM0440, 10.2.5).
 
 use super::Chip;
 use crate::board::BREAK_PIN;
 
-/// Offset of the register that connects the system's errors to the breaks of the timers.
+/// Offset of the register SYSCFG_CFGR2, which connects the system's errors to the breaks of the timers.
 const SYSCFG_CFGR2: u32 = 0x1c;
 const CLL: u32 = 1;
 const PVDL: u32 = 1 << 2;
 const ECCL: u32 = 1 << 3;
-/// Number of the exception that an error in flash raises.
+/// Number of the non-maskable interrupt (NMI), the exception that an error in flash raises.
 const NMI: usize = 2;
 
 impl Chip {
-    /// Called when the processor has locked up.
+    /// Raises the system break, as enabled, because the processor has locked up.
     pub fn lock_up(&mut self) {
         let now = self.core.now;
         self.locked_up = true;
@@ -22,7 +23,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// Called when the processor reads flash.
+    /// Called when the processor reads flash: an uncorrectable error there raises the NMI and, as enabled, the system break.
     pub fn read_flash(&mut self, address: u32) {
         let before = self.flash.has_error();
         if self.flash.reads_torn(address) && !before {

@@ -36,7 +36,7 @@ impl Chip {
         self.plain[3].get(4 * amplifier as u32) & ON_AND_INSIDE == ON_AND_INSIDE
     }
 
-    /// The block, its register, and whether the block is clocked.
+    /// The peripheral block at an address, the register's offset in the block, and whether the block is clocked.
     fn find(&mut self, address: u32) -> (Block, u32, bool) {
         let at = MAP
             .iter()
@@ -53,7 +53,7 @@ impl Chip {
         }
     }
 
-    /// Bit mask of the rows of the register map whose blocks RCC clocks now.
+    /// Bit mask of the peripheral blocks that RCC clocks now, by their row in the address map.
     pub(super) fn clocked(rcc: &Rcc) -> u64 {
         let clocked = |(.., clock): &(u32, u32, Block, Option<(u32, u32)>)| {
             clock.is_none_or(|(register, bit)| rcc.gives(register, bit))
@@ -61,13 +61,13 @@ impl Chip {
         (MAP.iter().enumerate()).fold(0, |all, (at, row)| all | u64::from(clocked(row)) << at)
     }
 
-    /// The value of a register, whether its block has a clock or not.
+    /// The value of a register for a test, even if the register's block has no clock.
     pub fn peek(&mut self, address: u32) -> u32 {
         let (now, (block, offset, _)) = (self.core.now, self.find(address));
         self.peripheral(block).read(offset, now)
     }
 
-    /// Carries out a read by the firmware; returns the value.
+    /// Carries out the firmware's read of `size` bytes from a register; returns the value.
     pub fn read(&mut self, address: u32, size: usize) -> u32 {
         let now = self.core.now;
         let word = match address & !3 {
@@ -93,7 +93,7 @@ impl Chip {
         }
     }
 
-    /// Carries out a write by the firmware.
+    /// Carries out the firmware's write of `size` bytes to a register.
     pub fn write(&mut self, address: u32, value: u32, size: usize) {
         let now = self.core.now;
         if address >= 0xe000_0000 {
@@ -103,7 +103,8 @@ impl Chip {
             self.written.insert(address & !3);
             let shift = 8 * (address & 3);
             if block == Block::Tim1 {
-                // What changes the bridge changes it from now on.
+                // A write to this timer may change the inverter's output. So the model first advances to the present time with the
+                // old output.
                 self.drive_world();
             }
             if clocked {
@@ -116,7 +117,7 @@ impl Chip {
         self.core.limit = self.core.limit.min(self.next_event());
     }
 
-    /// Passes the effects of a write on to other blocks.
+    /// Passes the effects of a write to a block on to other blocks of the chip.
     fn after_write(&mut self, block: Block) {
         match block {
             Block::AdcCommon => {

@@ -1,11 +1,12 @@
-//! The comparators as the program has set them up: what they compare with what, and which way their outputs go. COMP1 to COMP4, which all
-//! STM32G4 have.
+//! The comparators COMP1 to COMP4 as the program has set them up: their inputs, thresholds and polarities. All STM32G4 have these
+//! four.
 //!
-//! Sources: what is connected to which input is ST's `stm32g4xx_hal_comp.h` (defgroups `COMP_InputPlus`, `COMP_InputMinus`, `COMP_Hysteresis`,
-//! `COMP_OutputPolarity`); where the fields are, `registers/vendor.tsv`. The reference manual's chapters of COMP and DAC (RM0440) are from
-//! memory, unread: a DAC's output is its code / 4096 of the reference, and a mode of 1 or 3 leads it to what is on the chip.
+//! Sources: which signal is connected to which input is in ST's `stm32g4xx_hal_comp.h` (defgroups `COMP_InputPlus`,
+//! `COMP_InputMinus`, `COMP_Hysteresis`, `COMP_OutputPolarity`). Where the register fields are is in `registers/vendor.tsv`. The
+//! reference manual's chapters of COMP and DAC (RM0440) are from memory, unread: a DAC's output is its code / 4096 of the reference
+//! voltage, and with a mode of 1 or 3 it is connected to blocks on the chip.
 //!
-//! Not modelled: delay, noise and offset of the comparators, blanking, the inverting inputs that are pins.
+//! Not modelled: delay, noise and offset of the comparators, blanking, and pins as inverting inputs.
 
 use super::Chip;
 use crate::board::REFERENCE_V;
@@ -17,10 +18,11 @@ const COMP_CSR: [u32; 4] = [0x200, 0x204, 0x208, 0x20c];
 const EN: u32 = 1;
 const INPSEL: u32 = 1 << 8;
 const POLARITY: u32 = 1 << 15;
-/// SCALEN and BRGEN: the reference's scaler, and the bridge of its quarters.
+/// Bits SCALEN and BRGEN of a comparator's register: they switch on the internal reference's buffer, and the divider that makes its
+/// quarters.
 const SCALER: u32 = 1 << 23;
 const BRIDGE: u32 = 1 << 22;
-/// VREFINT, V: typical, by the data sheet (from memory, unread).
+/// The chip's internal reference voltage VREFINT, V. Typical value of the data sheet (from memory, unread).
 const VREFINT_V: f64 = 1.212;
 /// Comparator hysteresis per step of the register field HYST, V.
 const HYSTERESIS_V: f64 = 0.01;
@@ -32,7 +34,7 @@ const PLUS: [[(usize, usize); 2]; 4] = [
     [(0, 0), (2, 1)],
     [(1, 0), (4, 7)],
 ];
-/// Channels of DAC3 and DAC1 that its inverting input can be, counted from 0.
+/// Channel of DAC3, counted from 0, that each comparator can use as inverting input. The next constant is that of DAC1.
 const DAC3: [usize; 4] = [0, 1, 0, 1];
 const DAC1: [usize; 4] = [0, 1, 0, 0];
 
@@ -47,24 +49,26 @@ pub struct Comparators {
 }
 
 impl Comparators {
-    /// Resets the outputs; the recorded currents are kept.
+    /// Sets the outputs as after a reset; the list of recorded currents is kept.
     pub fn reset(&mut self) {
         self.above = [false; 4];
     }
 }
 
-/// Voltage that a DAC's channel gives to the blocks on the chip; `None` where it gives none.
+/// Voltage that a DAC's channel gives to other blocks on the chip, V; `None` where the channel is off, waits for a trigger, or only
+/// drives a pin.
 fn dac_v(dac: &Plain, channel: usize) -> Option<f64> {
     let (cr, mcr) = (dac.get(0x00), dac.get(0x3c));
     let is_on = cr >> (16 * channel) & 1 != 0;
-    // With a trigger that nothing gives, what was written is never put out.
+    // If a trigger is enabled, the converter outputs the written code only at that trigger. The model has no such trigger, so the
+    // code is never output.
     let is_triggered = cr >> (16 * channel + 1) & 1 != 0;
     let leads_inside = mcr >> (16 * channel) & 1 != 0;
     let code = dac.get([0x08, 0x14][channel]) & 0xfff;
     (is_on && !is_triggered && leads_inside).then(|| f64::from(code) / 4_096.0 * REFERENCE_V)
 }
 
-/// The voltage at a comparator's inverting input; `None` where nothing drives it, or a pin does.
+/// The voltage at a comparator's inverting input, V; `None` where nothing drives the input, or where a pin would.
 fn minus_v(number: usize, csr: u32, dac1: &Plain, dac3: &Plain) -> Option<f64> {
     match csr >> 4 & 15 {
         3 if csr & SCALER != 0 => Some(VREFINT_V),
@@ -87,7 +91,7 @@ impl Chip {
                 self.comparators.above[number] = false;
                 continue;
             }
-            // An input that nothing drives floats; the model takes 0 V.
+            // An input that nothing drives floats. The model assumes 0 V.
             let minus = minus_v(number, csr, &self.plain[1], &self.plain[5]).unwrap_or(0.0);
             let pin = PLUS[number][usize::from(csr & INPSEL != 0)];
             let shunt = self.board.shunts.iter().find(|(at, _)| *at == pin);
@@ -108,9 +112,9 @@ impl Chip {
         outputs
     }
 
-    /// Current through the shunt below a phase's lower transistor, to ground. While that transistor conducts, it is
-    /// the current out of the motor. With both transistors off, a current into the motor comes through the lower
-    /// diode, and one out of it leaves through the upper.
+    /// Current in A through the shunt below a phase's lower transistor, to ground. While that transistor conducts, it is the
+    /// current out of the motor. With both transistors off, a current into the motor comes through the lower diode, and one out of
+    /// the motor leaves through the upper diode.
     fn shunt_a(&self, phase: usize, now: u64) -> f64 {
         let out = -self.world.leg_a(phase);
         match self.bridge.legs(now)[phase] {
@@ -134,7 +138,7 @@ mod tests {
             .with(0x3c, 3 | 3 << 16)
             .with(0x08, 1_024)
             .with(0x14, 2_048);
-        // Channel 1 goes to COMP1 and COMP3, channel 2 to COMP2 and COMP4.
+        // Channel 1 of DAC3 leads to COMP1 and COMP3, channel 2 to COMP2 and COMP4.
         for (number, volts) in [(0, 0.825), (1, 1.65), (2, 0.825), (3, 1.65)] {
             assert!(near(minus_v(number, 4 << 4, &off, &dac3), volts));
             assert_eq!(minus_v(number, 5 << 4, &off, &dac3), None);

@@ -1,6 +1,6 @@
 //! Address map of the chip's registers.
 
-/// A peripheral block of registers.
+/// A peripheral of the chip, as a block of registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Block {
     Timer(usize),
@@ -24,11 +24,11 @@ pub(super) enum Block {
     Other,
 }
 
-/// The register of RCC and the bit in it that give a block its clock (7.4.13 to 7.4.19). `None`: the block always has
-/// a clock, or its clock is not modelled.
+/// The register of RCC and the bit in it that give a block its clock (RM0440, 7.4.13 to 7.4.19). `None`: the block always has a
+/// clock, or its clock is not modelled.
 type Clock = Option<(u32, u32)>;
 
-/// RM0440, table 3: the part that the firmware uses.
+/// Start address, length in bytes, block and clock of each peripheral that the firmware uses (RM0440, table 3).
 pub(super) const MAP: &[(u32, u32, Block, Clock)] = &[
     (0x4000_0000, 0x400, Block::Timer(0), Some((0x58, 0))),
     (0x4000_0400, 0x400, Block::Timer(1), Some((0x58, 1))),

@@ -28,7 +28,8 @@ use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
 use crate::world::World;
 
-/// Interrupts (RM0440, table 97).
+/// Interrupt number and width in bits of the timers TIM2 to TIM5. The next constants are further interrupt numbers (RM0440, table
+/// 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
 const ADC1_2: u32 = 18;
 const SPI3: u32 = 51;
@@ -46,11 +47,11 @@ pub struct Chip {
     timers: [Timer; 4],
     adcs: [Adc; 2],
     ports: Vec<Port>,
-    /// Serial port LPUART1, the link to the desktop on some boards.
+    /// Serial port LPUART1, the link to the computer on some boards.
     pub lpuart1: Uart,
-    /// Serial port USART2, the link to the desktop on the other boards.
+    /// Serial port USART2, the link to the computer on boards that do not use LPUART1 for it.
     pub usart2: Uart,
-    /// The bus of the magnetic encoder.
+    /// The SPI controller SPI3, to which the magnetic encoder is connected.
     pub spi3: Spi,
     /// The independent watchdog.
     pub iwdg: Iwdg,
@@ -59,13 +60,13 @@ pub struct Chip {
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
-    /// Bit mask of the rows of the register map whose blocks are clocked.
+    /// Bit mask of the peripheral blocks that are clocked, by their row in the address map.
     clocked: u64,
     /// The power control block.
     pub pwr: Pwr,
     exti: Exti,
     plain: [Plain; 6],
-    /// COMP1 to COMP4.
+    /// The comparators COMP1 to COMP4.
     pub comparators: comparators::Comparators,
     system: Plain,
     cycle_offset: u32,
@@ -74,26 +75,27 @@ pub struct Chip {
     pub board: Board,
     /// The simulated motor, knob and hand.
     pub world: World,
-    /// Exceptions whose handlers are running.
+    /// Exceptions whose handlers are running, the outermost first.
     pub running: Vec<Running>,
-    /// Cost of each exception's handler.
+    /// Costs in instructions and cycles of each exception's handler.
     pub handlers: Vec<Handler>,
     /// Cause of a reset that is due; `None` if none is.
     pub reset_request: Option<ResetCause>,
-    /// Descriptions of the accesses and instructions so far that the real chip does not have.
+    /// Descriptions of accesses and instructions of the program that the real chip does not support.
     pub faults: Vec<String>,
     /// Addresses of the registers that the firmware used and that are not modelled.
     pub unknown: std::collections::BTreeSet<u32>,
     /// Addresses of the registers that the firmware has written since power-on.
     pub written: std::collections::BTreeSet<u32>,
-    /// Frequency of the oscillator that clocks the watchdog, Hz.
+    /// Frequency of the oscillator that clocks the independent watchdog, Hz.
     lsi_hz: u64,
-    /// An injected interrupt that is raised periodically without the firmware's doing: number, period, next time.
+    /// An injected interrupt that is raised again and again without a cause: interrupt number, period and next time in processor
+    /// cycles.
     pub storm: Option<(u32, u64, u64)>,
 }
 
 impl Chip {
-    /// A chip on a board in a world.
+    /// A chip on a board, with the simulated world around it. `lsi_hz` is the frequency of the independent watchdog's oscillator.
     #[must_use]
     pub fn new(board: Board, world: World, lsi_hz: u64) -> Self {
         let core = Core::new([
@@ -140,7 +142,7 @@ impl Chip {
         chip
     }
 
-    /// Resets everything that a reset of the chip resets.
+    /// Resets the processor and the peripherals, as a reset of the chip does.
     pub fn reset(&mut self, cause: ResetCause) {
         let now = self.core.now;
         if self.bridge.is_on() {
@@ -159,7 +161,7 @@ impl Chip {
             (&mut self.lpuart1, Uart::new(LPUART1, true)),
             (&mut self.usart2, Uart::new(USART2, false)),
         ] {
-            // What was sent is with the desktop already.
+            // A reset does not lose the bytes that the port has sent: the desktop has already received them.
             let sent = std::mem::take(&mut uart.sent);
             *uart = fresh;
             uart.sent = sent;
@@ -181,16 +183,16 @@ impl Chip {
         self.system = Plain::default();
         self.running.clear();
         self.reset_request = None;
-        // The pins float, and the gate drivers take that for off.
+        // After a reset the pins float. The gate drivers read a floating input as off.
         self.drive_world();
     }
 
-    /// An encoder that is fed by the chip loses its state.
+    /// Sets the magnetic encoder to its state at power-on, because the chip's board supplies it and has lost power.
     pub fn forget_encoder(&mut self) {
         self.spi3.slave = self.board.encoder.slave();
     }
 
-    /// Address of the vector table.
+    /// Address of the vector table that the program has set; the start of the flash before that.
     #[must_use]
     pub fn vectors(&self) -> u32 {
         match self.system.get(0xed08) {
@@ -205,7 +207,7 @@ impl Chip {
         self.rcc.sysclk_hz()
     }
 
-    /// The serial port that links the board to the desktop.
+    /// The serial port that links the board to the computer.
     pub fn link(&mut self) -> &mut Uart {
         match self.board.link_is_usart2 {
             true => &mut self.usart2,
@@ -213,16 +215,17 @@ impl Chip {
         }
     }
 
-    /// A store to the flash memory.
+    /// Takes the program's store of a word to flash, so that the flash controller can carry it out or undo it.
     pub fn store_to_flash(&mut self, address: u32, before: u32, value: u32) {
         let now = self.core.now;
         self.flash.store(address, value, now);
-        // The memory must not keep what Unicorn stores: undone, or done rightly, at the next boundary.
+        // Unicorn writes the value to its memory itself. At the next instruction boundary this write is undone or replaced by the
+        // result of the flash model.
         self.flash.stores.push((address, before));
         self.core.interrupted = true;
     }
 
-    /// Gives the simulated world the new state of the power bridge.
+    /// Passes the power bridge's new state to the simulated world.
     fn drive_world(&mut self) {
         let now = self.core.now;
         let duty = self.bridge.duty();
@@ -263,7 +266,7 @@ impl Chip {
         self.count_places();
     }
 
-    /// Places in flash are counted for those that work in every period.
+    /// Counts fetches from flash by address while the current loop or the control interrupt runs.
     fn count_places(&mut self) {
         let runs = self.running.last().map(|running| running.exception);
         self.core.is_counting = matches!(runs, Some(CURRENT_LOOP | CONTROL_TICK));
@@ -287,11 +290,11 @@ impl Chip {
         Some(())
     }
 
-    /// Value of the DAC's channel 1, an integer of 12 bits.
+    /// Code of the digital-to-analog converter's channel 1, 0 to 4,095.
     #[must_use]
     pub fn dac(&self) -> u32 {
         let dac = &self.plain[1];
-        // Enabled: DHR12R1.
+        // If channel 1 is enabled (EN1), its code is in DHR12R1.
         if dac.get(0x00) & 1 != 0 {
             dac.get(0x08) & 0xfff
         } else {
@@ -310,7 +313,7 @@ impl Chip {
         })
     }
 
-    /// The GPIO port of this index.
+    /// The GPIO port with this index: 0 is port A.
     pub fn port(&mut self, index: usize) -> &mut Port {
         &mut self.ports[index]
     }

@@ -1,16 +1,16 @@
-//! Events that need no instruction: the switching edges of the power bridge, the conversions that the edges trigger, and everything
-//! else that is due at a time.
+//! Events that need no instruction: the switching edges of the power bridge, the conversions that the edges trigger, and all other
+//! timed events.
 
 use super::Chip;
 use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
-/// Interval in cycles at which the current of a short circuit is examined.
+/// Time between two steps of a short circuit's current, in processor cycles.
 const LOOK: u64 = 4;
 
 impl Chip {
-    /// Time of the next event.
+    /// Time of the next event, in processor cycles.
     #[must_use]
     pub fn next_event(&self) -> u64 {
         let timers = self
@@ -34,7 +34,7 @@ impl Chip {
             .min(self.flash.next_event());
         let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
         let fast = self.bridge.next_event().min(self.spi3.next_event());
-        // A short's current is looked at as often as instructions allow.
+        // The current of a short circuit rises fast, so it is checked as often as the instructions allow.
         let short = match self.world.short {
             Some(short) if self.bridge.is_on() || short.current_a != 0.0 => self.core.now + LOOK,
             _ => NEVER,
@@ -48,10 +48,10 @@ impl Chip {
             .min(storm)
     }
 
-    /// Carries out the events that are due.
+    /// Carries out all events that are due at the present time.
     pub fn advance(&mut self) {
         let now = self.core.now;
-        // In the order of time: what a converter sees depends on what the bridge did before.
+        // Events are handled in the order of their times, because a converter's sample depends on the bridge's earlier switching.
         while let Some((time, edge)) = self.bridge.next_edge(now) {
             self.convert(time);
             let triggers = match edge {
@@ -98,7 +98,7 @@ impl Chip {
         self.core.interrupted = false;
     }
 
-    /// Advances the current of a short circuit with the transistors as they are, and lets the comparators compare.
+    /// Advances the current of a short circuit with the present states of the transistors, and updates the comparators.
     fn advance_short(&mut self, now: u64) {
         let legs = self.bridge.legs(now);
         self.world.advance_short(now, legs);
@@ -106,7 +106,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// Lets the converters sample and finish everything that is due until a time.
+    /// Lets the analog-to-digital converters sample and finish all conversions that are due until a time.
     fn convert(&mut self, until: u64) {
         loop {
             let next = self
@@ -134,7 +134,8 @@ impl Chip {
         }
     }
 
-    /// Runs once a half period and passes the shaft to the encoders, the break input and the supply.
+    /// Runs twice per PWM period: moves the simulated world on, and passes the shaft's angle to the encoders and the levels to the
+    /// break input.
     fn on_period(&mut self, _edge: Edge, now: u64) {
         self.world.advance(now);
         self.world.sensors.look();

@@ -1,8 +1,8 @@
-//! Counters of instructions and cycles, which every instruction touches, and the decision when to stop.
+//! Counters of instructions and cycles, updated with every instruction, and the decision when the processor stops.
 
 use super::decode::{Info, Kind, REFILL};
 
-/// Where code may be, each half-word with a decoded instruction or none yet.
+/// Decoded instructions of one code memory. It has an entry per half-word, `None` until the instruction there is first executed.
 #[derive(Debug)]
 struct Cache {
     base: u32,
@@ -14,11 +14,11 @@ struct Cache {
 pub enum Stop {
     /// The time slice is over, or something changed that may raise an interrupt.
     Slice,
-    /// Stopped before a WFE.
+    /// The processor stopped before a WFE (wait for event) instruction.
     WaitEvent,
-    /// Stopped before a WFI.
+    /// The processor stopped before a WFI (wait for interrupt) instruction.
     WaitInterrupt,
-    /// Stopped before an instruction that is not modelled.
+    /// The processor stopped before an instruction that is not modelled.
     Unsupported,
 }
 
@@ -28,7 +28,7 @@ pub struct Watch {
     /// Name of the function for reports.
     pub name: String,
     start: u32,
-    /// Where the present call returns to, with the stack that it had, and the counters at its start.
+    /// The present call, if the function is running: return address, exception depth, and the cost counters at its start.
     call: Option<Call>,
     /// Number of calls.
     pub calls: u64,
@@ -48,14 +48,15 @@ struct Call {
 pub struct Cost {
     /// Number of instructions, including those that an IT block skips.
     pub instructions: u64,
-    /// Number of cycles by the table of instruction times, see [`super::decode`].
+    /// Number of cycles by the manual's table of instruction times, see [`super::decode`].
     pub cycles: u64,
-    /// Double words of flash that are not those of the fetch before, and constants read beside the code.
+    /// Number of double words that were fetched from flash: those that differ from the previous fetch, and constants read beside
+    /// the code.
     pub fetches: u64,
 }
 
 impl Cost {
-    /// The costs since `earlier`.
+    /// The difference of each counter to its value in `earlier`.
     #[must_use]
     pub fn since(self, earlier: Self) -> Self {
         Self {
@@ -65,7 +66,7 @@ impl Cost {
         }
     }
 
-    /// The larger value of two costs, for each counter by itself.
+    /// The larger of the two values, for each of the three counters by itself.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
         Self {
@@ -75,16 +76,16 @@ impl Cost {
         }
     }
 
-    /// Cycles if the processor waits for each fetch: no cache, no prefetch, nothing in parallel. Real flash takes
-    /// fewer. Reads of tables in flash are not included.
+    /// Cycles if the processor waits for each fetch: no cache, no prefetch, nothing in parallel. Real flash takes fewer cycles.
+    /// Reads of tables in flash are not included.
     #[must_use]
     pub const fn waiting(self) -> u64 {
         self.cycles + WAIT_STATES * self.fetches
     }
 }
 
-/// Wait states of the flash at 170 MHz, the voltage in range 1, boosted (RM0440, table 29): what the firmware must
-/// set, `registers.tsv`.
+/// Wait states of the flash at 170 MHz, in voltage range 1 boosted (RM0440, table 29). `registers.tsv` checks that the firmware
+/// sets as many.
 pub const WAIT_STATES: u64 = 4;
 
 /// Registers, memories and counters of the processor.
@@ -92,7 +93,7 @@ pub const WAIT_STATES: u64 = 4;
 pub struct Core {
     /// Time since power-on, in processor cycles.
     pub now: u64,
-    /// Costs of the executed instructions; cycles by the table, without wait states.
+    /// Costs of the executed instructions, with cycles by the manual's table and without wait states.
     pub spent: Cost,
     /// Time in cycles at which the processor stops.
     pub limit: u64,
@@ -102,31 +103,30 @@ pub struct Core {
     pub stop: Stop,
     /// Whether the float unit was used since the last exception began.
     pub float_used: bool,
-    /// The event register, which WFE reads.
+    /// The processor's event register, which the instruction WFE reads.
     pub event: bool,
-    /// Every instruction takes this many times its cycles, in 256ths: 256 by the table. More stands for wait states, or, far
-    /// more, for a program that takes too long.
+    /// Factor on the cycles of every instruction, in 256ths: 256 means the manual's cycles. A larger value stands for wait states,
+    /// or for a program that is far too slow.
     pub stretch: u64,
-    /// End of the last instruction or IT block, if it was executed in this slice.
+    /// End address of the last instruction or IT block; `None` if the present time slice has executed none yet.
     end: Option<u32>,
-    /// Where the present IT block begins; `u32::MAX` outside of one.
+    /// Address at which the present IT (if-then) block begins; `u32::MAX` outside of a block.
     block_start: u32,
-    /// The double word of flash that was fetched last.
+    /// Number of the double word of flash that was fetched last: its address divided by eight.
     fetched: u32,
-    /// Flash, CCM, RAM: by their addresses.
+    /// Decoded instructions of flash, CCM and RAM, in the order of their addresses.
     caches: [Cache; 3],
-    /// How often each double word of flash was fetched while [`Core::is_counting`]; empty unless a caller made room
-    /// for it.
+    /// Number of fetches of each double word of flash while [`Core::is_counting`]; empty unless a caller allocated it.
     pub by_place: Vec<u32>,
-    /// Whether the running code is code whose fetches are counted per address.
+    /// Whether fetches are counted by address, because the current loop or the control interrupt runs.
     pub is_counting: bool,
     /// Functions whose calls are counted.
     pub watches: Vec<Watch>,
-    /// Addresses where watched functions begin, and where their calls return to.
+    /// Addresses where watched functions begin, and to which their calls return.
     watch_points: Vec<u32>,
-    /// Number of exceptions that run inside each other.
+    /// Nesting depth: number of exception handlers that are running, each inside the previous one.
     pub depth: usize,
-    /// Cost of each level of exceptions; level 0 is the thread.
+    /// Cost of each nesting level of exceptions; level 0 is the main program.
     pub by_depth: [Cost; 8],
 }
 
@@ -160,7 +160,7 @@ impl Core {
         }
     }
 
-    /// Counts the calls of a function.
+    /// Counts the calls and the cost of the function that begins at address `start`.
     pub fn watch(&mut self, name: &str, start: u32) {
         let (name, call, worst) = (name.to_owned(), None, Cost::default());
         self.watch_points.push(start);
@@ -173,7 +173,7 @@ impl Core {
         });
     }
 
-    /// Sets the state after a reset; the time is not reset.
+    /// Sets the processor to its state after a reset; the time goes on.
     pub fn reset(&mut self) {
         self.end = None;
         self.block_start = u32::MAX;
@@ -201,7 +201,7 @@ impl Core {
         let at = address.wrapping_sub(cache.base) as usize / 2;
         match cache.infos.get(at) {
             Some(info) => *info,
-            // Code elsewhere is not met.
+            // The program executes no code outside the cached range.
             None => Some(Info::SIMPLE),
         }
     }
@@ -247,9 +247,7 @@ impl Core {
         self.now += cycles;
     }
 
-    /// Called before an instruction is executed. `true`: stop before it.
-    ///
-    /// `link` and `stack` are read only where a watched function begins.
+    /// Called before an instruction is executed: counts it. Returns whether the processor must stop before the instruction.
     #[inline]
     pub fn step(&mut self, address: u32, size: u32, info: Info) -> bool {
         if address < self.caches[1].base {
@@ -262,8 +260,8 @@ impl Core {
         }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {
-                // In an IT block, which counts as one instruction and cannot be stopped in. Its head was charged with a cycle
-                // for each of its instructions, executed or not.
+                // This instruction is inside an IT block. A block counts as one instruction and cannot be interrupted inside. Its
+                // IT instruction was already charged with one cycle for each instruction of the block, executed or not.
                 self.spend(0, u64::from(info.cycles) - 1);
                 self.end = Some(end);
                 return false;
@@ -306,14 +304,15 @@ impl Core {
         false
     }
 
-    /// Whether a watched function may begin here, or a call of one return.
+    /// Whether a watched function may begin at this address, or one of its calls return to it.
     #[inline]
     #[must_use]
     pub fn may_be_watched(&self, address: u32) -> bool {
         self.watch_points.contains(&address)
     }
 
-    /// Looks at the watched functions at an address, with the link register's value.
+    /// Updates the watched functions when the processor reaches an address: starts or ends a call. `link` is the link register's
+    /// value, the call's return address.
     pub fn watch_at(&mut self, address: u32, link: u32) {
         let spent = self.by_depth[self.depth.min(7)];
         let depth = self.depth;

@@ -26,11 +26,11 @@ pub enum Kind {
     Mask,
     /// Uses the floating-point unit, so the next exception frame includes the floating-point registers.
     Float,
-    /// WFE: waits for an event.
+    /// The instruction WFE, which waits for an event.
     WaitEvent,
-    /// WFI: waits for an interrupt.
+    /// The instruction WFI, which waits for an interrupt.
     WaitInterrupt,
-    /// SEV: sends an event.
+    /// The instruction SEV, which sends an event.
     SendEvent,
     /// Reads the register IPSR (number of the running exception), whose value Unicorn does not hold in this emulator.
     ReadIpsr,
@@ -117,7 +117,7 @@ const fn narrow(op: u16) -> Info {
             0x30 => info(1, Kind::WaitInterrupt),
             0x40 => info(1, Kind::SendEvent),
             hint if hint & 15 == 0 => info(1, Kind::Plain),
-            // The lowest bit set of the mask ends the block.
+            // The lowest set bit of the mask marks the length of the IT block.
             mask => {
                 let count = 4 - (mask & 15).trailing_zeros() as u8;
                 info(
@@ -134,7 +134,7 @@ const fn narrow(op: u16) -> Info {
         0xb4 | 0xb5 | 0xbc | 0xbd => info(1 + (op & 0x1ff).count_ones(), Kind::Plain),
         // STM, LDM.
         0xc0..=0xcf => info(1 + (op & 0xff).count_ones(), Kind::Plain),
-        // LDR literal, all loads and stores with an offset.
+        // LDR (literal) and all loads and stores with an offset.
         0x48..=0x9f => info(2, Kind::Plain),
         _ => info(1, Kind::Plain),
     }
@@ -166,7 +166,7 @@ const fn float(first: u16, second: u16) -> Info {
     }
     let load_or_store = first & 0x0200 == 0;
     if load_or_store {
-        // VLDR and VSTR have P set and W clear, the multiple ones not.
+        // VLDR and VSTR have P set and W clear; VLDM and VSTM have other values.
         let single = first & 0x0120 == 0x0100;
         let words = if single { 1 } else { (second & 0xff) as u32 };
         return info(1 + words, Kind::Float);
@@ -187,7 +187,7 @@ const fn float(first: u16, second: u16) -> Info {
 }
 
 const fn system(first: u16, second: u16) -> Info {
-    // MSR; MRS of IPSR and of the combinations with it.
+    // MSR; MRS from IPSR and from the combined registers that contain it.
     if first & 0xfff0 == 0xf380 && second & 0xff00 == 0x8800 {
         return info(2, Kind::Mask);
     }

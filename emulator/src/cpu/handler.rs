@@ -5,13 +5,13 @@ use super::nvic::FIRST;
 
 /// Exception number of the current loop, which runs once per PWM period.
 pub const CURRENT_LOOP: usize = FIRST + 18;
-/// Exception number of the control tick, which runs once per control period.
+/// Exception number of the control interrupt, which runs once per control period.
 pub const CONTROL_TICK: usize = FIRST + 49;
 
 /// An exception whose handler has been entered and has not returned.
 #[derive(Debug, Clone, Copy)]
 pub struct Running {
-    /// Exception number, as in the register IPSR.
+    /// Number of the exception, as in the register IPSR.
     pub exception: usize,
     /// Time at which the handler was entered, in processor cycles.
     pub entered: u64,

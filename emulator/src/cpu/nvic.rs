@@ -1,9 +1,9 @@
-//! Which exception runs next: pending, enabled, active, priorities, masks.
+//! The interrupt controller: decides which exception runs next, from pending, enabled and active exceptions, priorities and masks.
 //!
-//! Numbers are those of exceptions: 3 HardFault, 14 PendSV, 15 SysTick, 16 + n interrupt n. All priority bits preempt (the
-//! reset value of `PRIGROUP`; the firmware does not change it).
+//! Numbers are those of exceptions: 3 HardFault, 14 PendSV, 15 SysTick, 16 + n interrupt n. All bits of a priority decide about
+//! preemption (the reset value of `PRIGROUP`; the firmware does not change it).
 
-/// Number of the first external interrupt.
+/// Exception number of interrupt 0; interrupt n has 16 + n.
 pub const FIRST: usize = 16;
 /// Number of modelled exceptions: 16 of the system and 112 interrupts.
 const COUNT: usize = 128;
@@ -13,15 +13,15 @@ pub const HARD_FAULT: usize = 3;
 /// The processor's registers that mask exceptions.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Masks {
-    /// PRIMASK.
+    /// Register PRIMASK: while true, all exceptions of configurable priority are masked.
     pub primask: bool,
-    /// BASEPRI, 0 for none.
+    /// Register BASEPRI: exceptions of this priority and below are masked; 0 masks none.
     pub basepri: u8,
-    /// FAULTMASK.
+    /// Register FAULTMASK: while true, all exceptions except NMI are masked.
     pub faultmask: bool,
 }
 
-/// The lowest priority, at which the thread runs.
+/// The lowest priority, at which the main program runs.
 const THREAD: i16 = 256;
 
 /// The interrupt controller (NVIC).
@@ -37,7 +37,7 @@ pub struct Nvic {
 impl Default for Nvic {
     fn default() -> Self {
         Self {
-            // The system's own need no enabling.
+            // The system exceptions are always enabled.
             enabled: 0xffff,
             pending: 0,
             active: 0,
@@ -153,7 +153,8 @@ impl Nvic {
             0x000..0x010 => self.enabled |= mask(offset),
             0x080..0x090 => self.enabled &= !mask(offset - 0x80),
             0x100..0x110 => self.pending |= mask(offset - 0x100),
-            // A line that is still up stays pending (DUI0553, "Hardware and software control of interrupts"; from memory).
+            // An interrupt whose line is still active stays pending (DUI0553, "Hardware and software control of interrupts"; from
+            // memory).
             0x180..0x190 => self.pending &= !mask(offset - 0x180) | self.lines,
             0x300..0x370 => {
                 let at = FIRST + offset as usize - 0x300;

@@ -1,6 +1,6 @@
 //! Tests of several virtual walls at once on the emulated device: detents, a wall on the other side and end stops, pressed by a
 //! hand. The device's forces must equal those of the same environment computed on the host, bit for bit. The environment is also
-//! changed under the hand, kept in flash, and refused where it is invalid.
+//! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
 
 use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
@@ -23,11 +23,12 @@ use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Largest rate at which a change of the environment may change the force, N·m/s.
+/// Largest rate at which the force may change when one environment (walls, detents) replaces another, N·m/s.
 const CHANGE: &str = "0.5";
-/// Largest number of control ticks for which the environments before and after a change may give the same force.
+/// Largest number of control periods for which two environments (walls, detents) may give the same force when one replaces the
+/// other.
 const SAME_FORCES: usize = 50;
-/// Reach of the hand to each side without a resisting force, rad. The reach goes beyond the two end stops.
+/// How far the hand turns the knob to each side, rad, if no force resists. Both end stops lie within this range.
 const REACH_RAD: f64 = 0.35;
 
 /// Runs the tests of several walls on boards with enough memory. On other boards it checks that the device refuses an environment.
@@ -43,7 +44,7 @@ fn si(text: &str) -> Decimal {
     text.parse().unwrap_or_default()
 }
 
-/// An environment of all elements: detents all around, a force profile, a wall behind the hand and end stops on either side.
+/// An environment with every kind of element: detents all around, a force profile, a wall behind the hand, and two end stops.
 fn all(setup: &Setup) -> Surround {
     let strength = Si::saturating_from_num(0.2 * setup.board.press_n_m);
     let [wall, ..] = setup.board.walls;
@@ -68,7 +69,7 @@ fn all(setup: &Setup) -> Surround {
             strength_n_m: Decimal(strength),
             centre_rad: si("0.01"),
         }),
-        // A slope up, a step down, and a level part.
+        // The torque of this profile rises, falls steeply from one limit to the other, and ends with a level part.
         profile: Shape::new(&[-3_000, WHOLE, -WHOLE, 500, 500]).ok().map(|shape| {
             ProfileBeside {
                 per_rev: 5,
@@ -103,7 +104,7 @@ fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> 
     }
 }
 
-/// Lets a hand sweep to and fro through the environment, and changes the environment meanwhile.
+/// Lets a hand sweep to and fro through the environment (walls, detents), and changes the environment meanwhile.
 fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     bench.calibrate()?;
@@ -114,7 +115,7 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     let here = bench.machine.chip().world.angle_rad();
-    // Plus the deflection of the hand itself under a press of this board.
+    // The hand moves farther than `REACH_RAD` by its own deflection under this board's press.
     let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
     let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
@@ -154,10 +155,11 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
-/// Computes the environments' forces on the host from the device's encoder counts, and compares them with the device's forces.
+/// Computes the forces of the environments (walls, detents) on the host from the device's encoder counts, and compares them with
+/// the device's forces.
 ///
-/// The telemetry does not say from which tick on a change is active. The function finds that tick by comparing forces: from there
-/// on, all forces must be those of the next environment.
+/// The telemetry does not say from which control period (tick) on a new environment is active. The function finds that period by
+/// comparing forces: from there on, all forces must be those of the new environment.
 fn compared(
     settings: &DeviceSettings,
     board: Board,
@@ -176,7 +178,7 @@ fn compared(
     let mut next = left.next();
     let (mut changes, mut pushed) = (Vec::new(), [0_u32; 2]);
     let mut most = 0.0_f64;
-    // Before each of the last ticks.
+    // The environments as they were before each of the last control ticks.
     let mut before: Vec<Environment<Fixed32>> = Vec::new();
     let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
         let count = i64::from(record.count);
@@ -195,7 +197,8 @@ fn compared(
         if force.0 != record.force_n_m {
             let new = next.ok_or_else(|| differs(record, force))?;
             let fresh = built(new)?;
-            // The one that was taken over from last, with forces that were the same in the ticks since.
+            // The device took the new environment over in one of the last `SAME_FORCES` ticks, since when the forces were the same.
+            // The latest of these ticks that explains the forces is searched for.
             let found = (0..SAME_FORCES.min(index + 1)).find_map(|back| {
                 let mut taken = fresh;
                 taken.take_over(before.get(index - back)?, new.change_per_tick(settings));
@@ -212,7 +215,8 @@ fn compared(
         let torque: f64 = record.force_n_m.to_num();
         pushed[usize::from(torque < 0.0)] += u32::from(torque != 0.0);
         most = most.max(torque.abs());
-        // What held the torque back is told to the guard, and in no record of the law's.
+        // The fade-in reduces the torque after the law. The records do not contain the law's torque before it, so there is nothing
+        // to compare.
         if Limits::from_wire(record.limits).has(Limit::FadeIn) && record.force_n_m != 0 {
             return Err("a force while the torque fades in: nothing to compare with".into());
         }
@@ -247,10 +251,12 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
     )
 }
 
-/// Checks that an invalid environment is refused without effect, and that a saved environment is active after a restart.
+/// Checks that an invalid environment (walls, detents) is refused without effect, and that a saved environment is active after a
+/// restart.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
-    // The largest possible environment, because the watchdog already runs while the device builds it.
+    // The largest possible environment takes longest to build. The watchdog already runs while the device builds it after the
+    // restart.
     let [softer, stiffer] = setup.board.walls;
     let far = |k: Si, at| WallBeside {
         at_rad: si(at),
@@ -279,7 +285,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
         Err(Refusal::Invalid(invalid)) if &*invalid.path == "environment.endstops.upper_rad" => {}
         other => return Err(format!("ends the wrong way round: {other:?}")),
     }
-    // Settings with which the environment would be invalid.
+    // With this force limit the present environment would be invalid, so the device must refuse these settings.
     let mut settings = bench.settings()?;
     settings.law.force_limit_n_m = Si::lit("0.002");
     match bench.ask(Request::SetAll(settings))? {
@@ -305,7 +311,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok("saved, read and at work after a start; two wrong ones refused".into())
 }
 
-/// Checks that a board without room for environments answers `NotUnderstood`, and then works on.
+/// Checks that a board without memory for environments (walls, detents) answers `NotUnderstood`, and then works on.
 fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;

@@ -15,13 +15,13 @@ use crate::cpu::elf::Program;
 pub struct Outcome {
     /// Time in µs from the injection until the outputs were off; `None` if they were off already or stayed on.
     pub off_us: Option<f64>,
-    /// Fault code that the device latched; `None` if it latched none.
+    /// Fault code that the device latched; `None` if the device latched none.
     pub code: Option<FaultCode>,
     /// Description of what deviates from the expected result; `None` if nothing does.
     pub wrong: Option<String>,
 }
 
-/// A device under test.
+/// A device under test, on which injections run one after the other.
 pub struct Campaign {
     bench: Bench,
     fresh: bool,
@@ -30,14 +30,14 @@ pub struct Campaign {
 /// Time in cycles for which the device is watched after its outputs are off.
 const WATCHED: u64 = 30 * MS;
 
-/// The fault's value where the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
+/// Value of the fault `CalibrationFailed` if the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
 const UNEVEN: i32 = 4;
 
-/// A shaft counts as resting if it stays within this angle for a tenth of a second, rad: a thousandth of a turn.
+/// Angle within which a shaft must stay for a tenth of a second to count as resting, rad: a thousandth of a turn.
 const RESTS_RAD: f64 = 6e-3;
 
 impl Campaign {
-    /// Boots a device with an encoder, and sets the encoder and a fast calibration.
+    /// Boots a device with an encoder, and configures the encoder and a fast calibration.
     ///
     /// # Errors
     /// The program does not start.
@@ -49,14 +49,15 @@ impl Campaign {
             settings.encoder.kind = kind;
             settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
             settings.wall.surface_rad = Si::lit("0.3");
-            // A person calibrates once; here it is every few seconds.
+            // This test calibrates every few seconds, while a user calibrates once. So the motor must bear the calibration's
+            // current for ever.
             settings.motor.continuous_current_a = settings.calibration.current_a;
         })?;
         bench.demand(Request::Save)?;
         Ok(Self { bench, fresh: true })
     }
 
-    /// The bench.
+    /// The test bench with the emulated device.
     pub fn bench(&mut self) -> &mut Bench {
         &mut self.bench
     }
@@ -112,7 +113,7 @@ impl Campaign {
         }
         if when == When::Calibrating {
             bench.demand(Request::Command(DeviceCommand::Calibrate))?;
-            // Past the measurement of the offsets, when the field turns.
+            // The outputs are switched on after the measurement of the current offsets. 200 ms later the calibration's field turns.
             bench.run_until("the outputs on", 3_000 * MS, |bench| bench.is_on())?;
             return bench.run(200 * MS);
         }
@@ -185,7 +186,7 @@ impl Campaign {
                     self.bench.run(WATCHED)?;
                 }
                 self.is_off(begin, was_on, limit, outcome)?;
-                // A watchdog has bitten by now where nothing else can help.
+                // Where only the watchdog can end the fault, it has reset the processor within this time.
                 if codes.contains(&FaultCode::Watchdog) {
                     self.bench.run(150 * MS)?;
                 }
@@ -199,7 +200,7 @@ impl Campaign {
         }
     }
 
-    /// Checks that the outputs went off in time and did not go on again.
+    /// Checks that the outputs were switched off in time and stayed off.
     fn is_off(
         &mut self,
         begin: u64,
@@ -232,7 +233,7 @@ impl Campaign {
         Ok(())
     }
 
-    /// Checks that the outputs ended switched off in time, whatever they did before.
+    /// Checks that the outputs are off at the end of the allowed time and stay off, even if they were switched on and off before.
     fn is_off_at_last(
         &mut self,
         begin: u64,
@@ -262,7 +263,7 @@ impl Campaign {
     ) -> Result<(), String> {
         let persistent_hang = matches!(injection.fault, Fault::Storm(..) | Fault::Slow(_));
         if persistent_hang {
-            // As long as it lasts the device cannot answer.
+            // The device cannot answer while this fault lasts, so the fault is removed first.
             injection.fault.remove(&mut self.bench);
             self.bench.run(200 * MS)?;
         }
@@ -293,7 +294,7 @@ impl Campaign {
         if after != outcome.code {
             return Err(format!("{after:?} has replaced the first cause"));
         }
-        // The cause is gone: still nothing happens by itself.
+        // The cause of the fault is removed. The device must still not arm on its own.
         self.mend(injection);
         self.does_not_rearm(begin, &[DeviceCommand::Arm, DeviceCommand::Calibrate])?;
         if !self.bench.command(DeviceCommand::Stop)? {
@@ -316,7 +317,8 @@ impl Campaign {
         }
     }
 
-    /// Checks that the device goes on undisturbed.
+    /// Checks that the fault does not disturb the device: it stays armed and keeps sending telemetry. After a rise in temperature
+    /// it must reduce the current limit.
     fn goes_on(&mut self, injection: &Injection) -> Result<(), String> {
         let from = self.bench.link.telemetry.len();
         let before = self.bench.now();
@@ -325,7 +327,7 @@ impl Campaign {
             .run_until("the line quiet", 5_000 * MS, |bench| {
                 bench.machine.chip_mut().link().on_the_line() == 0
             })?;
-        // Ends whatever frame the noise has begun.
+        // The zero byte ends a frame that the noise may have begun.
         self.bench.send(&[0]);
         self.bench.run(20 * MS)?;
         let status = self.bench.status()?;
@@ -349,9 +351,9 @@ impl Campaign {
     }
 }
 
-/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings
-/// on for seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched all
-/// the time: a knob that swings ten times a second is in the same place after each tenth.
+/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings on for
+/// seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched without a break: a knob
+/// that swings ten times a second is in the same position after each tenth.
 fn rest(bench: &mut Bench) -> Result<(), String> {
     for _ in 0..100 {
         let mut within_rad = [f64::INFINITY, f64::NEG_INFINITY];
@@ -367,8 +369,8 @@ fn rest(bench: &mut Bench) -> Result<(), String> {
     Err("the shaft does not come to rest in ten seconds".into())
 }
 
-/// Calibrates, and once more if the calibration is refused as uneven, as a person would. A light rotor that stood
-/// against the field, held by friction, comes loose at nearly full current and swings too far.
+/// Calibrates the device. If the calibration is refused as uneven, it calibrates once more, as a person would. A light rotor that
+/// stood against the field, held by friction, comes loose at nearly full current and swings too far.
 fn calibrate(bench: &mut Bench) -> Result<(), String> {
     let uneven = |bench: &mut Bench| {
         let fault = bench.status()?.fault;

@@ -1,4 +1,4 @@
-//! Checks that are not fault injections: the press of the thesis, settings in flash, noise on the serial line, and the
+//! Checks that are not fault injections: a hand's press on the wall, settings in flash, noise on the serial line, and the
 //! repeatability of the emulator.
 
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
@@ -45,7 +45,8 @@ pub const CHECKS: &[Check] = &[
 /// The check that runs only once, because it tests the emulator and no board.
 pub const OF_THE_EMULATOR: Check = ("the same twice", the_same_twice);
 
-/// Number of random frames in the campaign. `touchstone-emulator noise` sends as many as requested, for instance a million.
+/// Number of random frames that the fault-injection campaign sends. `touchstone-emulator noise` sends as many as requested, for
+/// instance a million.
 const NOISE_FRAMES: u64 = 2_000;
 
 fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {

@@ -1,6 +1,6 @@
 //! Tests of the map that compensates a motor's cogging torque. The map is measured over the serial line as `touchstone device
-//! cogging measure` does, computed by the desktop's code, stored in flash and applied. The simulated world's true cogging, which
-//! the device does not know, is the reference.
+//! cogging measure` does, computed by the code that runs on the computer, stored in flash and applied. The reference is the true
+//! cogging of the simulated motor, which the device does not know.
 
 #[path = "../../../host-sim/lab/src/identify/cogging.rs"]
 mod identify;
@@ -24,18 +24,19 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, number};
 use crate::cpu::elf::Program;
 
-/// Longest time in processor cycles for a calibration and a sweep. The calibration turns the field by four electrical turns per
-/// second; the sweep is two and a quarter turns each way at a quarter of a turn per second.
+/// Longest time in processor cycles for a calibration and a cogging sweep. The calibration turns the field by four electrical turns
+/// per second; the sweep is two and a quarter turns each way at a quarter of a turn per second.
 const SWEPT: u64 = 40_000 * MS;
-/// Shaft speed of the turns in which a wrong or refused map is tested, rad/s.
+/// Shaft speed in rad/s at which a wrong or refused cogging map is tested.
 const SLOW: f64 = 2.0;
-/// Shaft speeds of the turns with and without the map, rad/s.
+/// Shaft speeds in rad/s at which the ripple is measured with and without the cogging map.
 const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
-/// Largest fraction of the cogging torque that may remain with the map, for each speed in [`SPEEDS`].
+/// Largest fraction of the cogging torque that may remain with the cogging map, for each speed in [`SPEEDS`].
 const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
-/// Largest relative deviation from the full cogging torque while no map is applied.
+/// Largest relative deviation from the full cogging torque while no cogging map is applied.
 const ALL: f64 = 0.01;
-/// Largest fraction of the shaft's ripple that may remain in a sweep with the map. `touchstone device cogging` accepts up to 0.7.
+/// Largest fraction of the shaft's ripple that may remain in a sweep with the cogging map. `touchstone device cogging` accepts up
+/// to 0.7.
 const RIPPLE_LEFT_MOST: f64 = 0.5;
 
 const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -46,8 +47,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Cogging torque of a motor with 12 slots and 14 poles, 0.77 mN·m in total as an effective value. It has the least common multiple
-/// (84 periods per turn), twice that, and 12 and 14 periods due to unequal slots and magnets. The wall may push with 45 mN·m.
+/// Cogging torque of a motor with 12 slots and 14 poles, 0.77 mN·m in total as an effective value. The components have 84 periods
+/// per turn (the least common multiple), 168, and 12 and 14 due to unequal slots and magnets. The wall may push with 45 mN·m.
 pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),
@@ -55,17 +56,18 @@ pub(super) const COGGING: [Harmonic; 4] = [
     part(2.5e-4, 14.0, 3.0),
 ];
 
-/// Largest error of a map at each order of the cogging: relative error of the amplitude, and error of the phase in degrees.
+/// Largest error of a cogging map at each number of periods per turn: relative error of the amplitude, and error of the phase in
+/// degrees.
 type Off = [(f64, f64); COGGING.len()];
-/// Largest errors of the map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz in the sweep,
-/// nearly all of the measured torque is due to the inertia, so that order may be off most.
+/// Largest errors of the measured cogging map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz
+/// in the sweep, nearly all of the measured torque is due to the inertia, so the largest error is allowed there.
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest errors of the map if the configured inertia is that of the knob.
+/// Largest errors of the measured cogging map if the configured inertia is that of the knob.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest torque of the map at orders without cogging, effective value in N·m.
+/// Largest torque of the cogging map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
-/// Measures, applies, stores and refuses the cogging map, on the reference board.
+/// Tests on the reference board that the cogging map is measured, applied, stored and, where it does not fit, refused.
 pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;
@@ -80,7 +82,7 @@ pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// Adds the results to the tally. The first failure ends the remaining tests.
+/// Runs the tests and adds their results to the tally. The first failure ends the remaining tests.
 fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), String> {
     let motor = setup.parts.motor;
     let bare = swept(bench, Sweep::Bare)?;
@@ -177,7 +179,7 @@ fn report(bench: &mut Bench) -> Result<CoggingReport, String> {
     }
 }
 
-/// Telemetry of a sweep, and the knob parameters that the desktop takes as known.
+/// Telemetry of a cogging sweep, and the knob's parameters that the computer takes as known.
 struct Told {
     ticks: Vec<SweepTick>,
     known: KnownKnob,
@@ -227,7 +229,7 @@ fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
     Ok(Told { ticks, known })
 }
 
-/// Current of a map at one order, A: `re cos(n θ) + im sin(n θ)`.
+/// Current of a cogging map at one number `n` of periods per turn, A, as the pair in `re cos(n θ) + im sin(n θ)`.
 fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
     let ampere = f64::from(1 << CURRENT_BITS);
     let parts = map.harmonics.iter();
@@ -237,9 +239,9 @@ fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
         .sum()
 }
 
-/// Compares a map with the current that would compensate the simulated cogging: amplitudes and phases.
+/// Compares amplitudes and phases of a cogging map with the current that would compensate the simulated cogging.
 ///
-/// Errors: the deviation is larger than `most`, or the map has too much torque at other orders.
+/// Errors: the deviation is larger than `most`, or the map has too much torque at numbers of periods per turn without cogging.
 fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Result<String, String> {
     let constant = motor.torque_constant_nm_per_a();
     let mut words = Vec::new();
@@ -269,7 +271,7 @@ fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Resul
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// The map with all signs reversed: it adds to the cogging instead of compensating it.
+/// The cogging map with all signs reversed: it adds to the cogging instead of compensating it.
 fn half_a_period_off(map: &CoggingMap) -> CoggingMap {
     let mut map = map.clone();
     for part in &mut map.harmonics {
@@ -283,7 +285,7 @@ fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
     turns.collect()
 }
 
-/// Checks that the full cogging torque remains without a map, and a small part of it with one.
+/// Checks that the full cogging torque remains without a cogging map, and a small part of it with one.
 fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;
@@ -299,8 +301,8 @@ fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// Checks that after a change of the settings the device reports that the map does not fit them, and that the full cogging torque
-/// remains.
+/// Checks that after a change of the settings the device reports that the cogging map does not fit them, and that the full cogging
+/// torque remains.
 fn refused(
     bench: &mut Bench,
     because: Unkept,
@@ -327,7 +329,7 @@ fn refused(
     }
 }
 
-/// Switches the power off and on. Checks that the saved map is then present, fits the settings and compensates the cogging.
+/// Switches the power off and on. Checks that the saved cogging map is then present, fits the settings and compensates the cogging.
 fn kept(bench: &mut Bench, map: &CoggingMap) -> Result<String, String> {
     power_on(bench);
     // The device computes the map before it answers requests: twelve harmonics take 15 ms.

@@ -1,6 +1,6 @@
-//! Tests of the measured eccentricity: an encoder whose magnet is off the axis and tilted. The desktop's code computes the
-//! eccentricity from the device's telemetry during calibration; the simulated world's true error, which the device does not know,
-//! is the reference.
+//! Tests of the measured eccentricity: an encoder whose magnet is off the axis and tilted. The code that runs on the computer
+//! computes the eccentricity from the device's telemetry during calibration. The reference is the true error of the simulated
+//! encoder, which the device does not know.
 
 #[allow(
     dead_code,
@@ -26,9 +26,10 @@ use crate::bench::{Bench, MS, Setup, number};
 use crate::cpu::elf::Program;
 use crate::world::EncoderError;
 
-/// Longest time in processor cycles for a calibration at the fastest field speed, and its measurement.
+/// Longest time in processor cycles for a calibration at the fastest field speed, together with the measurement of the
+/// eccentricity.
 const MEASURED: u64 = 60_000 * MS;
-/// Allowed error of the computed value, as a fraction of the true amplitude; one encoder count is allowed in addition.
+/// Allowed error of the computed eccentricity, as a fraction of the true amplitude; one encoder count is allowed in addition.
 const OFF_MOST: f64 = 0.01;
 /// Torque of a knob whose centre of mass is off its axis: as large as its friction.
 const WEIGHT: Harmonic = Harmonic {
@@ -37,7 +38,7 @@ const WEIGHT: Harmonic = Harmonic {
     phase: 0.7,
 };
 
-/// A magnet's angle errors at one and two periods per turn: amplitudes in degrees, and phases in rad.
+/// Errors of the encoder's angle due to its magnet, at one and two periods per turn: amplitudes in degrees, and phases in rad.
 #[derive(Clone, Copy)]
 struct Magnet([f64; 2], [f64; 2]);
 
@@ -50,7 +51,7 @@ const MAGNETS: [Magnet; 3] = [
 /// The magnet of the measurement with spins of the shaft, in which the knob's centre of mass is off its axis.
 const SPUN: Magnet = Magnet([1.0, 0.3], [2.2, -0.6]);
 
-/// Tests the measurement on the reference board.
+/// Tests the measurement of the eccentricity on the reference board.
 pub fn eccentricity(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;
@@ -141,8 +142,8 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     Ok((found, truth))
 }
 
-/// Compares the errors at one and two periods per turn with the true ones. They must be within twice the stated uncertainty or half
-/// a count, and within the limit [`OFF_MOST`].
+/// Compares the computed errors at one and two periods per turn with the true ones. They must be within twice the stated
+/// uncertainty or half a count, and within the limit [`OFF_MOST`].
 fn judged((found, truth): Found) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;

@@ -7,7 +7,7 @@ use crate::board::Source;
 use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
-/// The part of the firmware that a fault makes hang.
+/// The part of the firmware in which a fault is injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The main program outside of any interrupt handler.
@@ -16,16 +16,16 @@ pub enum Level {
     Interrupt(usize),
 }
 
-/// Handler of the interrupt that runs the current loop.
+/// Handler of the PWM interrupt, which runs the current loop.
 pub const CURRENT_LOOP: Level = Level::Interrupt(18);
-/// Handler of the interrupt that runs the control tick.
+/// Handler of the control interrupt, which runs a control period.
 pub const CONTROL_TICK: Level = Level::Interrupt(49);
-/// The serial port's handler.
+/// Handler of the interrupt of the serial port to the computer.
 pub const SERIAL: Level = Level::Interrupt(91);
-/// The serial port's handler on the B-G431B-ESC1.
+/// Handler of the interrupt of the serial port to the computer, on the B-G431B-ESC1.
 pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 
-/// Interrupt number of the timer LPTIM1, which starts the control tick.
+/// Number of the control interrupt, which uses the vector of the timer LPTIM1.
 pub const LPTIM1: u32 = 49;
 
 /// A fault that a test injects.
@@ -35,7 +35,7 @@ pub enum Fault {
     Sensor(usize, f64),
     /// The gate driver pulls the break input for this time in µs; 0 keeps it pulled.
     Break(u64),
-    /// A break for 1 us, this many us after a handler began.
+    /// A break of 1 us, which begins this many us after the handler began.
     BreakWithin(Level, u64),
     /// A comparator (1 to 4) reports too much current for this time in µs; 0 keeps the report.
     Comparator(u32, u64),
@@ -47,9 +47,9 @@ pub enum Fault {
     Thermistor(f64),
     /// A fault of the encoder on the serial bus.
     Encoder(SlaveFault),
-    /// A fault of the encoder on the serial bus that begins with a control tick.
+    /// A fault of the encoder on the serial bus that begins with a control period.
     EncoderAtTick(SlaveFault),
-    /// The encoder's frames never end.
+    /// The SPI bus of the encoder hangs: frames never end.
     BusHangs,
     /// The count of the incremental encoder stops changing.
     TrackHeld,
@@ -57,21 +57,22 @@ pub enum Fault {
     TrackJumps(i64),
     /// The shaft is turned from outside at this speed, rad/s.
     Turned(f64),
-    /// A person flicks the knob to this speed in rad/s for this time in µs, and then releases it.
+    /// A person turns the knob quickly, at this speed in rad/s for this time in µs, and then releases it.
     Flicked(f64, u64),
     /// Every instruction takes this many times its usual cycles.
     Slow(u64),
-    /// An interrupt without a cause is raised every given number of cycles.
+    /// An interrupt (first value: its number) is raised without a cause, again after this number of processor cycles (second
+    /// value).
     Storm(u32, u64),
     /// An interrupt is disabled in the interrupt controller for this time in µs; 0 keeps it disabled.
     Lost(u32, u64),
-    /// The main program masks the control tick for this time in µs; interrupts of higher priority run on.
+    /// The main program masks the control interrupt for this time in µs; interrupts of higher priority run on.
     HeldOff(u64),
-    /// Code hangs in an endless loop.
+    /// A part of the firmware hangs in an endless loop.
     Hang(Level),
     /// A part of the firmware executes an undefined instruction.
     Undefined(Level),
-    /// The stack overflows.
+    /// The stack of the firmware overflows.
     StackOverflow,
     /// The board's stop button is pressed for this time in µs.
     StopPressed(u64),
@@ -79,21 +80,21 @@ pub enum Fault {
     Supply(f64),
     /// The chip is reset.
     Reset(ResetCause),
-    /// The desktop requests a reset.
+    /// The computer requests a reset.
     Reboot,
     /// The serial line carries this many random bytes; the second value says whether they have framing errors.
     Noise(usize, bool),
 }
 
-/// The control tick's priority, as BASEPRI has it.
+/// Priority of the control interrupt as a value of the register BASEPRI.
 const CONTROL_PRIORITY: u32 = 2 << 4;
 
-/// Where interrupts are enabled and disabled, from 0xE000E100.
+/// Offsets from 0xE000E100 of the registers that enable interrupts (ISER) and, in the next constant, disable them (ICER).
 const ISER: u32 = 0x00;
 const ICER: u32 = 0x80;
 
-/// Runs to the beginning of a control tick at 1 kHz. Its handler also reads the encoder when the force changes, in the first half of a
-/// tick: what begins after a longer rest is the tick.
+/// Runs to the beginning of a control period at 1 kHz. The control interrupt's handler also runs for the second encoder reading, in
+/// the first half of a period. So a run of the handler after a longer pause is the beginning of a period.
 fn to_tick(bench: &mut Bench) -> Result<(), String> {
     bench.machine.run_to(CONTROL_TICK.exception())?;
     for _ in 0..3 {
@@ -111,7 +112,7 @@ impl Fault {
     /// Injects the fault now.
     ///
     /// # Errors
-    /// The part of the firmware that the fault must hit did not run.
+    /// The part of the firmware in which the fault is injected did not run.
     pub fn inject(self, bench: &mut Bench) -> Result<(), String> {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
@@ -205,7 +206,7 @@ impl Fault {
         Ok(())
     }
 
-    /// Whether the injection waits until the part of the firmware runs that the fault must hit.
+    /// Whether the injection first waits until the affected part of the firmware runs.
     #[must_use]
     pub const fn waits(self) -> bool {
         matches!(
@@ -267,8 +268,8 @@ impl Fault {
     }
 }
 
-/// 0.2 ms before a control tick falls due, at 1 kHz: where it falls depends on everything that was before, and a tick that is begun less than
-/// half a period late is no miss.
+/// Runs to 0.2 ms before a control period is due, at 1 kHz. The injection then hits the beginning of a period, whatever happened
+/// before. A period that begins less than half a period late is not counted as missed.
 fn before_a_control_tick(bench: &mut Bench) -> Result<(), String> {
     bench.machine.run_to(CONTROL_TICK.exception())?;
     bench.run(800 * US)
@@ -281,7 +282,7 @@ fn press(chip: &mut Chip, pressed: bool) {
 }
 
 impl Level {
-    /// The number of its exception; `None` for the thread.
+    /// The exception number of this part of the firmware; `None` for the main program.
     #[must_use]
     pub fn exception(self) -> Option<usize> {
         match self {
@@ -295,7 +296,7 @@ impl Level {
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next 64 bits.
+    /// The next 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

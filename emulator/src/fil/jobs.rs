@@ -1,4 +1,5 @@
-//! Splits the campaign into independent jobs. Each job has emulated devices of its own, so the order of the jobs does not matter.
+//! Splits the fault-injection campaign into independent jobs. Each job has emulated devices of its own, so the order of the jobs
+//! does not matter.
 
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
@@ -19,13 +20,14 @@ const FAST_LSI: u64 = 34_000;
 /// Number of injections per job: enough that starting and configuring a device takes little of the job's time.
 const PIECE: usize = 12;
 
-/// A sample has one of this many injections.
+/// The short form of the campaign (the sample) runs one of this many injections.
 const OF_ROWS: usize = 3;
 
-/// The reference board, on which a sample runs the checks. The other boards execute the same code.
+/// The board on which the short form of the campaign (the sample) runs all checks. The other boards execute the same code.
 const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 
-/// The checks that a sample runs on all boards. They depend on a board's pins and parts, except the one that runs only once.
+/// The checks that the short form of the campaign (the sample) runs on all boards. They depend on a board's pins and parts, except
+/// the one that runs only once.
 const ON_ALL_BOARDS: [&str; 4] = [
     OF_THE_EMULATOR.0,
     "boot and presses",
@@ -41,7 +43,7 @@ const BRIEF: [&str; 4] = [
     "cable pulled",
 ];
 
-/// The longest check, which takes a tenth of the whole campaign's time. No sample contains it.
+/// The longest check, which takes a tenth of the whole campaign's time. The short forms of the campaign leave it out.
 const LONGEST: &str = "cogging";
 
 /// Names of the boards that the emulator can model.
@@ -53,24 +55,24 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// The programs of the boards. Boards without a program are left out of the campaign.
+/// The firmware programs of the boards. Boards without a program are left out of the campaign.
 #[derive(Debug, Default)]
 pub struct Programs(Vec<(&'static str, Program)>);
 
 impl Programs {
-    /// Adds the program of a board.
+    /// Adds the firmware program of a board.
     pub fn add(&mut self, board: &'static str, program: Program) {
         self.0.push((board, program));
     }
 
-    /// Finds the program of a board.
+    /// The firmware program of a board; `None` if there is none.
     #[must_use]
     pub fn of(&self, board: &Board) -> Option<&Program> {
         let found = self.0.iter().find(|(name, _)| *name == board.name);
         found.map(|(_, program)| program)
     }
 
-    /// Number of boards with a program.
+    /// Number of boards for which there is a firmware program.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.len()
@@ -85,7 +87,7 @@ enum Work {
     },
 }
 
-/// One job of the campaign: injections or checks that run on devices of their own.
+/// One job of the fault-injection campaign: injections or checks that run on emulated devices of their own.
 pub struct Job<'a> {
     program: &'a Program,
     setup: Setup,
@@ -116,7 +118,7 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether the selection leaves out injections or checks by being a sample or brief.
+    /// Whether the selection leaves injections or checks out because it is a short form of the campaign.
     #[must_use]
     pub fn is_sample(self) -> bool {
         matches!(self, Self::Sample | Self::Brief)
@@ -130,7 +132,7 @@ impl Asked<'_> {
     }
 }
 
-/// The jobs of the selection.
+/// All jobs that run the selected checks and injections.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
@@ -197,7 +199,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
                 work,
             });
         };
-        // The checks run once per board; the check of the emulator runs once.
+        // The checks of a board run once per board. The check of the emulator itself runs once, with the first board.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
             let wanted = |name| is_named(name) && asked.has_check(board, name);
@@ -234,7 +236,7 @@ impl Job<'_> {
         }
     }
 
-    /// Runs the job and returns its results.
+    /// Runs the job's injections or check, and returns the results.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);

@@ -8,8 +8,8 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, US, number};
 use crate::cpu::elf::Program;
 
-/// Longest silence of the desktop in seconds, as configured in these tests. [`SILENCE_US`] adds one control tick for the last
-/// message and one for its reply, in microseconds.
+/// Longest allowed silence of the computer in seconds, as configured in these tests. [`SILENCE_US`] adds one control period for the
+/// last message and one for its reply, in microseconds.
 const SILENCE_S: &str = "0.5";
 const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 
@@ -57,7 +57,7 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
         }
         _ => bench.arm()?,
     }
-    // The last message of the desktop.
+    // After this request the desktop stays silent.
     bench.status()?;
     let begin = bench.now();
     bench.run(450 * MS)?;
@@ -80,7 +80,8 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
-/// A reference model of the winding temperature: one time constant, driven by the simulated phase currents every 100 us.
+/// A reference model of the winding temperature: the squared current averaged with one time constant, from the simulated phase
+/// currents every 100 us.
 #[derive(Default)]
 struct Windings {
     mean: f64,
@@ -101,8 +102,8 @@ impl Windings {
     }
 }
 
-/// Calibrates with a current that the motor cannot bear for long. The device must stop before the windings are twice as hot as they
-/// may be, with a fault.
+/// Calibrates with a current that the motor cannot bear for long. The device must stop with a fault when the mean of the squared
+/// current is 1.5 times what the motor can bear.
 pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
     let ended = ends_hot(program, setup);
     if ended.is_ok() {
@@ -124,7 +125,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // The fault threshold, with the error of the shunts.
+    // The fault threshold is 1.5 times the permitted mean square. The range allows for the error of the shunts.
     let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
@@ -175,7 +176,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
-    // The limit, with 3 % for the errors of the shunts and of the control tick.
+    // The limit on the mean square plus 3 % for the errors of the shunts and of the control tick.
     if hottest > 1.03 * bears * bears {
         return Err(format!(
             "a mean square of {hottest:.3} A², and the motor bears {:.3}",

@@ -1,5 +1,5 @@
-//! Firmware in the loop: tests that boot, calibrate and arm the firmware on an emulated board, play the press of the thesis bit for
-//! bit, and inject every fault.
+//! Firmware in the loop: tests that boot, calibrate and arm the firmware on an emulated board, compare its forces during a press
+//! with the control law bit for bit, and inject every fault.
 
 pub mod around;
 pub mod campaign;

@@ -12,7 +12,7 @@ pub const NOISE: Noise = Noise {
     encoder_rad: 5.2e-4,
     converter_codes: 1.15,
 };
-/// Largest relative error of the wall's stiffness while a hand rests on it, as in the scorecard.
+/// Largest relative error of the wall's stiffness while a hand rests on it; the scorecard of a device has the same limit.
 const STIFFNESS_OFF_MOST: f64 = 0.05;
 
 /// Tests presses with noise on the reference board.

@@ -14,20 +14,22 @@ use crate::world::{Short, Touched};
 /// Current out of the motor, in amperes, at which the hardware switches off without the processor
 /// (docs/faults/08-hardware-break.md).
 const SWITCHES_OFF_A: f64 = 30.0;
-/// Current of one DAC code in amperes: 3.3 V / 4,096 over 4/7 of the shunt's 3 mV/A. The threshold is one of the codes.
+/// Current per DAC code in amperes: 3.3 V / 4,096 over 4/7 of the shunt's 3 mV/A. The comparators' threshold is a whole number of
+/// codes.
 const STEP_A: f64 = 3.3 / 4_096.0 / (0.003 * 4.0 / 7.0);
-/// Inductance of a short at the motor in henry, that of its leads. At 24 V the current rises by 6 A/us, so the comparators act
-/// before the next sample.
+/// Inductance of a short circuit at the motor in henry: that of its leads. At 24 V the current rises by 6 A/us, so the comparators
+/// act before the next sample.
 const LEADS_H: f64 = 4e-6;
 /// Resistance of supply, wires and transistor in the short, Ω.
 const WAY_OHM: f64 = 0.05;
-/// Largest time between two evaluations of the short, in microseconds. The emulator evaluates the short once per instruction, and a
-/// division takes 12 cycles.
+/// Longest time between two evaluations of the short circuit, in microseconds. The emulator evaluates it once per instruction, and
+/// a division takes 12 cycles.
 const LOOK_US: f64 = 12.0 / 170.0;
-/// Duration in microseconds for which a comparator must stay active: eight samples, one per 32 cycles
+/// Duration in microseconds for which a comparator must stay active before the break acts: eight samples, one per 32 cycles
 /// (docs/faults/08-hardware-break.md).
 const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
-/// Longest time for the current loop to switch off: one PWM period until the next sample, and part of a period to act.
+/// Longest time for the current loop to switch off, in processor cycles: one PWM period until the next sample, and part of a period
+/// to act.
 const SOFTWARE: u64 = 100 * US;
 /// Time for which the outputs must stay off after a break, in processor cycles.
 const WATCHED: u64 = 30 * MS;
@@ -35,7 +37,7 @@ const WATCHED: u64 = 30 * MS;
 /// Comparator of each phase, counted from 0: COMP1, COMP2, COMP4.
 const COMPARATORS: [usize; 3] = [0, 1, 3];
 
-/// Tests all shorts, on a board whose shunts go to comparators.
+/// Tests all short circuits, on a board whose shunts are connected to comparators.
 pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.shunts.is_empty() {
         return;
@@ -58,7 +60,7 @@ pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// Takes the device to armed while nothing is shorted.
+/// Brings the device into the armed state, without a short circuit.
 fn armed(bench: &mut Bench) -> Result<(), String> {
     if bench.link.bytes == 0 {
         bench.boot()?;
@@ -72,7 +74,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
         // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
-    // If a break is active, the device refuses the calibration; `no_break` reports the break next.
+    // The answer is ignored: if a break is active, the device refuses the calibration, and `no_break` below reports the break.
     let _ = bench.command(DeviceCommand::Calibrate)?;
     while no_break(bench)? == Phase::Calibrating {
         bench.run(20 * MS)?;
@@ -82,7 +84,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     bench.run(250 * MS)
 }
 
-/// The device's phase. Errors: a fault is latched although nothing is shorted.
+/// The device's phase (for example armed). Errors: a fault is latched although there is no short circuit.
 fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     let status = bench.status()?;
     match status.fault.and_then(|fault| fault.known()) {
@@ -94,19 +96,19 @@ fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     }
 }
 
-/// Result of a short circuit.
+/// What happened in a short circuit.
 struct Found {
     /// The comparator that acted, and the current in its shunt at that moment, A. `None` where no comparator acted.
     seen: Option<(usize, f64)>,
-    /// Time in microseconds until the outputs were off, from the moment at which a comparator acted, or from the short where none
-    /// did.
+    /// Time in microseconds until the outputs were off, counted from the moment at which a comparator acted, or from the short
+    /// circuit where none did.
     off_us: f64,
-    /// Largest current in the short, A.
+    /// Largest current in the short circuit, A.
     largest_a: f64,
     code: Option<FaultCode>,
 }
 
-/// Shorts a phase of the armed device until the outputs are off, and returns what happened.
+/// Short-circuits a motor phase of the armed device until the outputs are off, and returns what happened.
 fn short(
     bench: &mut Bench,
     phase: usize,
@@ -177,7 +179,7 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;
-    // The resistance limits the current to this value, which it reaches within a microsecond.
+    // The resistance of the short circuit limits its current to `amps`. The current reaches this value within a microsecond.
     let found = short(bench, 1, Touched::Supply, bus_v / amps, 1e-7)?;
     match (found.seen, found.code) {
         (None, Some(FaultCode::OverCurrent)) if found.largest_a > 0.99 * amps => Ok(format!(

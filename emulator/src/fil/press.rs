@@ -1,5 +1,5 @@
-//! The press of the thesis: a hand presses on the emulated device, and the device's forces are compared with the control law
-//! computed on the host.
+//! A hand presses on the emulated device's wall, as in the thesis' experiment, and the device's forces are compared with the
+//! control law computed on the host.
 
 use touchstone_control::{Controller, CountScale, Fixed32, Position, Si};
 use touchstone_drive::change::law_settings;
@@ -9,16 +9,16 @@ use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS};
 
-/// Result of a press.
+/// Result of a hand's press on the wall.
 #[derive(Debug, Clone)]
 pub struct Press {
-    /// Desired stiffness, N·m/rad.
+    /// Configured stiffness of the wall, N·m/rad.
     pub k_desired: Si,
-    /// Number of control ticks whose values were compared.
+    /// Number of control periods in which device and host were compared.
     pub compared: usize,
-    /// Number of the control ticks with a force.
+    /// Number of control periods in which the device gave a force.
     pub in_contact: usize,
-    /// Largest force, N·m.
+    /// Largest force of the wall, N·m.
     pub max_force: f64,
     /// Rendered stiffness at the end of the hold: mean force over mean penetration, N·m/rad.
     pub shown: f64,
@@ -29,7 +29,7 @@ pub struct Press {
 /// Configures the wall's stiffness, calibrates, arms, presses for two seconds, and compares the forces with the control law.
 ///
 /// # Errors
-/// The first step that fails, or the first control tick whose bits differ.
+/// The first step that fails, or the first control period in which device and host differ.
 pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;
@@ -84,14 +84,14 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     })
 }
 
-/// The board with this name of its program.
+/// The board whose firmware program has this name.
 pub fn board_named(name: &str) -> Result<Board, String> {
     let board = Board::ALL.into_iter().find(|board| board.name() == name);
     board.ok_or_else(|| format!("no board is called {name}"))
 }
 
 /// Computes the control law on the host from the device's encoder counts. Penetration, force and offset must equal the device's,
-/// bit for bit. Returns the number of compared ticks.
+/// bit for bit. Returns the number of compared control periods.
 pub fn compare(
     settings: &DeviceSettings,
     board: Board,

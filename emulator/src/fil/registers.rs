@@ -1,11 +1,11 @@
 //! Compares the register values that the program leaves after its start with those that the manuals require.
 //!
-//! The tables `registers.tsv` and `pins.tsv` are a second witness for the wiring: what each register should hold, and why. Their
+//! The tables `registers.tsv` and `pins.tsv` are a second source for the wiring: what each register should hold, and why. Their
 //! contents come from the reference manual (RM0440) and the boards' schematics, not from the firmware. The position of each field,
 //! and the number of each pin's alternate function, come from the vendor's description (`vendor.tsv`, written by `vendor.py`).
 //!
-//! Every register that the program writes must be in the tables, with every bit that the program changes. A register that nobody
-//! examined is an error.
+//! Every register that the program writes must be in the tables, with every bit that the program changes. A register that is not in
+//! the tables is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ const VENDOR: &str = include_str!("../../registers/vendor.tsv");
 
 const PORTS: std::ops::Range<u32> = 0x4800_0000..0x4800_1c00;
 
-/// Checks the chip's registers against the tables.
+/// Checks the chip's registers against the tables `registers.tsv` and `pins.tsv`.
 pub fn registers(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("registers after the start", compared(program, setup));
 }

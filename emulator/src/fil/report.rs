@@ -1,4 +1,4 @@
-//! Runs the campaign's jobs on all processor cores of the host, and prints a table of the results.
+//! Runs the jobs of the fault-injection campaign on all processor cores of the host, and prints a table of the results.
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -96,7 +96,7 @@ pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     u8::from(!wrong.is_empty())
 }
 
-/// Prints the number of fault codes that an injection latched. Returns an error text for each fault code that none latched.
+/// Prints how many fault codes the injections caused. Returns an error text for each fault code that no injection caused.
 fn codes(latched: &BTreeSet<&FaultCode>) -> Vec<String> {
     let mut wrong = Vec::new();
     for code in FaultCode::ALL.iter().filter(|code| !latched.contains(code)) {

@@ -1,5 +1,5 @@
 //! Turns the shaft at constant speed, against any torque of the motor, and measures the torque of motor and cogging that resists
-//! the turn. All values come from the simulated world, none from the device.
+//! the turn. All values come from the simulation of motor and knob, none from the device.
 
 use std::f64::consts::TAU;
 
@@ -7,14 +7,13 @@ use touchstone_protocol::{DeviceCommand, Phase, Request};
 
 use crate::bench::{Bench, MS, US};
 
-/// Time between two samples of the torque, in processor cycles. It resolves 168 cogging periods per turn at 10 rad/s: 0.17 rad of
-/// phase per sample.
+/// Time between two samples of the torque, in processor cycles. At 168 cogging periods per turn and 10 rad/s, the cogging's phase
+/// moves by 0.17 rad between two samples.
 const SLICE: u64 = 100 * US;
-/// Time from arming until the force has faded in (`limits.fade_in_s` is 0.2 s) and the shaft has passed the start, in processor
-/// cycles.
+/// Time from arming until the force has faded in (`limits.fade_in_s` is 0.2 s) and the shaft turns evenly, in processor cycles.
 const FADED_IN: u64 = 400 * MS;
 
-/// Torque that resists one turn of the shaft.
+/// Torque that resists one slow turn of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
     /// Effective value of the summed torque of motor and cogging, without its mean, N·m.
@@ -24,7 +23,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Remaining torque as a fraction of the cogging torque: 1 means that nothing was compensated.
+    /// Ripple that remains with the compensation, as a fraction of the cogging torque: 1 means that nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m
@@ -75,7 +74,7 @@ pub fn slow_turn(bench: &mut Bench, rad_per_s: f64) -> Result<Felt, String> {
     })
 }
 
-/// Accumulates values for their effective value without the mean.
+/// Collects values and computes their effective value without the mean.
 #[derive(Debug, Default)]
 struct Ripple {
     count: f64,

@@ -1,4 +1,5 @@
-//! Tests of the stored alignment and of the unattended start: used where all conditions hold, refused where one does not.
+//! Tests of the stored encoder alignment and of the unattended start. Each is used where all its conditions hold, and refused where
+//! one does not.
 
 use std::f64::consts::TAU;
 
@@ -19,14 +20,14 @@ use crate::board::Encoder;
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Time within which an unattended start switches the outputs on: the program's start, half a second and a quarter of a second at
-/// rest. Another test shows that it is long enough.
+/// Time within which an unattended start switches the outputs on, in processor cycles. It includes the program's start, and half a
+/// second and a quarter of a second at rest. Another test shows that it is long enough.
 const WOULD_BE_ON: u64 = 1_200 * MS;
-/// Time within which an undisturbed start arms the device, in processor cycles.
+/// Time within which an undisturbed unattended start arms the device, in processor cycles.
 const WOULD_BE_ARMED: u64 = 4_500 * MS;
 /// Time within which a shaft without a hand comes to rest, in processor cycles.
 const AT_REST: u64 = 6_000 * MS;
-/// Longest silence of the desktop in seconds, once it has sent a message.
+/// Longest allowed silence of the computer in seconds, once the computer has sent a message.
 const SILENCE_S: &str = "0.5";
 
 /// Tests that a stored alignment is used and checked at the next start.
@@ -53,7 +54,8 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
 
 /// Tests a board that starts unattended, and each reason that prevents the start.
 pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
-    // The larger motor and the reference board's small one; the Mini's program is the same.
+    // This test runs on two boards: one with the larger motor and one with the small motor. The SimpleFOC Mini's program is the
+    // same as the latter's.
     if !["nucleo-g474re", "nucleo-g474re-ihm16m1"].contains(&setup.board.name) {
         return;
     }
@@ -80,7 +82,7 @@ pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// A test of one reason that prevents an unattended start.
+/// A test of one reason that prevents an unattended start. It prepares the reason and checks that the outputs stay off.
 type Case = fn(&mut Bench) -> Result<String, String>;
 
 const KEPT_FROM: [(&str, Case); 8] = [
@@ -186,7 +188,8 @@ fn report(bench: &mut Bench) -> Result<StartReport, String> {
     }
 }
 
-/// Checks that the device refuses to store the alignment of an incremental encoder. A board without room does not know the request.
+/// Checks that the device refuses to store the alignment of an incremental encoder. A board without memory for it does not know the
+/// request.
 fn is_not_kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -234,7 +237,7 @@ fn arms(bench: &mut Bench) -> Result<(), String> {
         .map(|_| ())
 }
 
-/// The reason for which a calibration failed. Errors: the fault is not a failed calibration.
+/// The reason why a calibration failed, from the latched fault. Errors: the fault is not a failed calibration.
 fn why(fault: Option<Fault>) -> Result<Reason, String> {
     let reason = fault.and_then(|fault| {
         (fault.known() == Some(FaultCode::CalibrationFailed))
@@ -243,8 +246,8 @@ fn why(fault: Option<Fault>) -> Result<Reason, String> {
     reason.ok_or_else(|| format!("{fault:?} instead of a check that failed"))
 }
 
-/// Lets the encoder's magnet slip by electrical degrees. A whole electrical turn must make no difference; any other angle must be
-/// detected, and the device must not arm.
+/// Lets the encoder's magnet slip by this many electrical degrees. After a whole electrical turn the device must work as before.
+/// After any other angle it must detect the slip and not arm.
 fn slipped(bench: &mut Bench, degrees: f64) -> Result<String, String> {
     bench.machine.chip_mut().world.slip(degrees.to_radians());
     let judged = judged(bench, degrees == 360.0);
@@ -303,7 +306,7 @@ fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// The telemetry from record `from` on. Errors: records are missing.
+/// The telemetry records from index `from` on. Errors: records are missing.
 fn told(bench: &Bench, from: usize) -> Result<Vec<&Telemetry>, String> {
     match bench.link.gaps(from) {
         0 => Ok(bench.link.telemetry[from..].iter().collect()),
@@ -311,7 +314,7 @@ fn told(bench: &Bench, from: usize) -> Result<Vec<&Telemetry>, String> {
     }
 }
 
-/// Waits until the device has armed without any message from the desktop.
+/// Waits until the device has armed itself without any message from the computer.
 fn armed_by_itself(bench: &mut Bench) -> Result<(), String> {
     let is_armed = |bench: &mut Bench| {
         let last = bench.link.telemetry.last();
@@ -420,7 +423,7 @@ fn reset(bench: &mut Bench, cause: ResetCause, because: SelfStart) -> Result<Str
     stays_off(bench, WOULD_BE_ON, because)
 }
 
-/// Checks that the device tries an unattended start once: its check fails, and the outputs then stay off.
+/// Checks that the device tries an unattended start only once: after its alignment check has failed, the outputs stay off.
 fn tries_once(bench: &mut Bench) -> Result<String, String> {
     bench.run_until("the outputs on", WOULD_BE_ON, |bench| bench.is_on())?;
     bench.run_until("the outputs off", WOULD_BE_ARMED, |bench| !bench.is_on())?;

@@ -1,4 +1,4 @@
-//! Tests of damaged bits in the settings in flash.
+//! Tests of the device with damaged bits in its settings in flash.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -27,7 +27,7 @@ pub fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }
 
-/// Switches the power on again and boots the device.
+/// Switches the power off and on, and waits until the device has booted.
 ///
 /// # Errors
 /// The device does not answer.
@@ -37,9 +37,9 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
-/// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each. The device must then
-/// use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns the number of damages that the device
-/// reported.
+/// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each damage. The device must
+/// then use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns how often the device reported
+/// the damage.
 ///
 /// # Errors
 /// The damaged bits after which the device reacted otherwise.
@@ -83,7 +83,8 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     Ok(noticed)
 }
 
-/// Returns whether the device reported the damage. If it did not, all settings must equal the saved ones.
+/// Checks the device after its settings in flash were damaged. Returns whether it reported the damage; if it did not, all settings
+/// must equal the saved ones.
 fn is_safe(
     bench: &mut Bench,
     saved: &DeviceSettings,
@@ -100,7 +101,7 @@ fn is_safe(
                 return Err("neither the saved settings nor the defaults".into());
             }
             bench.demand(Request::Command(DeviceCommand::Stop))?;
-            // A calibration with invalid settings ends in the same fault again.
+            // The answer is ignored: a calibration with invalid settings ends in the same fault again.
             let _ = bench.command(DeviceCommand::Calibrate)?;
             bench.run(50 * MS)?;
             if bench.command(DeviceCommand::Arm)? || bench.is_on() {

@@ -2,7 +2,7 @@
 //! on or off.
 //!
 //! After each failure the device must start with all of the old saved settings or all of the new ones. Its outputs must stay off
-//! until the desktop requests them.
+//! until the computer requests them.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -15,23 +15,26 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// A number larger than the number of flash changes in one save.
+/// A number larger than the number of flash changes (words programmed, pages erased) in one save of the settings.
 const MOST_CHANGES: u64 = 400;
-/// On boards other than the reference board, the tests use one of this many flash changes, and one of [`SAMPLED_MOMENTS`] states.
+/// On boards other than the reference board, the tests cut the supply only at every n-th change of the flash (a word programmed, a
+/// page erased), with this n. The constant [`SAMPLED_MOMENTS`] is the n for the device's states.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
-/// Time in processor cycles for which the supply is absent. The motor's current has then ended; the knob may still be moving.
+/// Time in processor cycles for which the supply is absent. By its end the motor's current is zero; the knob may still be moving.
 const AWAY: u64 = 200 * MS;
-/// Stiffness that was saved last, N·m/rad; [`UNSAVED`] is the one in use.
+/// Stiffness that was saved last, N·m/rad. [`UNSAVED`] is the stiffness in use, which was not saved.
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
-/// Whether all tests run on this board. On the other boards, whose program differs only in its pins, a sample runs.
+/// Whether all supply tests run on this board. On the other boards, whose program differs only in its pins, only a part of them
+/// runs.
 fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
 
-/// Cuts the supply at flash changes of a save, and once more in the save after the restart.
+/// Tests that cut the supply at single changes of the flash (a word programmed, a page erased) while settings are saved, and once
+/// more in the save after the restart.
 pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     let every = match is_reference(setup) {
         true => 1,
@@ -88,7 +91,8 @@ fn came_up(bench: &mut Bench, since: u64, may_be: &[&DeviceSettings]) -> Result<
     }
 }
 
-/// Saves the settings and cuts the supply at flash change `cut`, counted from the next one. Returns whether the cut happened.
+/// Saves the settings and cuts the supply at flash change number `cut`, counted from the next change. Returns whether the cut
+/// happened.
 fn saves_until(bench: &mut Bench, cut: u64) -> Result<bool, String> {
     let flash = &mut bench.machine.chip_mut().flash;
     flash.cut_at = Some(flash.count + cut);
@@ -110,8 +114,8 @@ fn saved(bench: &mut Bench, turn: usize) -> Result<DeviceSettings, String> {
     bench.settings()
 }
 
-/// Cuts the supply at each `every`th flash change of a save, until the save has no more. Returns the number of cuts. After each cut
-/// the device must accept and keep further settings.
+/// Cuts the supply at flash changes `0`, `every`, `2 every` and so on, each in a save of its own, until the save has no further
+/// change. Returns the number of cuts. After each cut the device must accept and keep further settings.
 fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -132,7 +136,8 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
     Err(format!("a save of more than {MOST_CHANGES} changes"))
 }
 
-/// Cuts the supply in a save, and again in the save after the restart, at several changes of each.
+/// Cuts the supply in a save of the settings, and again in the save after the restart, at several changes of the flash in each
+/// save.
 fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -158,10 +163,10 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     Ok(pairs)
 }
 
-/// State of the device in which the supply is cut.
+/// State of the device in which a test cuts the supply.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
-    /// No request since the start.
+    /// Started, with no request from the computer since.
     Booted,
     /// This many milliseconds after the command to calibrate.
     Calibrating(u64),
@@ -169,7 +174,7 @@ enum Moment {
     Ready,
     /// Armed, with no hand at the knob.
     Free,
-    /// Armed while a hand presses into the wall; the cut comes this many microseconds after a control tick.
+    /// Armed while a hand presses into the wall; the cut comes this many microseconds after the start of a control period.
     Pressed(u64),
     /// Outputs switched off by the command to stop.
     Stopped,
@@ -177,8 +182,8 @@ enum Moment {
     Fault,
 }
 
-/// All states in which the supply is cut. The calibration has five: while the sensors' offsets are measured, while the field is
-/// switched on, and while it turns.
+/// All states in which the supply is cut. Five of them are in a calibration: while the current sensors' offsets are measured, while
+/// the field is switched on, and while it turns.
 const MOMENTS: [Moment; 12] = [
     Moment::Booted,
     Moment::Calibrating(5),
@@ -194,7 +199,7 @@ const MOMENTS: [Moment; 12] = [
     Moment::Fault,
 ];
 
-/// Cuts the supply in each state.
+/// Tests that the device is safe if its supply is cut in each state.
 pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     let cut = || -> Result<String, String> {
         let mut bench = Bench::new(program, setup)?;
@@ -233,7 +238,7 @@ pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("supply cut", cut());
 }
 
-/// Brings the device to a state. Returns whether the outputs are on in it, as they have to be.
+/// Brings the device to a state. Returns whether the outputs are on in that state.
 fn come_to(bench: &mut Bench, moment: Moment) -> Result<bool, String> {
     let calibrate = Request::Command(DeviceCommand::Calibrate);
     match moment {

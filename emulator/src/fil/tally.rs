@@ -1,4 +1,4 @@
-//! Collects the results of fault injections as lines of a table.
+//! Collects the results of fault injections and checks as lines of a table.
 
 use std::collections::BTreeSet;
 
@@ -8,16 +8,16 @@ use super::campaign::Outcome;
 use super::list::{Expect, Injection};
 use crate::bench::{Bench, MS, Setup};
 
-/// The results of a device's fault injections.
+/// The results of fault injections and checks on a device.
 #[derive(Debug, Default)]
 pub struct Tally {
     /// Name of the board and the encoder, used in reports of problems.
     pub device: String,
-    /// Lines of the table.
+    /// Lines of the table of results.
     pub lines: Vec<String>,
-    /// The problems.
+    /// Descriptions of all deviations from expected results.
     pub wrong: Vec<String>,
-    /// Number of injections so far.
+    /// Number of fault injections so far.
     pub rows: usize,
     /// Simulated time of all devices together, s.
     pub simulated_s: f64,
@@ -26,7 +26,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// A tally without any findings yet.
+    /// A list of test results for this device, still empty.
     #[must_use]
     pub fn on(device: &str) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Tally {
         }
     }
 
-    /// Adds a check with its result.
+    /// Adds a check's result as a line of the table; an error also counts as a problem.
     pub fn check(&mut self, what: &str, result: Result<String, String>) {
         let line = match result {
             Ok(text) => format!("{what}: {text}"),
@@ -44,17 +44,17 @@ impl Tally {
                 format!("{what}: WRONG, {error}")
             }
         };
-        // It all takes minutes: who watches sees it work.
+        // All checks together take minutes, so each result is printed at once to show the progress.
         eprintln!("{}: {line}", self.device);
         self.lines.push(line);
     }
 
-    /// A device has run.
+    /// Adds the simulated time for which a device has run.
     pub fn ran(&mut self, bench: &Bench) {
         self.simulated_s += bench.now() as f64 / (1_000 * MS) as f64;
     }
 
-    /// The head of a table of injections.
+    /// Adds the head of a table of injections: board, encoder, frequency of the watchdog's clock.
     pub fn head(&mut self, setup: &Setup) {
         self.lines.push(format!(
             "\n{}, the watchdog's clock at {} Hz",
@@ -66,7 +66,7 @@ impl Tally {
         ));
     }
 
-    /// Adds an injection with its result.
+    /// Adds an injection's result as a line of the table; a deviation also counts as a problem.
     pub fn row(&mut self, injection: &Injection, outcome: &Outcome) {
         self.rows += 1;
         let off = match (injection.expect, outcome.off_us) {

@@ -19,7 +19,7 @@ const FRAME: [RegisterARM; 8] = [
     RegisterARM::XPSR,
 ];
 
-/// Number of single-precision registers that an extended exception frame holds.
+/// Number of single-precision registers that an exception frame holds when the floating-point unit was used.
 const FLOATS: i32 = 16;
 const FRAME_BYTES: u32 = 0x20;
 const EXTENDED_BYTES: u32 = 0x68;
@@ -179,6 +179,7 @@ impl Machine {
     }
 
     /// Handles an invalid access or instruction: enters HardFault, or locks the processor up if HardFault is already running.
+    /// `what` describes the access for the report.
     pub(super) fn fault(&mut self, pc: u32, what: &str) -> Result<(), Halt> {
         let name = format!("{what} at 0x{pc:08x}");
         if self.chip().nvic.is_active(HARD_FAULT) {

@@ -101,8 +101,8 @@ impl Machine {
                     if before.iter().any(|byte| *byte != 0xff) && bytes != [0; 8] {
                         self.chip_mut().flash.refuse();
                     } else if cut {
-                        // The power was cut during the change: some bits keep their value, different ones in each cut.
-                        // The check bits are wrong.
+                        // The power was cut while this doubleword was programmed. Some of its bits keep their old value, different
+                        // ones at each cut. Its check bits are wrong.
                         let not_yet = self.chip().flash.not_yet();
                         let torn = bytes.iter().zip(not_yet.to_le_bytes());
                         let torn: Vec<u8> = torn.map(|(byte, not_yet)| byte | not_yet).collect();

@@ -39,7 +39,7 @@ pub enum Halt {
     /// The program returned from an exception that was not running. Either the emulator has a defect, or the program has corrupted
     /// its stack.
     BadReturn(String),
-    /// The power was cut at a write to flash, as a test had set up.
+    /// The power was cut at a change of the flash, as a test had requested.
     PowerCut,
     /// The program used a feature of the chip that the emulator does not model.
     Unsupported(String),
@@ -131,7 +131,7 @@ impl Machine {
             if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
                 uc.get_data_mut().read_flash(place);
             }
-            // The read continues, and returns the bits that the power cut has left.
+            // The read instruction continues. It returns the bits that the power cut has left in the flash memory.
             uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC)
                 .is_ok()
         };
@@ -227,7 +227,7 @@ impl Machine {
         self.locked = true;
     }
 
-    /// Resets the chip. Flash, RAM and the simulated world stay as they are.
+    /// Resets the chip. Flash, RAM and the simulated motor, knob and hand stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
@@ -252,7 +252,7 @@ impl Machine {
         self.set_register(RegisterARM::PC, start | 1);
     }
 
-    /// First flash address after the program. The flash from this address on is blank in the program's file.
+    /// First flash address after the program. From this address on, the program's file leaves the flash blank.
     #[must_use]
     pub fn behind_program(&self) -> u32 {
         self.behind_program

@@ -43,10 +43,10 @@ const TRGO2: u32 = 8;
 struct Sequence {
     injected: bool,
     rank: u32,
-    /// Time in processor cycles at which the sampling of the present rank ends.
+    /// Time in processor cycles at which the sampling of the present conversion ends.
     sampled: u64,
     done: u64,
-    /// Code of the present rank; `None` until its sampling has ended.
+    /// Converted code of the present conversion in the sequence; `None` until its sampling has ended.
     code: Option<u16>,
 }
 
@@ -76,7 +76,7 @@ impl Adc {
         Self {
             registers: Plain::default(),
             status: 0,
-            // Deep power-down.
+            // After a reset the converter is in deep power-down (DEEPPWD).
             control: 1 << 29,
             half_cycle: 2,
             completes: Vec::new(),
@@ -88,7 +88,7 @@ impl Adc {
         }
     }
 
-    /// Takes over the common register CCR, which holds the divider of the converter's clock.
+    /// Sets the register CCR, which both converters share and which holds the divider of the converters' clock.
     pub fn set_common(&mut self, ccr: u32) {
         const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
         let divider = match ccr >> 16 & 3 {

@@ -2,10 +2,10 @@
 
 use super::spi::{Slave, SlaveFault};
 
-/// Encoder counts per turn, of the AS5047P and of the MT6701.
+/// Encoder counts per turn, the same for the AS5047P and the MT6701.
 const COUNTS: f64 = 16_384.0;
 
-/// The angle that both kinds of encoder report, and its faults.
+/// The angle that an encoder of either type reports, and the encoder's injected fault.
 #[derive(Debug, Clone, Copy, Default)]
 struct Angle {
     turns: f64,
@@ -18,7 +18,7 @@ impl Angle {
     fn count(&mut self) -> u16 {
         let count = ((self.turns.rem_euclid(1.0) * COUNTS) as u16) & 0x3fff;
         match self.fault {
-            // Without a field the angle is whatever it was, and noise.
+            // Without a magnetic field the encoder would return noise. The model keeps the last angle.
             SlaveFault::Stuck | SlaveFault::NoMagnet => *self.held.get_or_insert(count),
             SlaveFault::Jump(by) => count.wrapping_add(by >> 2) & 0x3fff,
             _ => {
@@ -28,7 +28,7 @@ impl Angle {
         }
     }
 
-    /// The frame after the line's faults.
+    /// The frame as it arrives: with the bits that the injected fault of the data line changes.
     fn disturb(&mut self, frame: u32, bits: u32) -> u32 {
         self.frames = self.frames.wrapping_add(1);
         match self.fault {
@@ -41,7 +41,8 @@ impl Angle {
     }
 }
 
-/// AS5047P: each frame answers the command of the frame before. The error flag of every answer stays up until `ERRFL` is read.
+/// AS5047P: each frame answers the previous frame's command. After an error every answer has the error flag set until `ERRFL` is
+/// read.
 #[derive(Debug, Default)]
 pub struct As5047p {
     angle: Angle,
@@ -53,7 +54,8 @@ pub struct As5047p {
 /// Bit of the register `ERRFL` for a parity error in a frame.
 const PARITY_ERROR: u16 = 1 << 2;
 
-/// `DIAAGC` with a magnet at a usual distance; with none: gain at its end, MAGL; with one that touches the chip: MAGH.
+/// Value of the register `DIAAGC` with a magnet at the right distance. The next constants: without a magnet (gain at its end, field
+/// too weak), and with a magnet that touches the chip (field too strong).
 const FIELD_RIGHT: u16 = 1 << 8 | 0x60;
 const FIELD_WEAK: u16 = 1 << 8 | 1 << 11 | 0xff;
 const FIELD_STRONG: u16 = 1 << 8 | 1 << 10;
@@ -97,7 +99,7 @@ impl Slave for As5047p {
         };
         if !self.command.count_ones().is_multiple_of(2) {
             self.errors |= PARITY_ERROR;
-            // Not obeyed.
+            // A command with the wrong parity is ignored.
             self.command = 0;
         }
         self.angle.disturb(u32::from(frame), bits) as u16
@@ -120,7 +122,7 @@ pub struct Mt6701 {
     left: u32,
 }
 
-/// The CRC of 18 bits, polynomial x^6 + x + 1.
+/// The MT6701's checksum: CRC of 18 bits with the polynomial x^6 + x + 1.
 fn crc(mut data: u32) -> u32 {
     data <<= 6;
     for bit in (6..24).rev() {
@@ -133,7 +135,7 @@ fn crc(mut data: u32) -> u32 {
 
 impl Slave for Mt6701 {
     fn select(&mut self) {
-        // Mg3: track lost; Mg1 and Mg0: field too strong, too weak.
+        // Status bits: Mg3 means loss of track; of Mg1 and Mg0, the value 1 means a field too strong and 2 a field too weak.
         let status = match self.angle.fault {
             SlaveFault::SaysError => 8,
             SlaveFault::MagnetTooNear => 1,

@@ -1,4 +1,4 @@
-//! The external interrupt controller EXTI, reduced to the voltage detector: line 16 raises interrupt 1.
+//! The external interrupt controller EXTI, reduced to the detector of low supply: line 16 raises interrupt 1.
 
 use super::Peripheral;
 use super::plain::Plain;
@@ -20,7 +20,7 @@ pub struct Exti {
 }
 
 impl Exti {
-    /// Sets the output of the voltage detector: `low` while the supply is below the detector's threshold.
+    /// Sets the output of the detector of low supply: `low` while the supply is below the detector's threshold.
     pub fn set_detector(&mut self, low: bool) {
         let edges = if low { RTSR1 } else { FTSR1 };
         if low != self.detector && self.registers.get(edges) >> PVD_LINE & 1 != 0 {

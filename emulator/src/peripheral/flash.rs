@@ -48,7 +48,7 @@ pub struct Flash {
     control: u32,
     status: u32,
     keys: u32,
-    /// Address and value of the first word of a double word, until the program stores the second word.
+    /// Address and value of the first word of a double word that the program has stored; `None` once the second word has followed.
     half: Option<(u32, u32)>,
     busy_until: u64,
     /// Requested changes that the run loop has yet to apply to the memory.
@@ -56,10 +56,10 @@ pub struct Flash {
     /// Words that the program stored to flash: address and former value. The run loop restores the former value unless the word is
     /// programmed.
     pub stores: Vec<(u32, u32)>,
-    /// Addresses of double words with wrong check bits, because the power was cut while they were written.
+    /// Addresses of torn double words: their check bits are wrong, because the power was cut while they were written.
     pub torn: BTreeSet<u32>,
     error: u32,
-    /// Number of changes since the emulator's start.
+    /// Number of programmed double words and erased pages since the emulator's start.
     pub count: u64,
     /// Number, counted from 0, of the change at which the power is cut; `None` for no cut.
     pub cut_at: Option<u64>,
@@ -118,7 +118,8 @@ impl Flash {
         }
     }
 
-    /// Handles a read of the flash. Returns whether the double word is torn, so that the error correction cannot repair it.
+    /// Handles a read of the flash. Returns whether the double word is torn (written while the power was cut), so that the error
+    /// correction cannot repair it.
     pub fn reads_torn(&mut self, address: u32) -> bool {
         let is_torn = self.torn.contains(&(address & !7));
         if is_torn && self.error & ECCD == 0 {

@@ -16,7 +16,7 @@ const BRR: u32 = 0x28;
 pub struct Port {
     registers: Plain,
     out: u32,
-    /// Level that the board drives at each pin; `None` where the board drives none.
+    /// Level that the board drives at each pin; `None` where the board does not drive the pin.
     driven: [Option<bool>; 16],
 }
 

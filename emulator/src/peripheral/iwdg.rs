@@ -1,4 +1,4 @@
-//! The independent watchdog. Its own oscillator may run slow, nominal or fast, within the limits of the data sheet.
+//! The independent watchdog. Its oscillator's frequency can be set within the limits of the data sheet.
 
 use super::{CYCLES_PER_US, NEVER, Peripheral};
 
@@ -50,7 +50,7 @@ impl Iwdg {
         }
     }
 
-    /// Whether the watchdog resets the chip at the time `now`.
+    /// Whether the watchdog has to reset the chip at the time `now`, in processor cycles.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         now >= self.bites

@@ -16,10 +16,10 @@ pub mod timer;
 pub mod uart;
 pub mod wwdg;
 
-/// Time of an event that will not happen.
+/// Time that stands for an event that will not happen.
 pub const NEVER: u64 = u64::MAX;
 
-/// Clock frequency of processor, buses and timers in hertz, as the firmware sets it up. The simulated world uses this clock from
+/// Clock frequency of processor, buses and timers in hertz, as the firmware configures it. The simulated world uses this clock from
 /// the start; the real chip is slower until the PLL runs.
 pub const CORE_HZ: u64 = 170_000_000;
 

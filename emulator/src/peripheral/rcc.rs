@@ -50,7 +50,7 @@ pub enum ResetCause {
     BrownOut,
     /// The reset pin NRST was pulled low.
     Pin,
-    /// The program requested the reset through SYSRESETREQ.
+    /// The program requested the reset through the bit SYSRESETREQ.
     Software,
     /// The independent watchdog reset the chip.
     Watchdog,
@@ -90,7 +90,7 @@ impl Rcc {
             (_, Some(before)) => before.flags,
         };
         Self {
-            // HSI16 is on, and is the system clock.
+            // After a reset the oscillator HSI16 is on and is the system clock.
             registers: BTreeMap::from([
                 (CR, 0x0000_0500),
                 (CFGR, 0x0000_0005),
@@ -135,7 +135,7 @@ impl Rcc {
     fn pclk1_hz(&self) -> u64 {
         let cfgr = self.get(CFGR);
         let hpre = match cfgr >> 4 & 15 {
-            // 2, 4, 8, 16, then without 32: 64 to 512.
+            // The divisors are 2, 4, 8 and 16, then 64 to 512; there is no 32.
             code @ 8..=11 => code - 7,
             code @ 12..=15 => code - 6,
             _ => 0,

@@ -11,54 +11,54 @@ const SR: u32 = 0x08;
 const DR: u32 = 0x0c;
 const SPE: u32 = 1 << 6;
 
-/// A device on the bus.
+/// A device on the SPI bus that answers the chip's frames: an encoder.
 pub trait Slave: std::fmt::Debug {
     /// Time in ns for which the chip select line must be low before a frame, and high before it falls again.
     fn rests_ns(&self) -> u64 {
         0
     }
-    /// The chip select line falls: a transfer begins.
+    /// Called when the chip select line falls, at the beginning of a transfer.
     fn select(&mut self);
-    /// Takes a frame of this many bits, and returns one.
+    /// Takes a frame of this many bits from the chip, and returns the encoder's frame of the same length.
     fn exchange(&mut self, sent: u16, bits: u32) -> u16;
-    /// The shaft is at this angle, in turns.
+    /// Sets the shaft's angle, in turns.
     fn set_angle(&mut self, turns: f64);
-    /// Sets a fault that lasts from now on.
+    /// Sets the fault that the encoder has from now on.
     fn set_fault(&mut self, fault: SlaveFault);
 }
 
-/// The faults of an encoder on a bus.
+/// Faults of an encoder on the SPI bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlaveFault {
-    /// No fault.
+    /// The encoder has no fault.
     #[default]
     None,
-    /// The data line stays low: no power, or a broken wire with a pull-down.
+    /// The encoder's data line stays low: the encoder has no power, or a wire with a pull-down is broken.
     Low,
-    /// The data line stays low from the next answer that holds an angle, that is between two frames of a reading. For
-    /// the AS5047P.
+    /// From the next answer that holds an angle on, the data line stays low. For the AS5047P that is between the two frames of a
+    /// reading.
     LowFromAngle,
-    /// The data line stays high.
+    /// The encoder's data line stays high.
     High,
-    /// This bit of each frame is flipped.
+    /// The bit with this number is flipped in each frame.
     FlipBit(u8),
     /// One bit of every seventh frame is flipped.
     FlipSeventh,
-    /// The reported angle never changes, in valid frames.
+    /// The encoder sends valid frames, in which the angle never changes.
     Stuck,
-    /// The magnet is gone: good frames with the last angle, and a weak field when its register is read.
+    /// The magnet is missing: the frames are valid and repeat the last angle, and the field register reports a weak field.
     NoMagnet,
-    /// The magnet touches the chip.
+    /// The magnet touches the encoder chip, so the field is too strong.
     MagnetTooNear,
-    /// Each reported angle is larger by this many 65,536ths of a turn.
+    /// Each reported angle is too large by this many 65,536ths of a turn.
     Jump(u16),
     /// The encoder chip reports an error.
     SaysError,
-    /// A bit of the next command is flipped: the chip reports an error until its flag is read.
+    /// A bit of the next command is flipped: the encoder chip reports an error until its error register is read.
     CommandDamaged,
 }
 
-/// The SPI controller.
+/// The chip's SPI controller, with the encoder on its bus.
 #[derive(Debug, Default)]
 pub struct Spi {
     interrupt: u32,
@@ -69,9 +69,10 @@ pub struct Spi {
     /// The encoder at the other end of the bus.
     pub slave: Option<Box<dyn Slave>>,
     selected: bool,
-    /// Time of the last change of the chip select line.
+    /// Time of the last change of the chip select line, in processor cycles.
     since: u64,
-    /// The frame began too early, or the line rose too short a time before: no chip answers for what it hears then.
+    /// Whether the timing of the chip select line was violated: a frame began too early after its fall, or the line was high too
+    /// shortly. The encoder then does not answer.
     rushed: bool,
     hangs: bool,
 }
@@ -86,13 +87,13 @@ impl Spi {
         }
     }
 
-    /// Whether the bus hangs.
+    /// Whether the bus hangs, so that no frame ends.
     #[must_use]
     pub fn hangs(&self) -> bool {
         self.hangs
     }
 
-    /// The bus hangs from now on: a frame that begins, or has begun, never ends. Or no more: then that frame begins over.
+    /// Sets whether the bus hangs. While it does, no frame ends. When the hang ends, a frame in progress begins anew.
     pub fn set_hangs(&mut self, hangs: bool, now: u64) {
         if self.hangs == hangs {
             return;
@@ -104,7 +105,7 @@ impl Spi {
         }
     }
 
-    /// Level of the chip select line, active low.
+    /// Sets the level of the chip select line, which is active low.
     pub fn set_select(&mut self, level: bool, now: u64) {
         if self.selected != level {
             return;
@@ -119,7 +120,7 @@ impl Spi {
         self.since = now;
     }
 
-    /// Whether the chip select line changed so shortly before that the chip does not take what follows.
+    /// Whether the chip select line changed so recently that the encoder does not yet accept the next change or frame.
     fn is_early(&self, now: u64) -> bool {
         let rests_ns = self.slave.as_ref().map_or(0, |slave| slave.rests_ns());
         (now - self.since) * 1_000_000_000 < rests_ns * CORE_HZ
@@ -133,7 +134,7 @@ impl Spi {
         u64::from(self.bits()) * (2 << (self.registers.get(CR1) >> 3 & 7))
     }
 
-    /// Time at which a frame that begins now ends.
+    /// Time in processor cycles at which a frame that begins now ends.
     fn end_of_frame(&self, now: u64) -> u64 {
         match self.hangs {
             true => NEVER,
@@ -189,13 +190,13 @@ impl Peripheral for Spi {
 
     fn advance(&mut self, now: u64) {
         while let Some((time, frame)) = self.shifting.filter(|(time, _)| *time <= now) {
-            // Without a slave the line is pulled up by nobody and read as ones.
+            // Without a slave nothing drives the line. The model reads it as ones.
             let bits = self.bits();
             let answer = match &mut self.slave {
                 Some(slave) if self.selected && !self.rushed => slave.exchange(frame, bits),
                 _ => 0xffff,
             };
-            // Two frames fit; more are lost.
+            // The receive buffer holds two frames; further frames are lost.
             if self.receive.len() < 2 {
                 self.receive.push_back(answer);
             }
@@ -217,14 +218,15 @@ mod tests {
     use super::*;
     use crate::peripheral::encoder::As5047p;
 
-    /// 350 ns are 59.5 cycles. A frame of 16 bits at an eighth of the clock takes 256.
+    /// The AS5047P's answer if chip select was high for `before` cycles and low for `lead` cycles before a frame. The data sheet
+    /// requires 350 ns, 59.5 cycles, for each. A frame of 16 bits at an eighth of the clock takes 256 cycles.
     fn answer(before: u64, lead: u64) -> u32 {
         let mut spi = Spi::new(0);
         spi.slave = Some(Box::<As5047p>::default());
         spi.write(CR2, 15 << 8, 0);
         spi.write(CR1, SPE | 2 << 3, 0);
         spi.set_select(true, 0);
-        // Every frame answers the one before: the first asks for the angle, which is 0.
+        // The slave answers each frame in the next one. The first frame requests the angle, which is 0.
         let mut now = 1_000;
         for lead in [60, lead] {
             spi.set_select(false, now);

@@ -18,7 +18,7 @@ pub struct Wwdg {
     clock_hz: u64,
     configuration: u32,
     active: bool,
-    /// Value of the counter when its clock divider had counted `at` counts.
+    /// Value of the watchdog's counter after `at` counts of its clock divider.
     counter: u32,
     at: u64,
     /// Whether the program wrote the counter too early, or with a value that resets the chip.
@@ -39,7 +39,7 @@ impl Default for Wwdg {
 }
 
 impl Wwdg {
-    /// Processor cycles per count of the watchdog; never, while the bus clock is off.
+    /// Processor cycles per count of the watchdog; the largest number while the bus clock is off.
     fn count_cycles(&self) -> u64 {
         let share = 4_096 << (self.configuration >> 11 & 7);
         (share * CORE_HZ)
@@ -53,7 +53,7 @@ impl Wwdg {
             .saturating_sub(u32::try_from(counts).unwrap_or(u32::MAX))
     }
 
-    /// Sets the counter at the time `now`.
+    /// Sets the watchdog's counter at the time `now`.
     fn set(&mut self, counter: u32, now: u64) {
         self.counter = counter;
         self.at = now / self.count_cycles();
@@ -74,7 +74,7 @@ impl Wwdg {
         (self.at + counts).saturating_mul(self.count_cycles())
     }
 
-    /// Whether the watchdog resets the chip at the time `now`.
+    /// Whether the watchdog has to reset the chip at the time `now`, in processor cycles.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         self.refused || now >= self.next_event()
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn bites_after_its_counts_unless_refreshed() {
-        // Started half a count after the last count of the divider.
+        // The watchdog was started half a count after the last count of its clock divider.
         let mut dog = started(0, 2_048);
         let time = 11 * 4_096;
         assert_eq!(dog.next_event(), time);

@@ -23,10 +23,10 @@ pub use sensors::{EncoderError, Noise, Sensors};
 /// Processor cycles per step of the mechanical simulation, 25 µs.
 const STEP: u64 = 4_250;
 
-/// Compare value at which a phase is always at the bus.
+/// Compare value at which a phase is always connected to the bus voltage.
 const TOP: u16 = 4_250;
 
-/// A motor that stands somewhere when power comes on.
+/// The usual motor. Its electrical angle at the encoder's zero is 1 rad, so that it is no special angle.
 const MOTOR: MotorParameters = MotorParameters {
     electrical_zero_rad: 1.0,
     ..GIMBAL
@@ -36,7 +36,7 @@ fn seconds(cycles: u64) -> f64 {
     cycles as f64 / CORE_HZ as f64
 }
 
-/// The thesis' knob, with the dry friction of a small motor.
+/// The knob of the thesis, with the dry friction of a small motor.
 const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,
@@ -46,7 +46,8 @@ const KNOB: Device = Device {
     }),
 };
 
-/// The GBM2804H-100T by NuttX's table of motors, with half of the driver's 1 ohm and half of a shunt of 0.33 ohm in each phase.
+/// The gimbal motor GBM2804H-100T by NuttX's table of motors. Half of the driver's 1 ohm and half of a shunt of 0.33 ohm are added
+/// to each phase's resistance.
 const KIT_MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.29 + 0.5 + 0.165,
     inductance_h: 1.05e-3,
@@ -66,12 +67,12 @@ const KIT_KNOB: Device = Device {
     }),
 };
 
-/// The motor and the knob on the shaft.
+/// Parameters of the motor and of the knob on its shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
-    /// The motor.
+    /// Parameters of the motor.
     pub motor: MotorParameters,
-    /// The knob with the motor's rotor.
+    /// Inertia, damping and friction of the knob with the motor's rotor.
     pub knob: Device,
 }
 
@@ -94,7 +95,7 @@ impl Parts {
         }
     }
 
-    /// The same motor without shunts, on the DRV8313, whose transistors add 0.24 ohm to each phase.
+    /// The motor of [`Parts::gimbal_kit`] on a driver DRV8313, without shunts. The driver's transistors add 0.24 ohm to each phase.
     #[must_use]
     pub fn gimbal_on_mini() -> Self {
         let mut parts = Self::gimbal_kit();
@@ -120,7 +121,7 @@ impl Parts {
     }
 }
 
-/// Crosses a step; what went through the motor's port, where that is wanted.
+/// Runs one step of the mechanical simulation. Returns impulse and energies at the motor's port if `is_wanted`, otherwise zeros.
 fn step<S: Stepper>(
     plant: &S,
     state: &mut S::State,
@@ -138,7 +139,7 @@ fn step<S: Stepper>(
 /// Rest point of the hand's spring in rad, as a function of the time in seconds since the hand took hold.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
-// One of them exists, and it is never moved.
+// Only one value of this type exists and it is never moved, so its size costs nothing.
 #[allow(clippy::large_enum_variant)]
 enum Grip {
     Free(BareCoulomb, State<2>),
@@ -148,7 +149,7 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, whatever the motor does; given by its angle and speed.
+    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and speed.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
@@ -158,9 +159,9 @@ enum Grip {
 /// Energy bookkeeping of the shaft: its state at the end of a mechanical step, and the impulse and energies since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
-    /// Angle, rad.
+    /// Angle of the shaft, rad.
     pub angle_rad: f64,
-    /// Speed, rad/s.
+    /// Speed of the shaft, rad/s.
     pub rad_per_s: f64,
     /// Integral of the motor's torque over time, N·m·s.
     pub impulse_n_m_s: f64,
@@ -174,22 +175,23 @@ pub struct ShaftBooks {
 pub struct World {
     knob: Device,
     now: u64,
-    /// Time of the knob's next step.
+    /// Time of the knob's next simulation step, in processor cycles.
     step_at: u64,
     motor: MotorParameters,
     windings: Windings,
-    /// The supply and the transistors of the power bridge.
+    /// The supply and the transistors of the motor's power bridge.
     pub bridge: Bridge,
     drive: Drive,
     grip: Grip,
-    /// Integral of the torque since the knob's last step, N·m·s; `torque_n_m` is the mean over the step before.
+    /// Integral of the motor's torque since the knob's last simulation step, N·m·s. `torque_n_m` is the mean over the previous
+    /// step.
     impulse: f64,
     torque_n_m: f64,
     /// Energy bookkeeping of the shaft; `None` unless a test has started it.
     books: Option<ShaftBooks>,
     /// Temperature of the driver and the motor, °C.
     pub temperature_c: f64,
-    /// Phase current at which the drivers' own protection acts, A.
+    /// Phase current in A at which the gate drivers' own protection acts.
     pub break_a: f64,
     /// Harmonics of the motor's cogging torque.
     pub cogging: Vec<Harmonic>,
@@ -214,10 +216,10 @@ impl Default for World {
 }
 
 impl World {
-    /// A world without a hand, with a knob that rests at an angle.
+    /// A simulated world without a hand, with a knob that rests at an angle.
     ///
     /// # Panics
-    /// The knob is out of range.
+    /// The knob's parameters are out of range.
     #[must_use]
     pub fn new(parts: &Parts, angle_rad: f64) -> Self {
         let plant = BareCoulomb::new(&parts.knob, seconds(STEP)).expect("the knob is in range");
@@ -255,11 +257,11 @@ impl World {
         }
     }
 
-    /// A simulated hand takes hold of the knob. The rest point of its spring is `rest`: the shaft's angle in rad as a function of
-    /// the time from now, s.
+    /// Lets a simulated hand take hold of the knob. The rest point of its spring is `rest`: the shaft's angle in rad as a function
+    /// of the time from now, s.
     ///
     /// # Panics
-    /// If the hand is out of range.
+    /// The hand's parameters are out of range.
     pub fn hold(&mut self, hand: &Hand, rest: impl Fn(f64) -> f64 + 'static) {
         let plant =
             HeldCoulomb::new(&self.knob, hand, seconds(STEP)).expect("the hand is in range");
@@ -273,7 +275,8 @@ impl World {
         };
     }
 
-    /// Moves the hand's rest point, rad, as a function of the time from now, s. Without a hand nothing changes.
+    /// Moves the rest point of the hand's spring: its angle in rad as a function of the time from now, s. Without a hand nothing
+    /// changes.
     pub fn lead(&mut self, to: impl Fn(f64) -> f64 + 'static) {
         if let Grip::Held { since, rest, .. } = &mut self.grip {
             *since = self.now;
@@ -301,7 +304,7 @@ impl World {
         self.books.unwrap_or_default()
     }
 
-    /// The simulated hand releases the knob.
+    /// Lets the simulated hand release the knob.
     ///
     /// # Panics
     /// Never: the constants are in range.
@@ -311,7 +314,7 @@ impl World {
         self.grip = Grip::Free(plant, State::from_array([x, v]));
     }
 
-    /// The encoder's magnet slips on the shaft, while no current flows: by this much of the motor's electrical angle, rad.
+    /// Lets the encoder's magnet slip on the shaft by this electrical angle of the motor, rad. No current may flow meanwhile.
     pub fn slip(&mut self, electrical_rad: f64) {
         self.mount(MotorParameters {
             electrical_zero_rad: self.motor.electrical_zero_rad + electrical_rad,
@@ -319,13 +322,13 @@ impl World {
         });
     }
 
-    /// Mounts another motor; allowed while no current flows.
+    /// Mounts another motor. No current may flow meanwhile.
     pub fn mount(&mut self, motor: MotorParameters) {
         self.motor = motor;
         self.windings = Windings::new(motor, seconds(STEP));
     }
 
-    /// Turns the shaft from outside at a speed, whatever the motor does; 0 holds it.
+    /// Turns the shaft from outside at this speed, against any torque of the motor; 0 holds the shaft.
     pub fn force(&mut self, rad_per_s: f64) {
         let (angle_rad, _) = self.angle_and_speed();
         self.grip = Grip::Forced {
@@ -345,7 +348,7 @@ impl World {
         };
     }
 
-    /// Moves the simulation on to a time.
+    /// Simulates up to the time `until`, in processor cycles.
     pub fn advance(&mut self, until: u64) {
         while self.now < until {
             let next = self.step_at.min(until);
@@ -422,13 +425,13 @@ impl World {
         self.sensors.shown_turns(self.angle_rad())
     }
 
-    /// Current into a phase, A.
+    /// Current into a phase of the motor, A.
     #[must_use]
     pub fn current_a(&self, phase: usize) -> f64 {
         self.windings.currents_a()[phase]
     }
 
-    /// Mean torque of the motor on the shaft over the last step, N·m.
+    /// Mean torque of the motor on the shaft over the last simulation step, N·m.
     #[must_use]
     pub fn torque_n_m(&self) -> f64 {
         self.torque_n_m
@@ -441,7 +444,7 @@ impl World {
         self.current_a(phase) + short.map_or(0.0, |short| short.current_a)
     }
 
-    /// Advances a short circuit's current until now with the transistors as they are.
+    /// Advances a short circuit's current to the time `now`, with the given states of the transistors.
     pub fn advance_short(&mut self, now: u64, legs: [Leg; 3]) {
         let (bus_v, diode_v) = (self.bridge.bus_v, self.bridge.diode_v);
         if let Some(short) = &mut self.short {
@@ -449,7 +452,7 @@ impl World {
         }
     }
 
-    /// Whether the phase current is high enough for the drivers' own protection to act.
+    /// Whether a phase current is high enough for the gate drivers' own protection to act.
     #[must_use]
     pub fn hardware_over_current(&self) -> bool {
         (0..3).any(|phase| self.leg_a(phase).abs() > self.break_a)

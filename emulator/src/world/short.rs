@@ -7,9 +7,9 @@ use crate::peripheral::timer::gates::Leg;
 /// The conductor that the motor wire touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touched {
-    /// The supply's positive end.
+    /// The supply's positive conductor.
     Supply,
-    /// Ground, past the shunts.
+    /// Ground, at a point behind the shunts, so that the current does not pass them.
     Ground,
 }
 
@@ -26,12 +26,12 @@ pub struct Short {
     pub henry: f64,
     /// Current from the phase's transistors into the short circuit, A.
     pub current_a: f64,
-    /// Time up to which the short was simulated.
+    /// Time up to which the short circuit was simulated, in processor cycles.
     pub now: u64,
 }
 
 impl Short {
-    /// A short through which no current flows yet.
+    /// A short circuit through which no current flows yet.
     #[must_use]
     pub fn new(phase: usize, touched: Touched, ohm: f64, henry: f64, now: u64) -> Self {
         Self {
@@ -44,8 +44,8 @@ impl Short {
         }
     }
 
-    /// Advances the current exactly, for transistors that do not change. With both off, the current flows on through a
-    /// diode until it is zero.
+    /// Advances the current of the short circuit by the exact solution, for transistors that do not change. With both transistors
+    /// off, the current flows on through a diode until it is zero.
     pub(super) fn advance(&mut self, now: u64, leg: Leg, bus_v: f64, diode_v: f64) {
         let interval = seconds(now.saturating_sub(self.now));
         self.now = now;
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_short_draws_from_whichever_transistor_is_on_and_ends_through_a_diode() {
-        // 24 V at 4 uH: 6 A/us, with 1 mOhm straight.
+        // 24 V across 4 µH gives 6 A/µs. At 1 mOhm the rise is practically a straight line.
         let after = |touched, legs: [Leg; 2]| {
             let mut short = Short::new(0, touched, 1e-3, 4e-6, 0);
             short.advance(170, legs[0], 24.0, 0.7);

@@ -23,10 +23,10 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// The board for which this program is built; the device reports it to the desktop.
+/// The board for which this program is built; the device reports it to the computer.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431bEsc1;
 
-/// Properties of the board's power stage and sensors.
+/// Constants of the board's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::B_G431B_ESC1;
 
 bind_interrupts!(struct Irqs {
@@ -48,7 +48,7 @@ const BRIDGE: Bridge = Bridge {
 /// voltage before the amplifiers.
 const BREAK_CODE: u16 = 160 + 64;
 
-/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the computer and the settings'
 /// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM3.set_priority(Priority::P6);
@@ -133,7 +133,7 @@ fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     });
     for comparator in [COMP1, COMP2, COMP4] {
         comparator.csr().write(|w| {
-            // PA1, PA7, PB0 against DAC3.
+            // These comparators compare the shunt pins PA1, PA7 and PB0 with the voltages of DAC3.
             w.set_inpsel(false);
             w.set_inmsel(Inm::DACA);
             w.set_hyst(Hysteresis::HYST20M);
@@ -163,30 +163,30 @@ pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter16(TIM4.cnt().read().cnt())
 }
 
-/// Empty functions in place of the magnetic encoder's: this board has no port for one.
+/// Empty functions in place of those for a magnetic encoder: this board has no port for one.
 pub mod magnetic {
     use touchstone_drive::{EncoderKind, EncoderReading};
 
-    /// A type without values: on this board no reading can be started.
+    /// An encoder reading in progress. The type has no values, since on this board no reading can be started.
     pub enum Last {}
 
-    /// Does nothing.
+    /// Does nothing: the board has no port to configure for a magnetic encoder.
     #[inline(always)]
     pub fn prepare(_kind: EncoderKind) {}
 
-    /// Always `None`: no frame is sent.
+    /// Always `None`: no frame is sent to an encoder.
     #[inline(always)]
     pub fn begin(_kind: EncoderKind) -> Option<()> {
         None
     }
 
-    /// Always `None`: no frame is sent.
+    /// Always `None`: no frame is sent to an encoder.
     #[inline(always)]
     pub fn go_on(_kind: EncoderKind) -> Option<Last> {
         None
     }
 
-    /// Always a silent encoder.
+    /// Always returns the reading of an encoder that does not answer.
     #[inline(always)]
     pub fn end(_last: Option<Last>) -> EncoderReading {
         EncoderReading::Silent

@@ -31,7 +31,7 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// Properties of the shield's power stage and sensors.
+/// Constants of the shield's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::IHM16M1;
 
 bind_interrupts!(struct Irqs {
@@ -55,8 +55,8 @@ const FAULT_LINE: (usize, usize) = (12, 11);
 /// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Sets up every pin and peripheral except the time driver's priority; the outputs stay off. Returns the serial port to the desktop
-/// and the settings' flash.
+/// Sets up every pin and peripheral except the priority of the interrupt that keeps time; the outputs stay off. Returns the serial
+/// port to the computer and the settings' flash.
 pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::LPUART1.set_priority(Priority::P6);
     // An open-drain line that is both error output and enable: pulled up here, pulled down by the driver. The pin without a link
@@ -158,7 +158,7 @@ pub fn is_stop_pressed() -> bool {
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the driver has pulled its line EN\FAULT since [`forget_driver`]. At PB12 no pulse is missed, because the hardware break
-/// latches it. The current loop polls PA11 once a PWM period; before that the driver has already switched itself off.
+/// latches it. PA11 is polled once per PWM period by the current loop; by then the driver has already switched itself off.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     let (b, a) = FAULT_LINE;

@@ -22,10 +22,10 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{analogue, encoder, pwm, sense, serial};
 
-/// The board for which this program is built; the device reports it to the desktop.
+/// The board for which this program is built; the device reports it to the computer.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474re;
 
-/// Properties of the shield's power stage and sensors.
+/// Constants of the shield's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::IHM08M1;
 
 bind_interrupts!(struct Irqs {
@@ -49,7 +49,7 @@ const STOP_BUTTON: usize = 13;
 /// Pin number of PC8, on the morpho connector: it enables an external servo amplifier while it is high.
 const AMPLIFIER: u8 = 8;
 
-/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the computer and the settings'
 /// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);

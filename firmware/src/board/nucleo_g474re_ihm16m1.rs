@@ -12,10 +12,10 @@ use crate::storage::Storage;
 mod ihm16m1;
 pub use ihm16m1::*;
 
-/// The board for which this program is built; the device reports it to the desktop.
+/// The board for which this program is built; the device reports it to the computer.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reIhm16m1;
 
-/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the computer and the settings'
 /// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);

@@ -30,10 +30,10 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// The board for which this program is built; the device reports it to the desktop.
+/// The board for which this program is built; the device reports it to the computer.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reSimplefocMini;
 
-/// Properties of the Mini's power stage.
+/// Constants of the power stage of the SimpleFOC Mini.
 pub const HARDWARE: Hardware = hardware::SIMPLEFOC_MINI;
 
 bind_interrupts!(struct Irqs {
@@ -57,7 +57,7 @@ const FAULT_LINE: usize = 12;
 /// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the computer and the settings'
 /// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);

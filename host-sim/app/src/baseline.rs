@@ -7,17 +7,17 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 
-/// Whether a smaller or a larger value of a measure is the worse one.
+/// Whether a smaller or a larger value of a measure counts as worse.
 #[derive(Clone, Copy)]
 enum Worse {
     Less,
     More,
 }
 
-/// Fields of a run's results that are compared, each with an absolute slack in the field's unit for values near zero.
+/// Fields of a run's results that are compared. Each has an absolute tolerance in the field's unit, for values near zero.
 ///
-/// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of the energy that a press of 0.1 N·m
-/// stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz.
+/// Angles: a hundredth of a count of the finest encoder in the shipped scenes. Energies: a thousandth of the energy that a press of
+/// 0.1 N·m stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz.
 const MEASURES: [(&str, Worse, f64); 10] = [
     ("k_displayed", Worse::Less, 0.0),
     ("peak_penetration_ratio", Worse::More, 0.0),
@@ -32,7 +32,7 @@ const MEASURES: [(&str, Worse, f64); 10] = [
 ];
 /// Field with a run's name. Older results files do not have the field; a run without it matches a run of any name.
 const NAME: &str = "name";
-/// Fields that must be equal in two results for them to count as the same run.
+/// Fields of the results that must be equal in two runs, so that these count as the same run.
 const SAME: [&str; 7] = [
     "scene",
     NAME,
@@ -61,7 +61,7 @@ pub fn read(file: &Path) -> Result<Vec<Value>> {
     }
 }
 
-/// Compares a run with the same run of the baseline. A run that is missing from the baseline gives a check that is not met.
+/// Compares a run with the same run of the baseline. A run that is missing from the baseline counts as a demand that is not met.
 pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
     let mut now = serde_json::to_value(run).unwrap_or_default();
     now[NAME] = run.word().into();

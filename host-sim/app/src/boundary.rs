@@ -1,4 +1,5 @@
-//! `touchstone boundary`: maps the stiffest wall that a tuned control law renders, over damping and delay of the device.
+//! `touchstone boundary`: draws a map of the stiffest wall that a tuned control law renders stably, over damping and delay of the
+//! device.
 
 use super::out::{self, say, tell};
 use super::report_options::program;
@@ -21,7 +22,7 @@ pub struct Options {
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Control law that is tuned for every cell.
+    /// Control law that is tuned for every cell of the map.
     #[arg(long, value_name = "NAME", default_value = "spring-damper-estimated", value_parser = super::law_name::of_scorecard())]
     law: String,
     /// Delays in control periods, with commas between; each gets a panel of its own.
@@ -32,13 +33,13 @@ pub struct Options {
         default_value = "0,0.5,1"
     )]
     delays: Vec<f64>,
-    /// Number of columns: dampings b T/J from 0.0001 to 1.
+    /// Number of columns: dampings b T/J from 0.0001 to 1 (damping b, control period T, inertia J).
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(2..=200))]
     columns: u16,
-    /// Number of rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2.
+    /// Number of rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2 (control period T, stiffness k_de, inertia J).
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=200))]
     rows: u16,
-    /// Longest search for one cell, in simulated control periods.
+    /// Longest search for one cell of the map, in simulated control periods.
     #[arg(long, value_name = "TICKS", default_value_t = 1e6)]
     ticks: f64,
     /// Seed of the random numbers of the searches.
@@ -52,7 +53,8 @@ pub struct Options {
     force: bool,
 }
 
-/// Fields of the scene that every cell of the map sets itself, so that a user may not set them.
+/// Fields of the scene that every cell of the map sets itself, so that `--set` refuses them; each with a description of its new
+/// value.
 const REPLACED: [(&str, &str); 6] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),
@@ -62,7 +64,7 @@ const REPLACED: [(&str, &str); 6] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
 ];
 
-/// Name of the file in which finished cells are kept.
+/// Name of the file in which finished cells of the map are kept.
 const CELLS: &str = "cells.csv";
 
 /// Runs the command `touchstone boundary`.

@@ -1,9 +1,9 @@
-//! Opens pages in the desktop's browser.
+//! Opens pages in the user's default browser.
 
 use std::ffi::OsStr;
 use std::process::{Command, Stdio};
 
-/// Hands a file or an address to the desktop's browser. Returns whether a program accepted it.
+/// Opens a file or an address in the user's default browser. Returns whether a program accepted it.
 pub fn open(page: &OsStr) -> bool {
     let openers: &[&[&str]] = if cfg!(target_os = "macos") {
         &[&["open"]]

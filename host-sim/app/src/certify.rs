@@ -1,4 +1,5 @@
-//! `touchstone certify`: checks whether a wall comes to rest, how its stiffness is rendered, and with which grips of the hand.
+//! `touchstone certify`: computes, without a simulation run, whether device and hand come to rest at the wall with each grip, and
+//! how the wall's stiffness is rendered.
 
 use super::SceneOptions;
 use super::out::{json, say};
@@ -61,7 +62,7 @@ pub fn main(options: &Options) -> Result<()> {
     print(&certificate, &feel)
 }
 
-/// The first lines of the report: whether the wall comes to rest with each grip, and how it feels.
+/// The first lines of the report: whether the wall comes to rest with each grip, and how the wall's stiffness is rendered.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

@@ -5,19 +5,19 @@ use touchstone_sim::run::record::Summary;
 /// One demand on one simulation run, with the measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// The [`name`] of the run.
+    /// Name of the simulation run, from [`name`].
     pub run: String,
     /// The command-line option that made the demand.
     pub option: &'static str,
     /// The demanded value or limit, as text.
     pub wanted: String,
-    /// The measured value, as text.
+    /// The value that the run gave, as text.
     pub came: String,
-    /// Whether the demand is met.
+    /// Whether the run meets the demand.
     pub met: bool,
 }
 
-/// A name that distinguishes a simulation run from the others of the same command.
+/// A name that distinguishes a simulation run from other runs of the same command.
 pub fn name(run: &Summary) -> String {
     let counts = run.encoder_counts_per_rev.map_or_else(
         || "exact position".to_owned(),

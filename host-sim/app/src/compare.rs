@@ -16,10 +16,11 @@ use touchstone_sim::scene::Scene;
 
 /// Exit code if recording and simulation differ by more than the tolerance.
 const APART: u8 = 3;
-/// A factor of a parameter that differs from 1 by less than this is not reported: an encoder's step and the scatter of a fit cause
-/// as much.
+/// A parameter of the knob that differs from the scene's by a smaller fraction than this is not reported. An encoder's step and the
+/// scatter of a fit cause as much.
 const SAME: f64 = 0.1;
-/// A parameter's changed value is named as the reason only if the rms difference with it is below this fraction of the present one.
+/// A changed parameter is named as the reason of a difference only if the rms difference with it is below this fraction of the
+/// present one.
 const EXPLAINS: f64 = 0.5;
 
 /// Options of the command `touchstone compare`.
@@ -32,8 +33,8 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// What the hand did. held: it held the knob all the time, with the scene's grip; its motion is computed from the recording.
-    /// released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme: it did the scorecard's
-    /// programme.
+    /// released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme: it followed the
+    /// scorecard's programme of motions.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
     /// With --hand programme: another recording, with the wall's surface at another place within an encoder count (`touchstone
@@ -69,7 +70,7 @@ enum Hand {
     Programme,
 }
 
-/// Fields of the scene that the recording replaces.
+/// Fields of the scene that the recording replaces, each with a description of the new value. `--set` refuses these fields.
 const REPLACED: [(&str, &str); 2] = [
     ("operator.motion", "the recorded motion"),
     ("wall.surface_rad", "the device's surface"),

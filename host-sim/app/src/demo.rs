@@ -46,7 +46,7 @@ Lines of standard input are what happens to the board:
   noise N       N bytes without a meaning arrive
   pull, plug    its cable";
 
-/// Runs the simulated knob until Ctrl-C, with a page in the browser or without.
+/// Runs the simulated knob until Ctrl-C, with or without a page in the browser.
 pub fn main(options: &Options) -> Result<()> {
     let place = options.listen;
     let failed = |error: std::io::Error| {
@@ -91,7 +91,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// Receives the lines of standard input.
+/// Starts to read standard input in a thread; returns the receiver of its lines.
 fn lines() -> Receiver<String> {
     // A writer that is faster than the simulated knob has to wait.
     let (sender, happens) = sync_channel(16);

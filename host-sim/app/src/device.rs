@@ -24,7 +24,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Time that a calibration takes in addition to the turns of the field (offsets, alignment, pauses), with a reserve.
+/// Time that a calibration takes in addition to the turns of the motor's field (sensor offsets, alignment, pauses), with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of the command `touchstone device`.
@@ -84,8 +84,7 @@ enum BoardAction {
         #[command(subcommand)]
         action: eccentricity::EccentricityAction,
     },
-    /// Shows whether the board starts unattended when power comes on, without a desktop; switches that on or off, and
-    /// saves it.
+    /// Shows whether the board starts unattended when power comes on, without a computer; switches that on or off, and saves it.
     Autostart {
         #[arg(value_enum)]
         switch: Option<start::Switch>,
@@ -160,7 +159,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     state(status_of(&mut client)?.phase.name())
 }
 
-/// Prints what an armed device does if no program sends it messages.
+/// Prints after which silence of the computer an armed device switches off, or that it never does.
 pub fn note_silence(silence_s: Si) {
     if silence_s == Si::ZERO {
         note!(
@@ -184,8 +183,8 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// Time limit of a calibration. The magnetic field turns by one electrical turn and by one more per pole pair, forward and back, at
-/// the set speed.
+/// Time limit of a calibration. The motor's field turns by one electrical turn and by one more per pole pair, forward and back, at
+/// the configured speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
@@ -238,7 +237,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
     }
 }
 
-/// Whether the fault means that a stored alignment failed its check.
+/// Whether the fault means that the stored alignment of motor and encoder failed its check.
 fn is_of_kept(fault: &Fault) -> bool {
     fault.known() == Some(FaultCode::CalibrationFailed)
         && matches!(
@@ -421,7 +420,7 @@ fn ring_csv(records: &[RingRecord]) -> csv::Result<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// Other programs can read the CSV of the record before a fault.
+    /// Checks that other programs can read the CSV file with the record before a fault.
     #[test]
     fn others_read_what_a_ring_has() {
         let nothing = RingRecord::default();

@@ -86,7 +86,7 @@ pub fn main(options: &Options) -> Result<()> {
     watched
 }
 
-/// Requests the device's detents, end stops and further walls. A board without room for them has the wall alone.
+/// Requests the device's detents, end stops and further walls. A board without memory for them has only its single wall.
 fn environment(client: &mut Client) -> Result<Surround> {
     if !client.identity().board.is_large() {
         return Ok(Surround::default());
@@ -116,7 +116,7 @@ fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
 
 /// State of the printed lines: when they began, and how many are left to print.
 struct Lines {
-    /// Number of the control period of the first record.
+    /// Number of the control period in which the first telemetry record was made.
     first: Option<u32>,
     rate_hz: u32,
     /// Number of lines that are still to be printed; `None` without a limit.

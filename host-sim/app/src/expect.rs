@@ -17,7 +17,7 @@ use touchstone_sim::scene::list;
 /// Exit code if a run was simulated to its end but does not meet a demand.
 pub const NOT_MET: u8 = 3;
 
-/// Options that each make a demand on the runs.
+/// Options that each make a demand on the simulation runs.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
 pub struct Expectations {
@@ -60,7 +60,7 @@ impl Expectations {
     }
 }
 
-/// The verdicts with their meanings, for the help and for completions.
+/// The possible verdicts on a run with their meanings, for the help and for completions.
 fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
 }
@@ -102,7 +102,7 @@ impl Expectations {
         }
     }
 
-    /// Compares runs with those of the baseline, if the option names one.
+    /// Compares runs with those of the baseline, if the user gave `--baseline`.
     ///
     /// # Errors
     /// The baseline cannot be read.
@@ -248,7 +248,7 @@ impl Checked {
     }
 }
 
-/// The place of the JUnit file. A JUnit file that this program wrote is replaced, so that a CI server can run the same command
+/// The path of the JUnit file. A JUnit file that this program wrote is replaced, so that a CI server can run the same command
 /// again.
 fn junit_file(path: &Path) -> Named<'_> {
     Named {

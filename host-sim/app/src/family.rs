@@ -1,5 +1,5 @@
-//! `touchstone scorecard --family`: tests one setting of the wall on a set of devices that differ in inertia, damping, delay,
-//! encoder and grip.
+//! `touchstone scorecard --family`: tests a wall with fixed settings on a set of simulated devices that differ in inertia, damping,
+//! delay, encoder and grip.
 
 use super::expect::NOT_MET;
 use super::number;
@@ -32,7 +32,8 @@ pub struct Options {
     /// Noise of the position sensor, degrees rms; default: the scene's.
     #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Vec<f64>,
-    /// Number of device variants that each wall may lose, without those that are beyond what any tuned law holds.
+    /// Number of device variants on which each wall may be lost (a press too deep, or its stiffness far off), not counting those on
+    /// which any tuned law loses it.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,
     /// Largest allowed depth of press and touch, as a multiple of F/k_de (force over stiffness of the wall).

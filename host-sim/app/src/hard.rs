@@ -1,4 +1,4 @@
-//! `touchstone hard`: simulates the difficult test cases, and compares each result with the known right answer.
+//! `touchstone hard`: simulates test cases that are numerically difficult, and compares each result with the known right answer.
 
 use super::out;
 use super::out::{json, note, quiet, say, tell};
@@ -8,7 +8,7 @@ use touchstone_lab::hard::{Effort, cases, run, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::nearest;
 
-/// Exit code if the result of a case is wrong.
+/// Exit code if the result of a test case is wrong.
 const FAILED: u8 = 3;
 
 /// Options of the command `touchstone hard`.
@@ -20,7 +20,7 @@ pub struct Options {
     /// Lists the cases, each with its difficulty and the source of the right answer, and runs none.
     #[arg(long)]
     list: bool,
-    /// Simulates 10^9 control periods where the sample has 10^7: minutes instead of seconds.
+    /// Simulates 10^9 control periods where the short form has 10^7: minutes instead of seconds.
     #[arg(long)]
     long: bool,
 }

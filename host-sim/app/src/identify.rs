@@ -1,5 +1,5 @@
-//! `touchstone identify`: measures a simulated device's inertia, damping and friction from swings, and the usable damping by the
-//! thesis' Algorithm 2.1.
+//! `touchstone identify`: measures a simulated device's inertia, damping and friction from swings. It also finds the damping that
+//! the control law FBA may assume, by the thesis' Algorithm 2.1.
 
 use super::SceneOptions;
 use super::number::{self, measured};
@@ -12,7 +12,7 @@ use touchstone_sim::scene::Scene;
 /// Options of `touchstone identify`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Name of a shipped scene or path of a scene's TOML file; its motion must have a hold.
+    /// Name of a shipped scene or path of a scene's TOML file; the motion of its hand must include a hold.
     #[arg(default_value = "identify")]
     scene: String,
     #[command(flatten)]

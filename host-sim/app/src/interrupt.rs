@@ -9,7 +9,7 @@ use touchstone_sim::error::{Error, Result};
 /// Exit code after an interrupt: 128 plus 2, the number of SIGINT, as in shells.
 pub const INTERRUPTED: i32 = 130;
 
-/// Makes an interrupt remove the files being prepared and end the program.
+/// Installs the handler for Ctrl-C and SIGTERM, which removes half-written files and ends the program.
 pub fn clean_up() -> Result<()> {
     clean_up_keeping("interrupted: nothing half-written is left")
 }
@@ -35,7 +35,8 @@ pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     })
 }
 
-/// Makes an interrupt only set the returned flag. A loop that polls the flag can then stop its device before it ends.
+/// Makes Ctrl-C and SIGTERM only set the returned flag. A loop that polls the flag can then stop its device before the program
+/// ends.
 pub fn noted() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);

@@ -85,8 +85,8 @@ pub fn main(options: &Options) -> Result<()> {
     finish(options, &page)
 }
 
-/// Text of the page for three axes, with the objects and control laws of the thesis (§5.2). It starts with the enhanced law at five
-/// times the critical stiffness.
+/// Text of the page for three axes, with the objects and control laws of the thesis (§5.2). The page starts with the enhanced
+/// control law at five times the critical stiffness.
 fn space(object: &str) -> Result<String> {
     let thesis = three_axes::settings(LawKind::EnhancedSfa, 25.0);
     let object = match object {
@@ -132,7 +132,7 @@ fn finish(options: &Options, page: &str) -> Result<()> {
     Ok(())
 }
 
-/// Text of the page without a scene. The caller inserts a scene of its own.
+/// Text of the page without a scene, for reports. The writer of a report inserts the scene.
 pub fn page_without_scene() -> String {
     page::render(&Content {
         scene: "",
@@ -143,8 +143,8 @@ pub fn page_without_scene() -> String {
     })
 }
 
-/// Scene name and the options that change the scene, from this program's command line. Leaves out options that concern only the
-/// page, such as `--out`.
+/// This program's command line, reduced to the scene's name and the options that change the scene. Options that concern only the
+/// page, such as `--out`, are left out.
 fn source(scene: &str, command: &str) -> String {
     let mut words = command
         .split_whitespace()

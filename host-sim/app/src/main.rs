@@ -91,14 +91,16 @@ enum Command {
     Live(live::Options),
     /// Simulates a knob to try without a board: in the browser, or at a port for every command that connects to a board.
     Demo(demo::Options),
-    /// Measures inertia, damping and friction of a simulated device, and the damping that FBA may assume (Algorithm 2.1).
+    /// Measures inertia, damping and friction of a simulated device, and the damping that the control law FBA may assume (the
+    /// thesis' Algorithm 2.1).
     Identify(identify::Options),
     /// Computes whether a wall is stable, for which hands, and by which margins, without a simulation run.
     Certify(certify::Options),
     /// Shows how a scene's run is built: states, eigenvalues, substeps, the computing time of each effect, and which omitted effect
     /// would matter.
     Plan(plan::Options),
-    /// Shows accuracy against computing time: integrators, number formats, control rates and encoders, each against a reference.
+    /// Shows accuracy against computing time for integrators, number formats, control rates and encoders, each compared with a
+    /// reference.
     Accuracy(accuracy::Options),
     /// Runs the hard test cases, each against a known answer, and shows the smallest margin.
     Hard(hard::Options),
@@ -133,7 +135,7 @@ enum Command {
     /// Makes a board look like a SmartKnob, on a pseudo terminal, for programs that were written for one.
     #[cfg(unix)]
     Bridge(bridge::Options),
-    /// Shows a device's measurements and commands live; with --csv, writes every control tick to a file.
+    /// Shows a device's measurements and commands live; with --csv, writes every control period to a file.
     Monitor(monitor::Options),
     /// Reads, changes and saves a device's settings.
     Config(config::Options),
@@ -266,7 +268,7 @@ fn described(names: Vec<&'static str>) -> Result<Vec<(&'static str, String)>> {
         .collect()
 }
 
-/// Prints a list of scenes and the commands that use them.
+/// Prints a list of scenes, and below it the commands that use them.
 fn listed(what: &str, scenes: &[(&str, String)], ways: &[&str]) -> Result<()> {
     let entry = |(name, description): &(&str, String)| serde_json::json!({ "name": name, "description": description });
     out::result(

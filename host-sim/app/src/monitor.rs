@@ -1,4 +1,4 @@
-//! `touchstone monitor`: prints a device's measurements and commands live, and writes every control tick as CSV.
+//! `touchstone monitor`: prints a device's measurements and commands live, and writes every control period (tick) as CSV.
 
 use super::device::note_silence;
 use super::number;
@@ -36,7 +36,7 @@ pub struct Options {
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
-    /// Number of control ticks per record.
+    /// Number of control periods per record.
     #[arg(long, value_name = "TICKS", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u16, 1000, "of ticks"))]
     decimation: u16,
 }
@@ -177,7 +177,7 @@ fn line(record: &Telemetry, lost: u64) -> String {
     )
 }
 
-/// Names of the device's limits that are active, from the bits of a telemetry record.
+/// Names of the limits that reduced the device's force, from the bits of a telemetry record.
 fn limits(bits: u8) -> String {
     let limits = Limits::from_wire(bits);
     let names: Vec<String> = Limit::ALL
@@ -215,9 +215,9 @@ struct Table<'a> {
     waiting: u32,
 }
 
-/// Number of CSV rows per write, so that an interrupted program leaves no incomplete row.
+/// Number of CSV rows that are written to the file at once, so that an interrupted program leaves no incomplete row.
 const ROWS_AT_ONCE: u32 = 128;
-/// Size of the row buffer in bytes: room for twice as many rows as one write has.
+/// Size of the row buffer in bytes: room for twice as many rows as are written at once.
 const ROOM: usize = 1 << 16;
 
 impl<'a> Table<'a> {
@@ -284,8 +284,8 @@ mod tests {
     use super::{COLUMNS, Named, Table, Telemetry};
     use touchstone_protocol::Decimal;
 
-    /// Other programs must read each column as decimals, not as integers or text, even if 30,000 records of zeros come before the
-    /// first record with a force.
+    /// Checks that other programs read each column as decimals, not as integers or text, even if 30,000 records of zeros come
+    /// before the first record with a force.
     #[test]
     fn others_read_what_a_monitor_keeps() {
         use fixed::types::I8F24;
@@ -311,7 +311,7 @@ mod tests {
             option: "--csv",
             replaces: true,
         };
-        // The period of 3 kHz has no short decimal form.
+        // The control period at 3 kHz has no short decimal form.
         let mut table = Table::new(place, 3000).unwrap();
         for tick in 0..30_000 {
             table.take(&Telemetry { tick, ..nothing }).unwrap();

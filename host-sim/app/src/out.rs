@@ -29,7 +29,7 @@ pub fn quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Whether the reader of standard output is still there. This check prints nothing.
+/// Whether the reader of standard output still keeps the pipe open. This check prints nothing.
 pub fn is_read() -> bool {
     !CLOSED.load(Ordering::Relaxed)
 }
@@ -101,7 +101,7 @@ pub fn shown(text: &str) -> String {
     text.chars().map(harmless).collect()
 }
 
-/// Same as `println!`, without a panic on a closed pipe; for the output that a command is run for.
+/// Same as `println!`, without a panic on a closed pipe; for the output that is the purpose of a command.
 macro_rules! say {
     ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", format_args!($($text)*)))? };
 }

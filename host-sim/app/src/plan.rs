@@ -14,7 +14,7 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Relative change of an output above which an omitted effect is listed, as a fraction.
+    /// Relative change of a result, as a fraction, from which on an omitted effect is listed.
     #[arg(long, value_name = "SHARE", default_value_t = Asked::default().tolerance)]
     tolerance: f64,
     /// Measures no computing times, so that the output is the same on every machine.

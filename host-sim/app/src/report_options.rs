@@ -9,7 +9,7 @@ pub struct ReportOptions {
     /// Writes traces as Parquet only, a tenth of the size of CSV; needs a program built with Parquet.
     #[arg(long, value_parser = parquet_alone)]
     no_csv: bool,
-    /// Writes only every Nth tick to traces; the figures show all ticks.
+    /// Writes only every Nth control period to traces; the figures show all of them.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u32, u32::MAX, "of ticks"))]
     every: u32,
     /// Replaces files that another command left in the folder.

@@ -8,8 +8,8 @@ use touchstone_sim::run::work::Work;
 use touchstone_sim::run::{self as runner, passivity};
 use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
-/// Parser of an option for the scene field of this path. It lists the field's allowed values in help and completions; the scene
-/// itself rejects other values, as in a file.
+/// Parser of an option that sets the scene field with this path. Help and completions list the field's allowed values. Other values
+/// are rejected later, with the scene, as in a file.
 #[derive(Debug, Clone, Copy)]
 struct Words(&'static str);
 
@@ -43,14 +43,16 @@ pub struct SceneOptions {
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Integration method for device and hand within a tick; all but `exact`, the default, divide a tick into `plant.substeps`.
+    /// Integration method for device and hand within a control period; all but `exact`, the default, divide it into
+    /// `plant.substeps`.
     #[arg(long, value_parser = Words("plant.integrator"))]
     integrator: Option<String>,
-    /// Default parameters of the control law, for those that the scene leaves out. shipped: tuned, on estimated states, with the
-    /// energy guard; thesis: below the thesis' own bounds, on measured states, without a guard.
+    /// Default parameters of the control law, for those that the scene leaves out. shipped: tuned, with estimated position and
+    /// velocity and the energy guard; thesis: below the thesis' own bounds, with measured ones, without a guard.
     #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
     preset: Preset,
-    /// Reads rate, stiffness and law from a settings file, as `touchstone tune --out` writes it; --set and the like override it.
+    /// Reads control rate, stiffness and control law from a settings file, as `touchstone tune --out` writes it; --set and the like
+    /// override it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
@@ -60,8 +62,9 @@ pub struct SceneOptions {
     /// `monitor` are such recordings.
     #[arg(long, value_name = "FILE.csv")]
     operator_motion: Option<std::path::PathBuf>,
-    /// Rejects a law beyond its own passivity bounds instead of warning (a spring: k_de <= 2 c_i/T; with virtual damping B: k_de <
-    /// 2 (c_i - B)/T; the enhanced law: no energy credit), and ends with 3 if the wall gives energy to the user.
+    /// Rejects a control law beyond its own passivity bounds instead of warning, and ends with 3 if the wall gives energy to the
+    /// user. The bounds on the stiffness k_de, for device damping c_i and control period T, are 2 c_i/T for a spring and 2 (c_i -
+    /// B)/T with virtual damping B; the enhanced law must have no energy credit.
     #[arg(long)]
     strict_passive: bool,
 }
@@ -72,7 +75,7 @@ impl SceneOptions {
         self.strict_passive
     }
 
-    /// Name of the first option on this list that the user gave; `None` if no option changes the scene.
+    /// Name of the first of these options that the user gave; `None` if the user gave none, so that the scene is unchanged.
     pub fn first_given(&self) -> Option<&'static str> {
         let given = [
             ("--law", self.law.is_some()),

@@ -51,8 +51,8 @@ pub struct Options {
     /// Replaces files that another command left in the folder, and an existing programme file.
     #[arg(long)]
     force: bool,
-    /// Only writes the hand's motion, tick by tick for every grip, to this file: for a hand on a test stand or in the emulator.
-    /// `touchstone compare --hand programme` compares its recording with the scorecard.
+    /// Only writes the hand's motion, with a row per control period for every grip, to this file: for a hand on a test stand or in
+    /// the emulator. `touchstone compare --hand programme` compares its recording with the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
     /// With --programme: shifts the wall's surface by this fraction of an encoder count.
@@ -139,7 +139,7 @@ fn deed(word: &str) -> std::result::Result<String, String> {
     }
 }
 
-/// Writes the hand's motion programme, one CSV row per control tick.
+/// Writes the hand's motion programme, one CSV row per control period.
 fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     let place = Named {
         path: file,
@@ -165,10 +165,10 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     )
 }
 
-/// Name of a control law, and the text of the settings that tuning found for it.
+/// Name of a control law, and the text of the settings file that tuning found for the law.
 type Tuned = (String, String);
 
-/// The control laws with their scenes, and the settings files of tuned laws.
+/// The control laws to compare, each with its scene, and the settings files of tuned control laws.
 fn entries(
     scene: &Scene,
     rivals: &[&'static Rival],

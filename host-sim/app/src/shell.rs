@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    /// A real shell parses the quoted command line into the original words.
+    /// Checks that a real shell parses the quoted command line into the original words.
     #[cfg(unix)]
     #[test]
     fn a_shell_takes_it_for_the_same() {

@@ -56,7 +56,7 @@ pub struct RunOfSpace<'a> {
     pub print: bool,
     pub out: Option<&'a Path>,
     pub report: &'a ReportOptions,
-    /// Name of a given option that a three-axis scene does not support.
+    /// Name of an option that the user gave and that a three-axis scene does not support; `None` if there is none.
     pub lost: Option<&'static str>,
     pub expectations: &'a Expectations,
 }

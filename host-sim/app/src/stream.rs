@@ -7,11 +7,11 @@ use touchstone_device::Client;
 use touchstone_protocol::{Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// Time without telemetry after which a device that should send counts as disconnected.
+/// Time without telemetry after which a device that should send telemetry counts as disconnected.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
-/// Longest time between two messages to the device. It is half of the shortest useful time limit of the device's watchdog on the
-/// host.
+/// Longest time between two messages to the device, as a sign of life. It is half of the shortest useful limit on the computer's
+/// silence, after which a device switches off.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Conditions that end the reception of a device's telemetry.
@@ -26,7 +26,7 @@ pub struct Until<'a> {
 }
 
 /// Passes every telemetry record to `take`, until `take` returns false or an end condition in `until` is met. Meanwhile sends
-/// requests to the device, so that its watchdog on the host does not expire.
+/// requests to the device, which would otherwise switch off because of the computer's silence.
 ///
 /// # Errors
 /// The device fails, or sends nothing for two seconds; `take` returns an error.

@@ -11,7 +11,7 @@ use touchstone_lab::sweep::store::{Cells, Shard, Store};
 use touchstone_lab::sweep::{Filled, Sweep, gathered};
 use touchstone_sim::error::{Error, Result};
 
-/// Message on an interrupt: finished cells of the map are kept.
+/// Message after an interrupt: finished cells of the map are kept.
 const KEPT: &str = "interrupted: what is done is kept; the same command goes on";
 
 /// Options of `touchstone sweep`.
@@ -257,7 +257,7 @@ fn print(results: &Value, folder: &Path) -> Result<()> {
 }
 
 /// This program's command line without options that do not change the results: output folder, shard, threads, `--force`, `--quiet`
-/// and `--json`. Parts of one sweep so record the same command.
+/// and `--json`. So all parts of a sweep record the same command.
 fn plain_command() -> String {
     let given = std::env::args_os().skip(1);
     let words: Vec<String> = given

@@ -28,14 +28,15 @@ pub struct Options {
     out: PathBuf,
     #[command(flatten)]
     report: ReportOptions,
-    /// Degrees of freedom: 1, a knob (§5.1), or 3, an omega.3 (§5.2). The latter touches a plane, an inclined plane and a sphere of 30 mm
-    /// at 5 and 25 N/mm, with settings of its own.
+    /// Degrees of freedom: 1, a knob (the thesis' §5.1), or 3, an omega.3 (§5.2), which touches a plane, an inclined plane and a
+    /// sphere of 30 mm at 5 and 25 N/mm, with settings of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     dof: u8,
     #[command(flatten)]
     space: SpaceOptions,
     /// Changes a field of the scene thesis-knob in all runs, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
-    /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
+    /// encoder, which the comparison itself varies. The control law TDPA always has the thesis' energy observer, also if
+    /// law.observer is changed.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Rejects an enhanced law beyond its own passivity bounds instead of warning; ends with 3 if one of its runs gives energy.
@@ -197,7 +198,7 @@ fn space(options: &Options) -> Result<ExitCode> {
     super::thesis_space::main(&options.out, &options.report, &options.space, &bar)
 }
 
-/// Converts a checked claim of the thesis to JSON.
+/// Converts a claim of the thesis, with the result of its check, to JSON.
 fn claim(claim: &claims::Claim) -> serde_json::Value {
     serde_json::json!({
         "name": claim.name,
@@ -213,7 +214,7 @@ fn style() -> ProgressStyle {
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// One line of text that summarises the runs without a plot.
+/// One line of text that summarises the runs for which the report has no plot.
 fn others(runs: &[Run]) -> String {
     let rest: Vec<&Run> = runs.iter().filter(|run| run.trace.is_none()).collect();
     let same = rest.iter().filter(|run| {

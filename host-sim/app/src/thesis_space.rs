@@ -18,14 +18,14 @@ pub struct SpaceOptions {
     /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism with a Falcon's arm lengths.
     #[arg(long, value_name = "KIND", value_parser = mechanism)]
     pub mechanism: Option<Mechanism>,
-    /// With --dof 3: also simulates the tuned law on 200 walls, hands and devices drawn from this seed, which the tuning did not
-    /// use.
+    /// With --dof 3: also simulates the tuned control law on 200 walls, hands and devices drawn from this seed, which the tuning
+    /// did not use.
     #[arg(long, value_name = "SEED")]
     pub held_out: Option<u64>,
 }
 
 impl SpaceOptions {
-    /// Name of the first of these options that the user gave; `None` if none.
+    /// Name of the first of these options that the user gave; `None` if the user gave none.
     pub fn any(&self) -> Option<&'static str> {
         let mechanism = self.mechanism.map(|_| "--mechanism");
         mechanism.or(self.held_out.map(|_| "--held-out"))

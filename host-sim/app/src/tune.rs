@@ -37,7 +37,7 @@ pub struct Options {
     #[arg(long)]
     quick: bool,
     /// Largest allowed force ripple on the nominal device, N·m. Default: 0.6 times the ripple of a spring-damper on position
-    /// differences that is stable at the same delays; 1.1 times if the delay is a whole tick.
+    /// differences that is stable at the same delays; 1.1 times if the delay is a whole control period.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
     /// Writes the settings to this file, for `touchstone config import` and for `--settings`; not if they fail a limit (exit code

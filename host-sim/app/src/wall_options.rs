@@ -11,7 +11,7 @@ pub struct WallOptions {
     /// Desired stiffness k_de, N·m/rad; default: the scene's.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Reads rate, stiffness and law from a settings file, as `touchstone tune --out` writes it.
+    /// Reads control rate, stiffness and control law from a settings file, as `touchstone tune --out` writes it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
@@ -19,7 +19,8 @@ pub struct WallOptions {
     sets: Vec<String>,
 }
 
-/// Fields of the scene that a scorecard overwrites with its own devices and hands. `--set` refuses these fields.
+/// Fields of the scene that a scorecard overwrites with its own devices and hands, each with a description of the new value.
+/// `--set` refuses these fields.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),

@@ -17,9 +17,9 @@ pub struct Overwrite {
 /// A file to write, with the option that named it.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<'a> {
-    /// Path of the file.
+    /// Path of the file to write.
     pub path: &'a Path,
-    /// Name of the option, for error messages.
+    /// Name of the option that named the file, for error messages.
     pub option: &'a str,
     /// Whether an existing file may be replaced.
     pub replaces: bool,
@@ -64,7 +64,8 @@ impl Named<'_> {
     }
 }
 
-/// Whether the file exists and has `mark` in its first 1024 bytes. Then the same command wrote the file, and may replace it.
+/// Whether the file exists and has `mark` in its first 1024 bytes. The mark shows that the same command wrote the file and may
+/// replace it.
 pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
     use std::io::Read as _;
     let is_file = std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
@@ -76,7 +77,7 @@ pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
         && String::from_utf8_lossy(&begin).contains(mark)
 }
 
-/// Checks with `tests/scripts/readers.py` that the installed CSV readers, such as pandas, read a table as it was written. Without
+/// Checks with `tests/scripts/readers.py` that the installed CSV readers, such as pandas, read back the values of a table. Without
 /// Python the check is skipped.
 #[cfg(test)]
 pub fn is_read_by_others(name: &str, table: &[u8]) {

@@ -1,5 +1,5 @@
-//! Tests of the scorecard that `touchstone device run` writes. On simulated devices its figures match the simulator's. On mocks of
-//! real devices it names the figures that cannot be measured.
+//! Tests of the scorecard that `touchstone device run` writes. On simulated devices its figures must match the simulator's. For
+//! mocks of real devices it must name the figures that cannot be measured.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -67,7 +67,8 @@ fn beyond(card: &serde_json::Value) -> usize {
         .count()
 }
 
-/// The simulator's worst figures over all actions of the hand, for the same wall and hand. The simulator knows the true depths.
+/// The figures of the simulator, for comparison: the worst ones over all actions of the hand, for the same wall and hand. The
+/// simulator knows the true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),
@@ -85,10 +86,11 @@ fn simulated(normal: [f64; 3]) -> DirectionFigures {
         })
 }
 
-/// The figures of depth may differ by half an encoder count of each axis along the wall's normal, relative to the depth of 8 N in 5
-/// N/mm. The tested wall gives energy, which is the harder comparison.
+/// Checks that the scorecard of a simulated device has the simulator's figures. The figures of depth may differ by half an encoder
+/// count of each axis along the wall's normal, relative to the depth of 8 N in 5 N/mm. The tested wall gives energy, which is the
+/// harder comparison.
 ///
-/// No energy guard takes part: on the device one energy account lasts for all actions, in the simulator each action has a new
+/// The test uses no energy guard: on the device one energy account lasts for all actions, in the simulator each action has a new
 /// account.
 #[test]
 fn a_simulated_device_has_the_simulators_figures() {
@@ -133,8 +135,8 @@ fn a_simulated_device_has_the_simulators_figures() {
     }
 }
 
-/// The default wall of an omega.3 meets all six limits at every control rate that has a default wall. The thesis' settings exceed
-/// limits, and the program warns of this before the run.
+/// Checks that the default wall of an omega.3 meets all six limits at every control rate that has a default wall. With the thesis'
+/// settings the wall must exceed limits, and the program must warn of this before the run.
 #[test]
 fn the_default_wall_of_an_omega3_is_within_the_limits() {
     let folder = common::folder("device-scorecard-default");
@@ -161,14 +163,14 @@ fn the_default_wall_of_an_omega3_is_within_the_limits() {
     assert_eq!(found["wall"]["k_desired_n_per_m"], 5000.0);
     let said = String::from_utf8_lossy(&ran(&folder, thesis).stderr).into_owned();
     assert!(said.contains("--preset tuned is within them"), "{said}");
-    // No wall was tuned for rates between.
+    // No wall was tuned for rates between 1500 and 2000 Hz.
     let between = "device run plane --device simulated --fast --seconds 1 --rate-hz 1750";
     let said = String::from_utf8_lossy(&ran(&folder, between).stderr).into_owned();
     assert!(said.contains("above k_v"), "{said}");
 }
 
-/// A spring far too stiff for the device, without a guard, exceeds nearly every limit. A spring that the device holds stably meets
-/// them.
+/// Checks that the scorecard shows a bad wall as bad. A spring far too stiff for the device, without a guard, must exceed nearly
+/// every limit. A spring that the device holds stably must meet them.
 #[test]
 fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
     let folder = common::folder("device-scorecard-bad");
@@ -187,8 +189,8 @@ fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
     }
 }
 
-/// The program cannot command the hand on a real device. The scorecard has figures of the motion that the hand made, and gives the
-/// reason for each figure that is missing.
+/// Checks the scorecard of real devices (mocks), on which the program cannot command the hand. It must have figures of the motion
+/// that the hand made, and give the reason for each figure that is missing.
 #[test]
 fn on_the_mocks_it_is_said_what_cannot_be_known() {
     let folder = common::folder("device-scorecard-mocks");
@@ -227,7 +229,7 @@ fn on_the_mocks_it_is_said_what_cannot_be_known() {
         let page = std::fs::read_to_string(folder.join(name).join("index.html")).unwrap();
         assert!(page.contains("not measured") && page.contains("How late ticks began"));
         if name == "omega" {
-            // 6 rad/s up and down, in the wall.
+            // The hand moves up and down in the wall at 6 rad/s (0.955 Hz).
             let moved = card["moved"].as_array().expect("rhythms");
             let near = |at: &serde_json::Value| {
                 (at["frequency_hz"].as_f64().unwrap_or(0.0) - 0.955).abs() < 0.05

@@ -184,7 +184,7 @@ fn a_value_outside_its_number_format_is_refused_where_it_stands() {
         &["run", "bad.toml", "--out", "out"],
         &["bad.toml:9:", "k_soft_n_m_per_rad", "600", "fixed16"],
     );
-    // The 32-bit format takes the first of them.
+    // The 32-bit format accepts the first of these values.
     let output = folder.run(&["run", "tap", "--k-desired", "400000", "--json"]);
     assert_eq!(output.status.code(), Some(0));
 }

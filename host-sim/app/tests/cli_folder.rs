@@ -82,7 +82,7 @@ fn pages(file: &[u8]) -> &[u8] {
 #[track_caller]
 fn assert_made_again(here: &Path, first: &str) {
     done(here, &format!("{first} --out a"));
-    // Nothing but the folder is left, and it has been moved.
+    // Only the results folder remains, and it has been renamed.
     std::fs::rename(here.join("a"), here.join("kept")).unwrap();
     let _ = std::fs::remove_file(here.join("motion.csv"));
     done(here, "run kept/scene.toml --out b");
@@ -130,7 +130,7 @@ fn a_cell_of_the_comparison_is_made_again_and_the_comparison_repeats() {
     done(&here, "thesis --no-csv --out report");
     let first = results(&here.join("report"));
     let runs = first["runs"].as_array().unwrap();
-    // Every run has a scene of its own, and the page names the command for those without figures.
+    // Each run has its own scene file. For runs without figures the page names the command.
     let page = std::fs::read_to_string(here.join("report/index.html")).unwrap();
     let mut scenes = std::collections::HashSet::new();
     for run in runs {
@@ -151,7 +151,7 @@ fn a_cell_of_the_comparison_is_made_again_and_the_comparison_repeats() {
             }
         }
     }
-    // The main job, repeated into the same folder.
+    // The comparison is repeated into the same folder.
     done(&here, "thesis --no-csv --out report");
     assert_eq!(first, results(&here.join("report")));
 }
@@ -193,7 +193,7 @@ fn the_folder_says_where_it_is_from() {
     );
     assert_eq!(json["trace_every"], 5);
     assert_eq!(json["inputs"][0]["path"], "mine.toml");
-    // The scene is canonical, so what was read and what is written have one hash.
+    // The scene is in canonical form, so the file that was read and the file that is written have the same hash.
     let run = &json["runs"][0];
     assert_eq!(json["inputs"][0]["sha256"], run["scene_sha256"]);
     for file in json["files"].as_array().unwrap() {
@@ -320,7 +320,7 @@ fn scenes_obey_their_documented_schema_and_it_refuses_others() {
 fn settings_obey_their_documented_schema_and_it_refuses_others() {
     use serde_json::json;
     let here = folder("schema-settings");
-    // A value of each kind, and each kind's bounds.
+    // A value of each type and at each type's limits.
     let good = [
         json!({}),
         json!({"wall": {"k_desired_n_m_per_rad": 0, "surface_rad": -100}, "law": {"kind": "tdpa", "filter": {"mass_kg_m2": 1e-6}}}),

@@ -161,7 +161,8 @@ fn a_wall_is_played_in_real_time_and_the_device_released() {
     );
 }
 
-/// A run writes every control tick as CSV. The forces in the file are those of the run, and the positions are those of the hand.
+/// Checks that a run writes every control period as CSV. The forces in the file must be those of the run, the positions those of
+/// the hand.
 #[test]
 fn a_run_is_kept_tick_by_tick() {
     let folder = common::folder("haptic-trace");
@@ -193,8 +194,8 @@ fn a_run_is_kept_tick_by_tick() {
     );
 }
 
-/// A device simulated faster than real time gives the same results in two runs. The run ends without a fault with every control law
-/// and object.
+/// Checks that a device simulated faster than real time gives the same results in two runs. With every control law and object the
+/// run must end without a fault.
 #[test]
 fn a_simulated_device_plays_every_object_without_a_fault() {
     let folder = common::folder("haptic-fast");
@@ -308,7 +309,7 @@ fn interrupt(child: &Child, signal: &str) {
     );
 }
 
-/// After Ctrl-C (SIGINT) or SIGTERM, the program releases the device.
+/// Checks that the program releases the device after Ctrl-C (SIGINT) or SIGTERM.
 #[test]
 fn an_interrupt_ends_with_a_released_device() {
     for (signal, seconds, code) in [("-INT", &[][..], 0), ("-TERM", &["--seconds", "30"], 130)] {
@@ -324,7 +325,7 @@ fn an_interrupt_ends_with_a_released_device() {
     }
 }
 
-/// While one program uses a device, a second program that opens the device gets an error.
+/// Checks that a second program gets an error when it opens a device that another program uses.
 #[test]
 fn a_second_program_is_told_that_the_first_has_it() {
     let folder = common::folder("haptic-held");
@@ -436,7 +437,8 @@ fn what_does_not_go_together_is_said() {
     }
 }
 
-/// A mesh of two triangles gives the same forces as the built-in floor. A file that is no mesh is refused before the device moves.
+/// Checks that a mesh of two triangles gives the same forces as the built-in floor, and that a file that is no mesh is refused
+/// before the device moves.
 #[test]
 fn a_mesh_from_a_file_is_an_object() {
     let folder = common::folder("cli-haptic-mesh");

@@ -80,7 +80,7 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
         // The warning is no part of the results.
         serde_json::from_slice::<serde_json::Value>(&warned.stdout).unwrap();
 
-        // The credit is refused as well when strict; without it only the bound is left.
+        // `--strict-passive` also refuses the energy credit. With a credit of 0, only the passivity bound can cause a refusal.
         let credit = ["--set", "law.energy_credit_j=0", "--strict-passive"];
         let strict = |setting: &str| {
             let mut arguments = vec![
@@ -184,13 +184,13 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     // A progress bar would leave carriage returns, escapes or bar characters.
     assert!(!out.contains(['\r', '\u{1b}', '█', '░']), "{out:?}");
     assert!(!out.contains("runs  0s") && out.contains("Enhanced SFA"));
-    // Nobody looks at standard error here either.
+    // Standard error is no terminal either, so it must stay empty.
     assert_eq!(text(&output.stderr), "");
 
     let report = here.join("report");
     let page = std::fs::read_to_string(report.join("index.html")).unwrap();
     assert!(page.contains("<svg") && page.ends_with("</html>\n"));
-    // What the comparison replaces without refusing it.
+    // The comparison replaces this setting in each of its runs, instead of refusing it.
     for said in [&page, &out] {
         assert!(said.contains("whatever law.observer says"));
     }
@@ -200,7 +200,8 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     }
     let results: serde_json::Value =
         serde_json::from_slice(&std::fs::read(report.join("results.json")).unwrap()).unwrap();
-    // Three grips, two encoders, four stiffnesses of five laws and of what ships, and one row beyond for two of them.
+    // Three grips and two encoders. For each pair: four stiffnesses with the five laws and the shipped law, and one additional
+    // stiffness for two laws.
     assert_documented(&results, 3 * 2 * (4 * 6 + 2));
 
     let mut traces = 0;
@@ -211,7 +212,7 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
         };
         traces += 1;
         let csv = std::fs::read_to_string(report.join(csv)).unwrap();
-        // A header and a row a tick.
+        // The file has a header and one row per control tick.
         let rows = csv.lines().filter(|line| !line.starts_with('#')).count() as u64;
         assert_eq!(rows, run["ticks"].as_u64().unwrap() + 1);
         let parquet = std::fs::read(report.join(parquet)).unwrap();

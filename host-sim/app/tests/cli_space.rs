@@ -11,7 +11,7 @@ fn folder(test: &str) -> PathBuf {
     common::folder(&format!("cli-space-{test}"))
 }
 
-/// All checked claims of the thesis hold, and the report's page has the figures of every run.
+/// Checks that all claims of the thesis hold in the comparison, and that the report's page has the figures of every run.
 #[test]
 fn the_comparison_reproduces_what_the_thesis_claims() {
     let folder = folder("claims");
@@ -35,7 +35,7 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
     }
     let runs = results["runs"].as_array().expect("runs");
     assert_eq!(runs.len(), 33);
-    // What ships is beside the thesis' approaches, and displays what was asked for.
+    // The shipped wall is compared with the approaches of the thesis. It must display the requested stiffness.
     let ships: Vec<_> = runs
         .iter()
         .filter(|run| run["approach"] == "shipped")
@@ -62,7 +62,7 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
     let picture = page.find("class=\"picture\"").expect("a picture");
     assert!(picture < page.find("<table").expect("a table"));
     assert!(!page.contains("NaN") && !page.contains("http"));
-    // The same command again replaces it; another one does not.
+    // The same command replaces its own results. Another command refuses to replace them.
     let again = run_in(&folder, ["thesis", "--dof", "3", "--json"]);
     assert!(again.status.success());
     let other = run_in(&folder, ["thesis", "--dof", "3", "--quiet"]);

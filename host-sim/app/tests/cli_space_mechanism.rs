@@ -14,8 +14,8 @@ fn said(bytes: &[u8]) -> String {
 
 const BALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/delta-ball.toml");
 
-/// The comparison runs on a cartesian and on a delta mechanism, with walls that the tuning did not use. The results show the effect
-/// of the mechanism, and the energy balance closes on each mechanism.
+/// Checks the comparison on a cartesian and on a delta mechanism, with walls that the tuning did not use. The results must show the
+/// effect of the mechanism, and the energy balance must close on each.
 #[test]
 fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     let folder = common::folder("space-mechanism");
@@ -36,7 +36,7 @@ fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     let results = json(&out.stdout);
     assert_eq!(results["mechanism"], "delta");
     let runs = results["runs"].as_array().expect("runs");
-    // Five approaches at two stiffnesses and the shipped wall at its own, on three objects.
+    // Three objects, each with five approaches at two stiffnesses and with the shipped wall at its own stiffness.
     assert_eq!(runs.len(), 33);
     assert!(runs.iter().all(|run| run["stopped"] == false), "{runs:#?}");
     let outcome = |name: &str| {

@@ -8,7 +8,7 @@ use touchstone_sim::error::{Error, Result};
 /// USB vendor number of STMicroelectronics.
 const VENDOR_ST: u16 = 0x0483;
 
-/// The address of a device.
+/// The address of a device: a serial port or a TCP socket.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Address {
     /// A serial port by its name, e.g. `/dev/ttyACM0` or `COM3`.
@@ -44,7 +44,7 @@ impl FromStr for Address {
     }
 }
 
-/// A serial port that the operating system lists.
+/// A serial port of this machine, as the operating system lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     /// Name under which the operating system opens the port.

@@ -1,12 +1,12 @@
 //! Devices and the communication with them.
 //!
-//! A board runs its control law itself. The desktop sends it requests over a link:
+//! A board runs its control law itself. The computer sends it requests over a link:
 //!
 //! ```text
 //! address -> transport (serial port or TCP) -> frames (protocol) -> client: requests and answers, telemetry
 //! ```
 //!
-//! A haptic device without a control law of its own is driven from this crate, tick by tick:
+//! A haptic device without a control law of its own is driven from this crate, one control interval (tick) after the other:
 //!
 //! ```text
 //! HapticDevice (simulated, omega.3, Inverse3; faults around any) <-> servo: pace, limits, release <-> ForceLaw (wall, guard)

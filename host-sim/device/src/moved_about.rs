@@ -1,45 +1,46 @@
-//! Small motions of a device that nobody holds, one axis after the other, from which its mass, damping and friction are identified.
+//! Small motions of a haptic device that nobody holds, one axis after the other. From them its mass, damping and friction are
+//! identified.
 //!
 //! A soft spring with a little damping holds the device at the position where its motors were switched on. A sum of three sines
-//! pushes it along one axis at a time by some millimetres. Force and position of every tick are recorded.
+//! pushes it along one axis at a time by some millimetres. Force and position are recorded in every control interval.
 
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;
 
-/// The settings of the small motions.
+/// The settings of the small motions from which a device is identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallMotions {
     /// Control rate, Hz.
     pub rate_hz: u32,
     /// Time for which each axis is pushed, s.
     pub axis_s: f64,
-    /// Largest pushing force, N. The force of the spring and the damping is added to it.
+    /// Largest pushing force, N. The force of the spring and the damping that hold the device is added to it.
     pub push_n: f64,
-    /// Distance from the start at which the motion is aborted, m.
+    /// Distance from the start position at which the motion is aborted, m.
     pub furthest_m: f64,
 }
 
 /// Time before the first push, s, in which the force of the servo loop fades in. It is not recorded.
 const QUIET_S: f64 = 1.2;
-/// Stiffness (N/m) of the spring that holds the device; the next line has the damping (N·s/m).
+/// Stiffness (N/m) of the spring that holds the device. The next constant is the damping (N·s/m) that acts with it.
 const SPRING_N_PER_M: f64 = 120.0;
 const DAMPING_N_S_PER_M: f64 = 1.0;
 /// Frequencies of the three sines, Hz, each with its amplitude as a fraction of [`SmallMotions::push_n`]. The frequencies are
 /// chosen so that the sines rarely peak together.
 const SINES: [(f64, f64); 3] = [(1.3, 0.4), (3.1, 0.3), (6.7, 0.3)];
-/// Number of ticks over which the velocity is averaged.
+/// Number of control intervals over which the velocity is averaged.
 const WINDOW: usize = 16;
 
-/// Position and force of one axis in every tick in which it was pushed.
+/// Position and force of one axis in every control interval in which the axis was pushed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AxisRecord {
-    /// Position along the axis, m.
+    /// Positions along the axis, one per control interval, m.
     pub position_m: Vec<f64>,
-    /// Force along the axis from that tick to the next, N.
+    /// Force along the axis from the measurement of a position to the next one, N.
     pub force_n: Vec<f64>,
 }
 
-/// The force law that makes the small motions and records them.
+/// The force law that moves the device by small motions and records them.
 #[derive(Debug, Clone)]
 pub struct MovedAbout {
     motions: SmallMotions,
@@ -52,7 +53,7 @@ pub struct MovedAbout {
 }
 
 impl MovedAbout {
-    /// Prepares the motions. The position at the first tick becomes the one at which the spring holds the device.
+    /// Prepares the motions. The spring holds the device at the position that [`ForceLaw::tick`] gets first.
     #[must_use]
     pub fn new(motions: SmallMotions) -> Self {
         Self {
@@ -73,13 +74,14 @@ impl MovedAbout {
         (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
     }
 
-    /// Number of control ticks that all motions take.
+    /// Number of control intervals that all motions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.quiet_ticks() + 3 * self.axis_ticks()
     }
 
-    /// The axis that is pushed in this tick, and the time since its push began, s. `None` before the first and after the last push.
+    /// The axis that is pushed in this control interval, and the time since its push began, s. `None` before the first and after
+    /// the last push.
     fn pushed(&self, tick: u64) -> Option<(usize, f64)> {
         let since = tick.checked_sub(self.quiet_ticks())?;
         let axis = (since / self.axis_ticks()) as usize;

@@ -1,8 +1,9 @@
 //! Force Dimension's omega.3, through the maker's library.
 //!
 //! The program does not change the device's own safety functions: velocity limit, watchdog, time guard and gravity compensation. It
-//! calls no function of the library that moves the arm by itself. Every call returns within a bounded time. A release is tried at
-//! most twice and then reported as failed; only the device's watchdog can switch the motors off then.
+//! calls no function of the library that moves the arm by itself. Every call returns within a bounded time. Each step of a release
+//! (force to zero, motors off, close) is tried at most twice and then reported as failed. Then only the device's watchdog can
+//! switch the motors off.
 
 use crate::haptic::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, SwitchOff, Workspace,
@@ -20,12 +21,12 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
-/// Time from reading the position over USB until the written force acts, s. Assumed as one USB microframe (125 us) each for reading
-/// and writing; not measured.
+/// Time from reading the position over USB until the written force acts, s. It is assumed as one USB microframe (125 us) each for
+/// reading and writing, and not measured.
 const DELAY_S: f64 = 250e-6;
-/// Number of attempts for each step of a release. More attempts would take longer than two ticks of the device.
+/// Number of attempts for each step of a release. More attempts would take longer than two control intervals of the device.
 const RELEASE_TRIES: usize = 2;
-/// Number of checks whether the motors are on; the next line has the time between two checks.
+/// Number of checks whether the motors are on, after they were switched on. The next constant is the time between two checks.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 
@@ -118,7 +119,7 @@ impl Omega3 {
             .ok_or_else(|| unusable("it was released", "open it again"))
     }
 
-    /// The library and the number under which it knows the device, for calls that a wall does not need.
+    /// The maker's library and the number under which it knows the device, for calls beyond those of [`HapticDevice`].
     ///
     /// # Errors
     /// The device was released.

@@ -1,36 +1,38 @@
-//! Numbered positions of a knob: the detent that it is in, with hysteresis, as programs use it.
+//! Numbered positions of a knob, for programs that use the knob as a selector: the detent in which it is, with hysteresis.
 
 use std::f64::consts::TAU;
 use touchstone_protocol::settings::environment::Surround;
 
-/// By default the position changes three quarters of the way to the next detent: a quarter beyond the ridge between the two.
+/// Default hysteresis, as a fraction of the distance between two positions. The number changes at three quarters of the way to the
+/// next detent, a quarter beyond the ridge between the two.
 pub const HYSTERESIS: f64 = 0.25;
 
-/// Positions at equal distances, numbered upwards with the angle.
+/// Positions of a knob at equal distances, whose numbers rise with the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Positions {
-    /// Distance between neighbours, rad.
+    /// Distance between two neighbouring positions, rad.
     pub pitch_rad: f64,
     /// Angle of position 0, rad.
     pub origin_rad: f64,
-    /// The first and the last position between the end stops; `None` without end stops.
+    /// The first and the last position between the end stops, counted from the origin; `None` without end stops.
     pub ends: Option<(i64, i64)>,
-    /// How far beyond the middle between two positions the knob must be for the number to change, as a fraction of their distance, 0 to 0.49.
+    /// Distance beyond the middle between two positions at which the number changes, as a fraction of the positions' distance, 0 to
+    /// 0.49.
     pub hysteresis: f64,
-    /// The position that the knob was in last, before `shift`.
+    /// The position in which the knob was last, counted from the origin; `None` before the first measured angle.
     now: Option<i64>,
-    /// What is added to a position for the number that a program sees.
+    /// Added to a position, counted from the origin, to give the number that a program gets.
     shift: i64,
 }
 
-/// Where a knob is.
+/// The position in which a knob is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The number of the position.
+    /// The number of the position, as a program gets it.
     pub position: i64,
-    /// By how much the number has changed; 0 for the first place.
+    /// Difference of the number to the previous one; 0 for the first position.
     pub change: i64,
-    /// Distance from the position, as a fraction of the distance between two.
+    /// Distance of the knob's angle from the position, as a fraction of the distance between two positions.
     pub beside: f64,
 }
 
@@ -48,7 +50,8 @@ impl Positions {
         }
     }
 
-    /// The positions of an environment: its detents, else the deepest place of each copy of its profile; `None` where it has neither.
+    /// The positions of an environment: its detents, or else the points of least energy in the copies of its force profile. `None`
+    /// if it has neither.
     #[must_use]
     pub fn of(environment: &Surround) -> Option<Self> {
         let positions = match (&environment.detents, &environment.profile) {
@@ -69,10 +72,10 @@ impl Positions {
         Some(positions.between(environment))
     }
 
-    /// These positions, as far as they lie between the environment's end stops.
+    /// Limits the positions to those between the environment's end stops.
     #[must_use]
     pub fn between(mut self, environment: &Surround) -> Self {
-        // An end stop at a position leaves that position, whatever the rounding of the two.
+        // An end stop exactly at a position still permits that position. This margin covers rounding errors.
         const NEARLY: f64 = 1e-6;
         self.ends = environment.endstops.map(|ends| {
             let place = |at: f64| (at - self.origin_rad) / self.pitch_rad;
@@ -85,12 +88,13 @@ impl Positions {
         self
     }
 
-    /// Gives the present position this number, and all others theirs from it. Before the first [`Positions::take`] that is position 0.
+    /// Gives the present position the number `number`; all other positions are renumbered to fit. Before the first
+    /// [`Positions::take`] the position at the origin gets the number.
     pub fn call(&mut self, number: i64) {
         self.shift = number - self.now.unwrap_or(0);
     }
 
-    /// Takes a measured angle; returns the place where the position is another than at the last call, or at the first.
+    /// Takes a measured angle. Returns the place if the position has changed since the last call, and at the first call.
     pub fn take(&mut self, angle_rad: f64) -> Option<Place> {
         let way = (angle_rad - self.origin_rad) / self.pitch_rad;
         let nearest = || {
@@ -112,12 +116,13 @@ impl Positions {
         })
     }
 
-    /// Says that the knob is in this position, counted from the origin.
+    /// Sets the position in which the knob is, counted from the origin.
     pub const fn stand_at(&mut self, position: i64) {
         self.now = Some(position);
     }
 
-    /// Distance of an angle from the present position, as a fraction of the distance between two; from the nearest before the first.
+    /// Distance of an angle from the present position, as a fraction of the distance between two positions. Before the first call
+    /// of [`Positions::take`], it is the distance from the nearest position.
     #[must_use]
     pub fn beside(&self, angle_rad: f64) -> f64 {
         let way = (angle_rad - self.origin_rad) / self.pitch_rad;
@@ -138,11 +143,13 @@ impl Positions {
     }
 }
 
-/// The place in a copy of a profile to which it draws: where the energy that a hand has put in is least, as a fraction of the copy.
+/// The point of a force profile at which the knob comes to rest, as a fraction (0 to 1) of the profile's length. It is the point of
+/// least energy.
 fn deepest(points: &[i16]) -> f64 {
     let (mut height, mut least, mut place) = (0_i64, 0, 0);
     for (index, pair) in points.windows(2).enumerate() {
-        // Twice the energy: the mean of two torques, over a step, against the motion.
+        // Adds twice the energy of one step: the mean of the two torques times the step, with the opposite sign because it is the
+        // work against the torque.
         height -= pair.iter().map(|point| i64::from(*point)).sum::<i64>();
         if height < least {
             (least, place) = (height, index + 1);
@@ -180,17 +187,17 @@ mod tests {
         let pitch = positions.pitch_rad;
         assert_eq!(positions.numbers(), Some((0, 10)));
         assert_eq!(positions.take(0.01).unwrap().change, 0);
-        // Noise on a ridge says nothing.
+        // Movement around the ridge between two positions reports no change.
         for way in [0.45, 0.55, 0.49, 0.7, 0.3, 0.74] {
             assert_eq!(positions.take(way * pitch), None, "{way}");
         }
         let place = positions.take(0.76 * pitch).unwrap();
         assert_eq!((place.position, place.change), (1, 1));
         assert!((place.beside + 0.24).abs() < 1e-9);
-        // A fast turn is one change, and every position is counted.
+        // A fast turn over several positions is reported as one change that counts all of them.
         let place = positions.take(7.9 * pitch).unwrap();
         assert_eq!((place.position, place.change), (8, 7));
-        // Beyond an end it stays at the end.
+        // Beyond an end stop the position stays at the last one.
         assert_eq!(positions.take(13.0 * pitch).unwrap().position, 10);
         assert_eq!(positions.take(14.0 * pitch), None);
         assert_eq!(positions.take(-5.0 * pitch).unwrap().position, 0);
@@ -222,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_profile_draws_to_its_deepest_place() {
-        // Magnetic, a string in the middle, and a valley in the middle.
+        // The profiles are a magnetic detent, a ridge in the middle like a plucked string, and a valley in the middle.
         for (points, place) in [
             (&[0_i16, -10, 0, 0, 0, 0, 0, 10][..], 0.0),
             (&[0, 0, -10, 0, 10, 0, 0, 0], 0.0),

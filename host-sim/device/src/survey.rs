@@ -1,5 +1,5 @@
-//! A survey: a device's inertia, Jacobian and ranges as its library reports them with the motors off, in a file from which the
-//! device can be simulated.
+//! A survey: a haptic device's inertia, Jacobian and ranges as its library reports them with the motors off. It is a file from
+//! which the device can be simulated.
 
 use crate::Omega3;
 use crate::haptic::{DeviceTwin, HapticDevice, HapticFault};
@@ -8,7 +8,7 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// The survey of a device. Its library reported all values except the damping.
+/// The survey of a haptic device. Its library reported all values except damping and friction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
@@ -20,8 +20,8 @@ pub struct Survey {
     pub effector_mass_kg: Option<f64>,
     /// Inertia along each axis, kg: the mean over all recorded poses.
     pub inertia_kg: [f64; 3],
-    /// Damping of each axis, N·s/m. No library reports it, so it is the thesis' value (§5.2) until `touchstone device identify`
-    /// measures it.
+    /// Damping of each axis, N·s/m. No library reports it, so it is the value of the thesis (§5.2) until `touchstone device
+    /// identify` measures it.
     pub damping_n_s_per_m: [f64; 3],
     /// Dry friction of each axis, N, where it was measured. The simulated copy of the device has no dry friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,7 +53,7 @@ pub struct Pose {
     pub jacobian_m_per_rad: [[f64; 3]; 3],
 }
 
-/// The first three rows and columns of a matrix.
+/// The first three rows and columns of a 6-by-6 matrix: those of the translation.
 fn corner(matrix: &[[f64; 6]; 6]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j]))
 }

@@ -10,13 +10,13 @@ use touchstone_sim::error::{Error, Result};
 const BAUD: u32 = 921_600;
 /// Longest time that a read waits for bytes.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// Longest time for a connection or a write; a longer one counts as failed.
+/// Longest time for a connection or a write; one that takes longer has failed.
 const LIMIT: Duration = Duration::from_secs(2);
 
 /// The outcome of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// This many bytes were read.
+    /// Bytes arrived; holds their number.
     Bytes(usize),
     /// No byte arrived within some 20 ms.
     Quiet,
@@ -61,8 +61,8 @@ fn serial(name: &str) -> Result<Box<dyn Transport>> {
     }))
 }
 
-/// The advice for a serial port that does not open. The library `serialport` reports a busy port as a missing one, so its message
-/// `said` is read as well.
+/// The advice to the user for a serial port that does not open. The library `serialport` reports a busy port as a missing one, so
+/// its message `said` is read as well.
 fn remedy(kind: serialport::ErrorKind, said: &str) -> &'static str {
     use serialport::ErrorKind::{Io, NoDevice};
     match kind {
@@ -149,7 +149,8 @@ impl<S: Read + Write> Transport for Stream<S> {
                 },
             }
         }
-        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes nothing.
+        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes
+        // nothing.
         Ok(())
     }
 }

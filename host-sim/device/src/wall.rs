@@ -1,5 +1,5 @@
-//! A wall on a device with three axes: converts between metres and newtons outside and the control law's fixed-point numbers
-//! inside.
+//! A wall on a haptic device with three axes. It converts between metres and newtons outside and the control law's fixed-point
+//! numbers inside.
 
 use crate::haptic::HapticFault;
 use crate::servo::ForceLaw;
@@ -22,18 +22,19 @@ fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
     Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
 }
 
-/// The settings of a wall on a device.
+/// The settings of a wall on a haptic device with three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
     /// Settings of the control law in SI units. Its rate is that of the servo loop.
     pub law: Settings,
-    /// Whether each axis has a law of its own, instead of one law along the surface's normal.
+    /// Whether each axis has a control law of its own, instead of one law along the surface's normal.
     pub per_axis: bool,
     /// Settings of the energy guard in SI units; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// Settings of each axis's estimator in SI units; `None` if the law uses measured states.
+    /// Settings of each axis's motion estimator in SI units; `None` if the control law uses measured positions and velocities
+    /// directly.
     pub estimator: Option<[EstimatorSettings; 3]>,
-    /// Resolution of the measured position, m.
+    /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
 }
 
@@ -42,19 +43,19 @@ pub struct WallSettings {
 pub enum Obstacle<'m> {
     /// A geometric object of the control crate (plane, sphere, …), in centimetres.
     Shape(Shape<N>),
-    /// A triangle mesh.
+    /// A surface of triangles, for example from an STL file.
     Mesh(MeshSurface<'m>),
 }
 
 impl<'m> Obstacle<'m> {
-    /// An obstacle of triangles, as before its first contact.
+    /// An obstacle of triangles, in the state before a first contact.
     #[must_use]
     pub fn of(mesh: &'m Mesh) -> Self {
         Self::Mesh(MeshSurface::new(mesh, UNIT))
     }
 
-    /// Depth of a position below the surface, m, and the surface's normal there. `side` is the normal of the last tick; it is
-    /// replaced by this tick's normal.
+    /// Depth of a position below the surface, m, and the surface's normal there. `side` is the normal of the previous control
+    /// interval; the function replaces it by the new normal.
     pub fn beneath(&self, position_m: [f64; 3], side: &mut Direction<N>) -> (f64, [f64; 3]) {
         let nearest = self.nearest(place(position_m), side);
         *side = nearest.normal;
@@ -103,10 +104,10 @@ pub struct DeviceWall<'m> {
 }
 
 impl<'m> DeviceWall<'m> {
-    /// A wall with the device at rest outside the object, and with a full energy account of the guard.
+    /// A wall in the state before contact: the device is at rest outside the object, and the energy guard has its full energy.
     ///
     /// # Errors
-    /// The control law or the guard refuses the settings.
+    /// The control law or the energy guard refuses the settings.
     pub fn new(settings: &WallSettings, obstacle: Obstacle<'m>) -> Result<Self, SettingsError> {
         let law = UNIT.law::<N>(&settings.law)?;
         let shell = match settings.per_axis {
@@ -137,7 +138,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// Lowest value that the guard's energy account has reached, J; `None` without a guard or before the first tick.
+    /// Lowest energy that the energy guard had left so far, J; `None` without an energy guard or before the first control interval.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

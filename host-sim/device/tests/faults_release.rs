@@ -1,4 +1,5 @@
-//! Checks that any fault of a device, at any call, ends the loop by the next tick with its force at zero and the device released.
+//! Checks that any fault of a device, at any call, ends the servo loop by the next control interval (tick), with the force at zero
+//! and the device released.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
@@ -17,7 +18,7 @@ struct Witness<D> {
     inner: D,
     force_n: [f64; 3],
     released: bool,
-    /// Number of commands with a force after the release.
+    /// Number of commanded forces other than zero after the release.
     late_commands: u32,
     ticks: u64,
 }
@@ -60,7 +61,8 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
     }
 }
 
-/// A force law of a spring that pushes up from the floor. From a given tick on it does what a test demands.
+/// A force law of a spring that pushes up from the floor. A test's function `trick` replaces the spring's force in control
+/// intervals that it selects.
 struct Floor {
     tick: u64,
     trick: fn(u64) -> Option<[f64; 3]>,
@@ -91,7 +93,7 @@ impl ForceLaw for Floor {
     }
 }
 
-/// A simulated device in a hand that comes from above and presses into the floor until the hand's spring gives 6 N.
+/// A simulated device in a hand that comes from above and presses into the floor with up to 6 N.
 fn pressed() -> SimulatedArm {
     let rest = |time_s: f64| [0.0, 0.0, 0.002 - 0.022 * (time_s / 0.1).min(1.0)];
     SimulatedArm::new(DeviceTwin::default(), RATE_HZ, Box::new(rest)).unwrap()
@@ -128,12 +130,13 @@ fn the_force_fades_in() {
     let mut floor = Floor::new(|_| Some([0.0, 0.0, 2.0]));
     let (report, _) = played(None, &mut floor, &mut SimulatedPace, 400);
     assert_eq!(report.ending, Ending::Asked);
-    // 50 ms are 200 ticks.
+    // The fade-in takes 50 ms, which are 200 ticks.
     let told = [0, 100, 200, 399].map(|tick: usize| floor.told[tick][2]);
     assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
 }
 
-/// Injects every fault at the first and second call of its function, and at the call number 300.
+/// Injects every fault at the first, the second and the 300th call of its function. Checks that the device is released by the next
+/// control interval.
 #[test]
 fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));
@@ -217,7 +220,7 @@ fn a_slow_call_ends_it_as_soon_as_it_returns() {
         let mut floor = Floor::new(|_| None);
         let mut device = Witness::new(Injected::new(pressed(), Some(injection)));
         let limits = ServoLimits {
-            // Far above what a busy machine is late by, and below what is injected.
+            // This limit is far above the lateness on a busy machine and below the injected lateness.
             late_s: 0.06,
             ..ServoLimits::of(device.sheet())
         };
@@ -257,7 +260,7 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
         Ending::Fault(HapticFault::NotFinite("force"))
     );
     assert!(device.ticks == 9 && device.released);
-    // Ten times too long, in its direction.
+    // This force is ten times above the limit. The limited force keeps its direction.
     let mut floor = Floor::new(|_| Some([72.0, 0.0, 96.0]));
     let (report, _) = played(None, &mut floor, &mut SimulatedPace, 300);
     assert!(report.force_max_n <= 12.0 + 1e-9, "{}", report.force_max_n);
@@ -265,7 +268,8 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
     assert!((last[0] - 7.2).abs() < 1e-9 && (last[2] - 9.6).abs() < 1e-9);
 }
 
-/// The hand carries the device out of its workspace: the force fades out, and far outside the loop ends with a fault.
+/// Lets the hand carry the device out of its workspace. Checks that the force fades out, and that far outside the loop ends with a
+/// fault.
 #[test]
 fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
     let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];
@@ -307,7 +311,7 @@ fn one_axis_of_three_is_a_device_of_one() {
         least = least.min(z);
         arm.command((-2000.0 * z).max(0.0)).unwrap();
     }
-    // 300 N/m of the hand over 20 mm against 2000 N/m: 2.6 mm deep at rest, and some overshoot.
+    // The hand's spring of 300 N/m is displaced by 20 mm and presses against 2000 N/m. It rests 2.6 mm deep after some overshoot.
     assert!((-0.006..-0.002).contains(&least), "{least}");
     assert!(OneAxis::new(pressed(), 3).is_err());
 }

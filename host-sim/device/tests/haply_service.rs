@@ -1,4 +1,4 @@
-//! Tests of the Inverse3 with a simulated service, which speaks both generations of messages and simulates the device.
+//! Tests of the Inverse3 with a simulated maker's service, which speaks both generations of messages and simulates the device.
 
 mod haply_mock;
 
@@ -25,7 +25,7 @@ fn played(service: &Service) -> Result<ServoReport, HapticFault> {
     let rate_hz = inverse.sheet().rates_hz.0;
     let limits = ServoLimits {
         ramp_s: 0.05,
-        // A busy machine is no fault of the device.
+        // Late ticks on a busy machine must not count as a fault of the device.
         late_s: 0.25,
         ..ServoLimits::of(inverse.sheet())
     };
@@ -58,7 +58,7 @@ fn both_generations_get_a_force_for_every_state_and_none_at_the_end() {
             "{saw:?}"
         );
         assert!(saw.longest_n <= 3.0 + 1e-9, "never more than was chosen");
-        // 100 to measure the pace, one to catch up, one a tick, one to end with.
+        // The service receives 100 commands that measure the pace, one that catches up, one per tick and a last one.
         assert!(saw.commands >= 503, "{saw:?}");
     }
 }
@@ -93,7 +93,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// Checks that messages without a state do not delay the end of the loop.
+/// Checks that messages without a device state do not delay the end of the servo loop.
 #[test]
 fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     for wrong in [Wrong::Pings, Wrong::Drip, Wrong::Binary] {
@@ -104,13 +104,13 @@ fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
             "{:?}",
             report.ending
         );
-        // 0.3 s, a pause of the service, and what a busy machine adds.
+        // The limit allows for 0.3 s, a pause of the service, and delays of a busy machine.
         let saw = service.saw();
         assert!(saw.held_s < 1.5, "{saw:?}");
     }
 }
 
-/// Checks a service that answers byte by byte, or never completes its answer.
+/// Checks that the program gives up within seconds on a service that answers byte by byte, or never completes its answer.
 #[test]
 fn a_service_that_drips_its_first_answers_is_refused_within_seconds() {
     for begin in ["HTTP/1.1 200 OK\r\n\r\n", "HTTP/1.1 101 Switching", ""] {

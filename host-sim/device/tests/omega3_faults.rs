@@ -1,5 +1,6 @@
 //! Tests of the omega.3 through the maker's interface, with a mock library that behaves as the maker's and has faults on demand.
-//! Every fault must end with no force and the device closed within two ticks of the device (0.5 ms) after the failing call returns.
+//! Every fault must end with no force and the device closed within two control intervals of the device (0.5 ms) after the failing
+//! call returns.
 //!
 //! Time is that of the mock's own clock, on which a call over USB takes 60 µs. So the results do not depend on the machine's load.
 #![cfg(target_os = "linux")]
@@ -32,7 +33,7 @@ fn opened(door: &Door) -> Result<Omega3, HapticFault> {
     Omega3::open(Arc::new(library))
 }
 
-/// A pace on the mock's clock.
+/// A pace of the servo loop that follows the mock library's clock.
 struct MockPace<'d> {
     door: &'d Door,
     due: f64,
@@ -118,7 +119,7 @@ fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     ))
 }
 
-/// Checks that the force is 0 and the device closed within two ticks after the fault, and afterwards.
+/// Checks that within two control intervals after the fault the force is 0 and the device closed, and that both stay so.
 #[track_caller]
 fn released(door: &Door, what: &str) -> f64 {
     let [wrong, zero, closed] = ["wrong", "zero", "released"].map(|time| door.ask(time));
@@ -138,10 +139,10 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     assert_eq!((report.ticks, report.missed_ticks), (8001, 0));
     assert!(report.force_max_n > 2.0, "{}", report.force_max_n);
     assert!((door.ask("longest") - report.force_max_n).abs() < 1e-12);
-    // The device's own limit is set beside the loop's.
+    // In addition to the loop's limit, the device's own force limit is set.
     assert_eq!(door.ask("max"), 12.0);
     assert_eq!((door.ask("open"), door.ask("force")), (0.0, 0.0));
-    // The loop switches none of the device's own safety functions off.
+    // The loop does not switch off any of the device's own safety functions.
     for call in [
         "dhdSetVelocityThreshold",
         "dhdSetWatchdog",
@@ -152,7 +153,8 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good. Checks that
+/// the force is zero and the device closed within two control intervals.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -195,7 +197,7 @@ fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks
     );
 }
 
-/// Makes the calls of the release fail: a failing call is tried again, and all other calls are made.
+/// Makes each call of the release fail. Checks that a failing call is tried again, and that all other calls are made.
 #[test]
 fn a_release_goes_on_whatever_of_it_fails() {
     for (plan, closed) in [
@@ -216,18 +218,19 @@ fn a_release_goes_on_whatever_of_it_fails() {
 
 #[test]
 fn results_above_zero_are_data_and_end_it_only_when_they_last() {
-    // 1 for a few ticks: stale positions, counted.
+    // The library returns 1 for a few ticks: the positions are stale and are counted.
     let some = door(&["own-clock", "stale 1000 10"]);
     let report = played(&some).unwrap();
     assert_eq!((report.ending, report.stale_ticks), (Ending::Asked, 10));
-    // And for longer than 5 ms.
+    // The library returns 1 for longer than 5 ms, which is a fault.
     let many = door(&["own-clock", "stale 1000 9999"]);
     let report = played(&many).unwrap();
     assert!(
         matches!(report.ending, Ending::Fault(HapticFault::Stale(s)) if s > 5e-3 && s < 5.5e-3)
     );
     assert_eq!(many.ask("force"), 0.0);
-    // 2 for 100 ms: counted, and what acts is what the library says.
+    // The library returns 2 (saturated motors) for 100 ms. These ticks are counted, and the acting force is the one that the
+    // library reports.
     let some = door(&["own-clock", "saturate 2000 400"]);
     let report = played(&some).unwrap();
     assert_eq!(
@@ -311,7 +314,7 @@ fn what_cannot_be_used_is_said_and_not_held() {
     }
 }
 
-/// Older libraries, which write fewer status words and have fewer functions, can be used.
+/// Checks that older libraries, which write fewer status words and have fewer functions, can be used.
 #[test]
 fn older_libraries_do() {
     let door = door(&["own-clock", "status 12"]);
@@ -359,8 +362,8 @@ fn without(function: &str, plan: &[&str]) -> Door {
     })
 }
 
-/// Runs 3 s at 4 kHz in real time. The lateness of ticks depends on the machine and is not judged. The test checks that every tick
-/// ran or was counted as missed, and that the mock saw what the loop commanded.
+/// Runs 3 s at 4 kHz in real time. Checks that every control interval (tick) ran or was counted as missed, and that the mock got
+/// the forces that the loop commanded. The lateness depends on the machine and is not checked.
 #[test]
 fn in_real_time_every_tick_is_played_or_counted_as_missed() {
     let door = door(&[]);
@@ -388,7 +391,7 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
         "{due_s} s of ticks in {took_s} s"
     );
     assert_eq!(door.ask("count dhdGetPosition"), report.ticks as f64);
-    // One to begin with, one to end with.
+    // Besides one force per tick, one force is sent at the begin and one at the end.
     assert_eq!(door.ask("count dhdSetForce"), report.ticks as f64 + 2.0);
     assert_eq!(
         report

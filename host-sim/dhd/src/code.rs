@@ -1,17 +1,18 @@
-//! Meanings of the numbers that Force Dimension's library returns (`dhdc.h`).
+//! Names for the numbers that Force Dimension's library returns (header `dhdc.h`).
 
 use std::fmt;
 
-/// The library's type numbers of an omega.3: the usual one, and that of a newer version by CHAI3D.
+/// The numbers that `dhdGetSystemType` returns for an omega.3: 33 usually, 110 for a newer version (as named by CHAI3D).
 pub const OMEGA3_TYPES: [i32; 2] = [33, 110];
 
-/// Number of status words that the program has room for. Versions of the library write 12 to 17 of them and do not know the room.
+/// Number of status words that the program reserves for `dhdGetStatus`. Versions of the library write 12 to 17 words and do not
+/// know the size of the array.
 pub const STATUS_INTS: usize = 64;
 
 /// A device's type, name and serial number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DhdModel {
-    /// The library's number of the device's type.
+    /// The type number that the library returns for the device (33 for an omega.3).
     pub number: i32,
     /// The device's name, if the library returns one.
     pub name: Option<String>,
@@ -32,12 +33,12 @@ impl fmt::Display for DhdModel {
     }
 }
 
-/// The error of a failed call of the library.
+/// The error of a failed call of Force Dimension's library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DhdError {
-    /// Name of the failed function.
+    /// Name of the library function that failed.
     pub call: &'static str,
-    /// The library's error number, or [`DhdError::NOT_IN_LIBRARY`].
+    /// The library's error number, or [`DhdError::NOT_IN_LIBRARY`] for a function that the library lacks.
     pub number: i32,
 }
 
@@ -68,13 +69,13 @@ const ERRORS: [&str; 23] = [
 ];
 
 impl DhdError {
-    /// The library is too old: it does not have this function.
+    /// Error number of this program: the library is too old and lacks the function.
     pub const NOT_IN_LIBRARY: i32 = -1;
-    /// The library's error number of a communication error.
+    /// The library's error number for a failed communication with the device.
     pub const COM: i32 = 2;
-    /// The library's error number if there is no device.
+    /// The library's error number if no device is connected.
     pub const NO_DEVICE: i32 = 5;
-    /// The library's error number if another program uses the device.
+    /// The library's error number if another program has the device open.
     pub const IN_USE: i32 = 20;
 
     /// The meaning of the error's number as text.
@@ -93,12 +94,13 @@ impl fmt::Display for DhdError {
     }
 }
 
-/// The status words of a device. Words that the library did not write are unknown.
+/// The status words that `dhdGetStatus` returns. A word that the library did not write is unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DhdStatus(pub [i32; STATUS_INTS]);
 
 impl DhdStatus {
-    /// Value of every status word before the call; a word that keeps it was not written.
+    /// Value that the program puts into every status word before `dhdGetStatus`. A word that still has it was not written by the
+    /// library.
     pub const NOT_WRITTEN: i32 = i32::MIN;
 
     fn word(&self, index: usize) -> Option<i32> {
@@ -109,32 +111,33 @@ impl DhdStatus {
         self.word(index).map(|word| word != 0)
     }
 
-    /// Whether the device has its supply; `None` if unknown.
+    /// Whether the device has its power supply; `None` if the library does not report it.
     #[must_use]
     pub fn power(&self) -> Option<bool> {
         self.yes(0)
     }
-    /// Whether the device is connected; `None` if unknown.
+    /// Whether the device is connected; `None` if the library does not report it.
     #[must_use]
     pub fn connected(&self) -> Option<bool> {
         self.yes(1)
     }
-    /// Whether the device was reset and therefore has no position; `None` if unknown.
+    /// Whether the device was reset and therefore does not know its position; `None` if the library does not report it.
     #[must_use]
     pub fn reset(&self) -> Option<bool> {
         self.yes(3)
     }
-    /// Whether the motors are on; `None` if unknown.
+    /// Whether the motors are on; `None` if the library does not report it.
     #[must_use]
     pub fn force(&self) -> Option<bool> {
         self.yes(5)
     }
-    /// Whether the motors brake; `None` if unknown.
+    /// Whether the motors brake; `None` if the library does not report it.
     #[must_use]
     pub fn brake(&self) -> Option<bool> {
         self.yes(6)
     }
-    /// The library's number of the cause for which the motors were switched off; 0 if they were not, `None` if unknown.
+    /// The library's number for the cause that switched the motors off. 0 if they were not switched off, `None` if the library does
+    /// not report it.
     #[must_use]
     pub fn off_cause(&self) -> Option<i32> {
         self.word(14)

@@ -1,9 +1,10 @@
-//! Force Dimension's library, `libdhd` or `libdrd`, which is found and loaded when the program runs.
+//! Access to Force Dimension's library (`libdhd` or `libdrd`), which the program finds and loads when it runs.
 //!
-//! The library is not part of this program; it comes from the maker with a device. This crate has the search for the library, the
-//! functions that a wall and a survey need, and their results as data. Positive results are no errors: 1 means that the position
-//! was not read again, 2 that the motors give less force than commanded. After a failed call the program uses none of its outputs,
-//! because the library leaves them unchanged. It reads the error number only after a failure, because a success does not clear it.
+//! The library is not part of this program; it comes from the maker with a device. This crate finds the library, calls the
+//! functions that a virtual wall and a survey of the device need, and returns their results as data. A positive result is no error:
+//! 1 means that the position was not read again, 2 that the motors give less force than commanded. After a failed call the program
+//! uses none of its outputs, because the library leaves them unchanged. The program reads the error number only after a failure,
+//! because a successful call does not clear it.
 
 mod code;
 mod search;
@@ -13,24 +14,25 @@ pub use code::{DhdError, DhdModel, DhdStatus, OMEGA3_TYPES, STATUS_INTS};
 pub use search::{ENVIRONMENT, LibrarySearch, NotLoaded};
 pub use symbols::Dhd;
 
-/// The result of a call that did not fail.
+/// The result of a library call that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DhdOutcome {
-    /// Result 0: the call is done.
+    /// Result 0: the call succeeded.
     Done,
-    /// Result 1: the library's time guard returned the last position again.
+    /// Result 1: the library returned the last position again, because its time guard limits how often the device is read.
     NotReadAgain,
-    /// Result 2: the motors are saturated; the torques of all motors were scaled by the same factor.
+    /// Result 2: a motor is saturated, and the library scaled the torques of all motors by the same factor.
     Saturated,
-    /// Any other positive result.
+    /// Any other positive result of the library.
     Other(i32),
 }
 
-/// Three coordinates of a vector.
+/// The x, y and z coordinates of a vector.
 type Three = [f64; 3];
 
 impl Dhd {
-    /// The meaning of a call's result. Reads the error number at once, because a later call may replace it.
+    /// Converts the number that a library call returned to a result. Reads the error number at once, because a later call may
+    /// replace it.
     fn checked(&self, call: &'static str, number: i32) -> Result<DhdOutcome, DhdError> {
         match number {
             0 => Ok(DhdOutcome::Done),
@@ -48,7 +50,7 @@ impl Dhd {
         }
     }
 
-    /// The error for a function that an older library does not have.
+    /// The error for a function that an older version of the library lacks.
     fn lacks(call: &'static str) -> DhdError {
         DhdError {
             call,
@@ -56,7 +58,7 @@ impl Dhd {
         }
     }
 
-    /// Version of the library, such as `3.17.6`; `None` if the library does not say.
+    /// Version of the library, such as `3.17.6`; `None` if the library cannot report it.
     #[must_use]
     pub fn version(&self) -> Option<String> {
         let ask = self.calls().get_sdk_version?;
@@ -67,7 +69,7 @@ impl Dhd {
         Some(format!("{major}.{minor}.{release}"))
     }
 
-    /// Number of connected devices, and number of those that no other program uses.
+    /// Number of connected devices, and number of the connected devices that no other program has open.
     ///
     /// # Errors
     /// The library's error.
@@ -82,7 +84,8 @@ impl Dhd {
         Ok((all, free))
     }
 
-    /// Opens the device with this index among those that no other program uses. Returns the library's number of the open device.
+    /// Opens the device with this index, counted among the devices that no other program has open. Returns the number by which the
+    /// library then names the device.
     ///
     /// # Errors
     /// The library's error.
@@ -94,7 +97,7 @@ impl Dhd {
         }
     }
 
-    /// Closes the device, so that other programs may use it.
+    /// Closes the device, so that other programs can open it.
     ///
     /// # Errors
     /// The library's error.
@@ -103,7 +106,7 @@ impl Dhd {
         self.checked("dhdClose", done)
     }
 
-    /// Type, name and serial number of a device.
+    /// Type, name and serial number of an open device.
     ///
     /// # Errors
     /// The library's error.
@@ -126,7 +129,7 @@ impl Dhd {
         })
     }
 
-    /// State of a device.
+    /// Reads the status words of an open device, such as power and motors on.
     ///
     /// # Errors
     /// The library's error.
@@ -138,7 +141,7 @@ impl Dhd {
         Ok(DhdStatus(raw))
     }
 
-    /// Position of a device, m.
+    /// Reads the position of the device's effector (x, y, z), m.
     ///
     /// # Errors
     /// The library's error.
@@ -149,7 +152,7 @@ impl Dhd {
         Ok((at, self.checked("dhdGetPosition", done)?))
     }
 
-    /// Commands a force, N, which acts from now on.
+    /// Commands a force in N at the effector, which acts until the next command.
     ///
     /// # Errors
     /// The library's error.
@@ -158,7 +161,7 @@ impl Dhd {
         self.checked("dhdSetForce", done)
     }
 
-    /// The force that acts, N; `None` if the library cannot say.
+    /// The force in N that the library reports as acting; `None` if the library cannot report it.
     #[must_use]
     pub fn force(&self, id: i8) -> Option<Three> {
         let ask = self.calls().get_force?;
@@ -186,7 +189,7 @@ impl Dhd {
         self.checked("dhdStop", done)
     }
 
-    /// Sets the largest force to which the library limits commands, N.
+    /// Sets the largest force in N that the library lets through to the motors.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.
@@ -196,7 +199,7 @@ impl Dhd {
         self.checked(call, set(force_n, symbols::char_of(id)))
     }
 
-    /// The mass that the library assumes for the effector, kg; `None` if it cannot say.
+    /// Mass of the effector that the library assumes, kg; `None` if the library cannot report it.
     #[must_use]
     pub fn effector_mass_kg(&self, id: i8) -> Option<f64> {
         let mut mass = f64::NAN;
@@ -204,7 +207,7 @@ impl Dhd {
         (done >= 0 && mass.is_finite()).then_some(mass)
     }
 
-    /// Joint angles, rad.
+    /// Reads the joint angles of the device, rad.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.
@@ -216,7 +219,7 @@ impl Dhd {
         Ok(angles)
     }
 
-    /// The inertia matrix at these joint angles in Cartesian coordinates; its upper left 3 × 3 part is in kg.
+    /// The device's inertia matrix in Cartesian coordinates at the joint angles `angles` (rad). Its upper left 3 × 3 part is in kg.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.
@@ -228,7 +231,7 @@ impl Dhd {
         Ok(inertia)
     }
 
-    /// The delta mechanism's Jacobian at the present position, m/rad.
+    /// The Jacobian at the device's present position, m/rad: movement of the effector per joint angle.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.
@@ -240,7 +243,7 @@ impl Dhd {
         Ok(jacobian)
     }
 
-    /// The ranges of the joint angles, rad: all lower ends, then all upper ends.
+    /// The range of each joint angle, rad: first the lower ends of all joints, then the upper ends.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.
@@ -252,7 +255,8 @@ impl Dhd {
         Ok((low, high))
     }
 
-    /// Enables the library's expert functions while `work` runs. The expert functions in this crate only read.
+    /// Enables the library's expert functions while `work` runs. The expert functions that this crate calls change nothing on the
+    /// device.
     ///
     /// # Errors
     /// The library's error, or the library does not have this function.

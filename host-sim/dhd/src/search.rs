@@ -1,14 +1,16 @@
-//! The search for the library: the places where it looks, and the message if the library is not found.
+//! The search for Force Dimension's library: the places where the program looks, and the message if it finds none.
 
 use crate::Dhd;
 use std::env;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Environment variables of the search: the first names the library's file, the others (the maker's own) the folder of the SDK.
+/// Environment variables that the search for Force Dimension's library uses. The first names the library's file; the other two,
+/// which the maker uses as well, name the folder of the SDK.
 pub const ENVIRONMENT: [&str; 3] = ["TOUCHSTONE_DHD", "FDSDK", "FORCEDIM_SDK"];
 
-/// File names without a version. `drd` comes first because it contains all functions of `dhd`.
+/// File names of the library without a version, in the order of trying. `drd` comes first because it contains all functions of
+/// `dhd`.
 #[cfg(target_os = "windows")]
 const NAMES: [&str; 4] = ["drd64.dll", "dhd64.dll", "drd.dll", "dhd.dll"];
 #[cfg(target_os = "macos")]
@@ -16,7 +18,7 @@ const NAMES: [&str; 2] = ["libdrd.dylib", "libdhd.dylib"];
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const NAMES: [&str; 4] = ["libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"];
 
-/// Beginnings of file names that go on with a version, each with the text after the version.
+/// Parts of library file names with a version: the text before the version, and the text after it.
 #[cfg(target_os = "windows")]
 const VERSIONED: [(&str, &str); 0] = [];
 #[cfg(target_os = "macos")]
@@ -24,21 +26,21 @@ const VERSIONED: [(&str, &str); 2] = [("libdrd", ".dylib"), ("libdhd", ".dylib")
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
 
-/// The places in which to look for the library.
+/// The places in which the program looks for Force Dimension's library.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LibrarySearch {
-    /// The library's file. If it is given, no other place is tried.
+    /// The library's file, if the user named one; then no other place is tried.
     pub file: Option<PathBuf>,
-    /// Folders in the order in which they are tried.
+    /// Folders to search, in the order of trying.
     pub folders: Vec<PathBuf>,
-    /// Whether the operating system's loader is tried last, by the file names alone.
+    /// Whether the program at last gives the bare file names to the operating system's loader.
     pub system: bool,
 }
 
-/// The error if no library could be loaded.
+/// The error if Force Dimension's library could not be loaded from any place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotLoaded {
-    /// Places that were tried, each with the reason for the failure.
+    /// Places that the program tried, each with the reason for the failure.
     pub tried: Vec<(PathBuf, String)>,
     /// Whether the user named the library's file.
     pub named: bool,
@@ -60,7 +62,7 @@ impl fmt::Display for NotLoaded {
 }
 
 impl NotLoaded {
-    /// The advice to the user.
+    /// Advice to the user on how to make the library available.
     #[must_use]
     pub fn fix(&self) -> &'static str {
         if self.tried.iter().any(|(_, why)| why.contains("usb")) {
@@ -71,8 +73,8 @@ impl NotLoaded {
 }
 
 impl LibrarySearch {
-    /// The search that the program uses: the file `named`, else that in `TOUCHSTONE_DHD`, else the folders of the SDK and of the
-    /// system.
+    /// The default search. It uses the file `named`, else the file in the variable `TOUCHSTONE_DHD`, else the folders of the SDK
+    /// and of the operating system.
     #[must_use]
     pub fn new(named: Option<&Path>) -> Self {
         let set = |name| env::var_os(name).filter(|text| !text.is_empty());
@@ -115,10 +117,10 @@ impl LibrarySearch {
         }
     }
 
-    /// Loads the first library that can be loaded.
+    /// Loads the first library file of the search that can be loaded.
     ///
     /// # Errors
-    /// No library could be loaded; holds all places with the reasons.
+    /// No library could be loaded. The error lists all places with the reasons.
     pub fn load(&self) -> Result<Dhd, NotLoaded> {
         let mut tried = Vec::new();
         if let Some(file) = &self.file {
@@ -159,7 +161,7 @@ impl LibrarySearch {
     }
 }
 
-/// The name of this platform in the SDK's folders.
+/// Name of this operating system and processor in the folders of the maker's SDK.
 fn platform() -> String {
     let system = if cfg!(target_os = "macos") {
         "mac"
@@ -173,14 +175,14 @@ fn platform() -> String {
     format!("{system}-{machine}-")
 }
 
-/// The folders in `folder` whose names begin with `prefix`, in descending alphabetical order.
+/// The folders inside `folder` whose names begin with `prefix`, in descending alphabetical order.
 fn children(folder: &Path, prefix: &str) -> Vec<PathBuf> {
     let mut found = named(folder, |name| name.starts_with(prefix));
     found.retain(|path| path.is_dir());
     found
 }
 
-/// The libraries in a folder: `drd` before `dhd`, newer versions first.
+/// The library files in a folder: `drd` before `dhd`, newer versions before older ones.
 fn libraries(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for (start, part) in VERSIONED {

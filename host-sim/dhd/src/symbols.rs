@@ -1,8 +1,9 @@
-//! Loads the library and its functions. The desktop program has no other `unsafe` code than three lines here.
+//! Loads Force Dimension's library and its functions. The desktop program has no other `unsafe` code than three lines in this
+//! module.
 //!
-//! Functions get safe types. Where C has a pointer to memory that the function fills, the Rust type has a reference to as much
-//! memory as the function may write. Both are passed alike, and a reference cannot be null or dangling. No struct is passed. So
-//! only the claim that a symbol has this type is unsafe, and the calls are safe.
+//! Loaded functions get safe Rust types. Where C has a pointer to memory that the function fills, the Rust type has a reference to
+//! as much memory as the function may write. A reference and a pointer are passed in the same way, and a reference cannot be null
+//! or dangling. No struct is passed. Only the claim that a symbol has its Rust type is unsafe; the calls are safe.
 #![allow(unsafe_code)]
 
 use libloading::Library;
@@ -11,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use crate::code::STATUS_INTS;
 
-/// Converts a device's number to C's `char`, which is signed on some machines and unsigned on others. The bits stay the same.
+/// Converts the library's number of a device to C's `char`, which is signed on some machines and unsigned on others. The bits stay
+/// the same.
 pub(crate) fn char_of(id: i8) -> c_char {
     id as c_char
 }
@@ -20,10 +22,10 @@ type OfDevice = extern "system" fn(c_char) -> c_int;
 type OfNothing = extern "system" fn() -> c_int;
 type ToThree = extern "system" fn(&mut f64, &mut f64, &mut f64, c_char) -> c_int;
 
-/// Declares the functions that are loaded from the library: those that must exist and those that may be missing.
+/// Declares the functions that are loaded from the library: `needed` ones that must exist and `optional` ones that may be missing.
 macro_rules! functions {
     (needed { $($needed:ident $needed_name:literal $needed_type:ty;)* } optional { $($name:ident $symbol:literal $type:ty;)* }) => {
-        /// The loaded functions, with the names of `dhdc.h` and `drdc.h`.
+        /// The loaded functions. The headers `dhdc.h` and `drdc.h` declare the C functions of these names.
         #[derive(Clone, Copy)]
         pub(crate) struct Calls {
             $(pub(crate) $needed: $needed_type,)*
@@ -31,7 +33,7 @@ macro_rules! functions {
         }
 
         impl Calls {
-            /// Loads the functions from a library.
+            /// Loads all functions from a library.
             ///
             /// # Errors
             /// The name of the first required function that the library lacks.
@@ -84,11 +86,11 @@ functions! {
     }
 }
 
-/// The loaded library.
+/// Force Dimension's library, loaded, with its functions.
 pub struct Dhd {
     calls: Calls,
     path: PathBuf,
-    /// The library. It is declared after the functions, so that the functions are dropped first.
+    /// The library. The field comes after the functions, so that the functions are dropped before the library is unloaded.
     _library: Library,
 }
 
@@ -102,7 +104,7 @@ impl Dhd {
     /// Loads the library from a file, or by a name that the operating system's loader knows.
     ///
     /// # Errors
-    /// The reason why it cannot be loaded.
+    /// The reason why the library cannot be loaded, as text.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
         // place that only its owner or an administrator can write, as with every program that is linked with it.

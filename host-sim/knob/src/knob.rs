@@ -1,9 +1,9 @@
-//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step,
+//! A complete simulated knob without a board: the firmware's two interrupt functions and the simulated motor, run alternately and
 //! connected as in the firmware.
 //!
 //! ```text
-//! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act from half a period later on
-//! when it is due:    encoder, mailboxes -> Device::tick -> mailbox, outputs off at once
+//! every PWM period:            current samples -> CurrentLoop::tick -> PWM compare values, which act from half a period later on
+//! when a control tick is due:  encoder, mailboxes -> Device::tick -> mailbox; switching the outputs off acts at once
 //! ```
 
 use touchstone_drive::around::Around;
@@ -20,22 +20,23 @@ use touchstone_world::plant::{HeldLinear, MEDIUM, Stepper};
 /// PWM period, s.
 pub const PERIOD_S: f64 = 1.0 / 20_000.0;
 
-/// Code of the temperature sensor at room temperature.
+/// Reading of the power stage's temperature sensor at room temperature, in codes of the analogue-to-digital converter.
 pub const WARM: u16 = 1_300;
 
-/// Falsifies readings between the simulated motor and the firmware's code, for tests of faults.
+/// Falsifies the readings that the firmware's code gets from the simulated motor, for tests of faults. The default methods change
+/// nothing.
 pub trait Tamper {
-    /// Changes the current loop's samples (currents, bus voltage, temperature).
+    /// Changes the readings of the current loop in one PWM period (currents, bus voltage, temperature).
     fn sample(&mut self, _tick: u32, _sample: &mut CurrentSample) {}
-    /// Changes the control tick's readings. Returns whether the tick runs; false simulates a tick that is left out.
+    /// Changes the readings of one control tick. Returns whether the tick runs; false simulates a control tick that is left out.
     fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
         true
     }
-    /// Changes the encoder's reading at the change of force; `None` means that the reading is missing.
+    /// Changes the encoder reading that is taken when the commanded force changes; `None` simulates a missing reading.
     fn change(&mut self, _tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
         Some(reading)
     }
-    /// The bus voltage in this tick, V.
+    /// Bus voltage in the current PWM period, V.
     fn bus_v(&mut self, _tick: u32) -> f64 {
         24.0
     }
@@ -49,50 +50,50 @@ pub trait Tamper {
     }
 }
 
-/// A knob whose readings are not falsified.
+/// The [`Tamper`] of a knob without faults: changes no reading.
 #[derive(Debug, Default)]
 pub struct Honest;
 impl Tamper for Honest {}
 
-/// One harmonic of the encoder error of an off-centre magnet: `A sin(n θ + φ)` at the shaft angle `θ`.
+/// One harmonic of the encoder's angle error, e.g. of an off-centre magnet: `A sin(n θ + φ)` at the shaft angle `θ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
-    /// Amplitude `A`, rad.
+    /// Amplitude `A` of the angle error `A sin(n θ + φ)`, rad.
     pub amplitude_rad: f64,
-    /// Number of periods per turn, `n`.
+    /// Number `n` of periods of the angle error `A sin(n θ + φ)` per turn.
     pub per_rev: f64,
-    /// Phase `φ`, rad.
+    /// Phase `φ` of the angle error `A sin(n θ + φ)`, rad.
     pub phase_rad: f64,
 }
 
-/// A simulated knob with the firmware's code.
+/// A simulated knob that runs the firmware's code. `T` falsifies readings, `S` simulates the mechanics.
 #[derive(Clone)]
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
-    /// The firmware's control tick.
+    /// The firmware's control code, which runs once per control tick.
     pub device: Device,
-    /// The environment (further walls, end stops, detents) and the cogging map, as far as there are any.
+    /// What acts beside the wall, if anything: further walls, end stops, detents, and the compensation of the motor's cogging.
     pub around: Around,
-    /// The firmware's current loop.
+    /// The firmware's current loop, which runs once per PWM period.
     pub current: CurrentLoop,
-    /// The simulated motor, knob and hand.
+    /// The simulated motor and the mechanics of knob and hand.
     pub rig: Rig<S>,
-    /// The falsification of readings.
+    /// Changes the readings that the firmware's code gets, to simulate faults.
     pub tamper: T,
-    /// Harmonics of the encoder's error; their sum is added to the shaft angle.
+    /// Harmonics of the encoder's angle error. The encoder reads the shaft angle plus their sum.
     pub encoder_error: Vec<EncoderError>,
-    /// The hand's rest point (the angle at which the hand intends to be), rad.
+    /// Rest point of the hand's spring (the angle at which the hand wants the knob), rad.
     pub rest_rad: f64,
-    /// State of the bridge in the present PWM period.
+    /// State of the motor's bridge in the present PWM period: off, or its duty cycles.
     pub acting: Drive,
-    /// The last control tick's record.
+    /// Telemetry values of the last control tick.
     pub record: Record,
-    /// The last control tick's output.
+    /// Output of the firmware's control code in the last control tick; `None` before the first.
     pub output: Option<ControlOutput>,
     settings: DeviceSettings,
     hardware: &'static Hardware,
     shunts: [Shunt; 2],
     mailbox: CurrentCommand,
-    /// The current loop's report for the next control tick.
+    /// Measurements that the current loop passes to the next control tick.
     pub report: CurrentReport,
     preloaded: Drive,
     command: Option<Command>,
@@ -118,17 +119,17 @@ fn shunts(hardware: &Hardware) -> [Shunt; 2] {
     [6.3, -22.2].map(|off| Shunt::bits12(amps_per_code, f64::from(hardware.offset_code) + off))
 }
 
-/// A knob without falsified readings, with the motor of the thesis' knob (0.25 N·m/A) at 24 V.
+/// Creates a knob without falsified readings, with a gimbal motor (0.25 N·m/A) on a bus of 24 V.
 #[must_use]
 pub fn honest(settings: &DeviceSettings) -> Knob<Honest> {
     Knob::new(settings, GIMBAL, 0.0, Honest)
 }
 
 impl<T: Tamper> Knob<T> {
-    /// A knob at rest at an angle, just switched on.
+    /// Creates a knob that was just switched on, at rest at the given shaft angle (rad).
     ///
     /// # Panics
-    /// The device refuses the settings.
+    /// The firmware refuses the settings.
     #[must_use]
     pub fn new(
         settings: &DeviceSettings,
@@ -142,10 +143,10 @@ impl<T: Tamper> Knob<T> {
 }
 
 impl<T: Tamper, S: Stepper> Knob<T, S> {
-    /// Same as [`Knob::new`], with another mechanical simulation, whose interval must be half a PWM period.
+    /// Same as [`Knob::new`], with another simulation of the mechanics. Its time step must be half a PWM period.
     ///
     /// # Panics
-    /// The device refuses the settings.
+    /// The firmware refuses the settings.
     #[must_use]
     pub fn with_plant(
         settings: &DeviceSettings,
@@ -157,10 +158,10 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         Self::on(&IHM08M1, settings, motor, plant, angle_rad, tamper)
     }
 
-    /// Same as [`Knob::new`], on another board.
+    /// Same as [`Knob::new`], with the hardware constants (scales, limits) of another board.
     ///
     /// # Panics
-    /// The device refuses the settings.
+    /// The firmware refuses the settings.
     #[must_use]
     pub fn on(
         hardware: &'static Hardware,
@@ -213,12 +214,12 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.hardware_break = false;
     }
 
-    /// Hands a command to the next control tick.
+    /// Gives a command, such as "arm", to the next control tick.
     pub fn ask(&mut self, command: Command) {
         self.command = Some(command);
     }
 
-    /// The encoder's present reading.
+    /// What the encoder reads at the present shaft angle, with its angle error.
     #[must_use]
     pub fn reading(&self) -> EncoderReading {
         let angle = self.rig.now().angle_rad;
@@ -331,13 +332,14 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.output = Some(output);
     }
 
-    /// Runs PWM periods until a control tick has run; returns its record.
+    /// Runs PWM periods until a control tick has run; returns the tick's telemetry values.
     pub fn tick(&mut self) -> Record {
         while !self.period() {}
         self.record
     }
 
-    /// Runs a calibration to its end, with a hand whose rest point follows the shaft. Returns the state after it.
+    /// Runs the firmware's calibration to its end. The simulated hand does not resist: its rest point follows the shaft. Returns
+    /// the device's state after the calibration.
     pub fn calibrate(&mut self) -> State {
         self.ask(Command::Calibrate);
         self.tick();
@@ -348,7 +350,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.device.state()
     }
 
-    /// Calibrates and arms the knob.
+    /// Calibrates the knob and switches its motor on (arms it).
     ///
     /// # Panics
     /// The calibration or the arming fails.
@@ -370,7 +372,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         }
     }
 
-    /// The code of the stored fault, if there is one.
+    /// The code of the fault that the firmware has stored; `None` without a fault.
     #[must_use]
     pub fn fault(&self) -> Option<FaultCode> {
         self.device.fault().map(|context| context.code)

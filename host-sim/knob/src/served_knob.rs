@@ -1,7 +1,6 @@
-//! A complete simulated knob behind a TCP socket, in real time: the firmware's code with the simulated motor and a board's
-//! protocol.
+//! A complete simulated knob on a TCP port, in real time: the firmware's code, the simulated motor and a board's protocol.
 //!
-//! Desktop programs connect to it as to a board. [`ServedKnob::suffer`] causes faults of the board or its cable.
+//! Desktop programs connect to it as to a board. [`ServedKnob::suffer`] simulates faults of the board or its cable.
 
 use crate::knob::{Knob, Tamper};
 use std::io::{ErrorKind, Read, Write};
@@ -23,19 +22,19 @@ use touchstone_protocol::{
 use touchstone_world::motor::GIMBAL;
 
 const BOARD: Board = Board::NucleoG474re;
-/// Period of the simulated hand's motion into the wall and out, s.
+/// Period of the simulated hand's motion into the wall and out again, s.
 const PRESS_S: f64 = 3.0;
-/// The hand's rest point moves from this distance before the wall's surface to the same distance inside, rad.
+/// Distance in rad outside the wall's surface from which the hand's rest point starts. It moves to `DEEP_RAD` inside and back.
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
-/// Speed at which the hand turns the knob where it is told to.
+/// Speed in rad/s at which the simulated hand turns the knob to the angle of the order `turn`.
 const TURN_RAD_PER_S: f64 = 3.0;
 
-/// A served knob's surroundings: a supply whose voltage may change, and a desktop that may stop sending.
+/// Surroundings of a simulated knob that tests can change: the supply voltage, and a desktop program that may stop sending.
 #[derive(Debug, Clone, Copy)]
 pub struct Outside {
     supply_v: f64,
-    /// Whether a frame arrived since the last tick; `None` before a desktop is connected.
+    /// Whether a frame from the desktop program arrived since the last control tick; `None` before a program connects.
     heard: Option<bool>,
 }
 
@@ -52,29 +51,29 @@ impl Tamper for Outside {
     }
 }
 
-/// The simulated knob with its connection and its hand.
+/// The simulated knob, with its connection to a desktop program and its simulated hand.
 pub struct ServedKnob {
     knob: Knob<Outside>,
     settings: DeviceSettings,
     decimation: u16,
-    /// Number of telemetry records that are still to be dropped.
+    /// Number of telemetry records that are still to be dropped, to simulate a gap.
     gap: u32,
     dropped: u32,
     /// Telemetry records that were not sent yet.
     records: Vec<Telemetry>,
     armed_s: f64,
-    /// Shaft angle when the knob was armed, rad; the next field is the wall's distance from it.
+    /// Shaft angle in rad when the motor was last switched on. `outside_rad` is the distance from this angle to the wall's surface.
     start_rad: f64,
     outside_rad: f64,
-    /// The angle to which the hand turns the knob, rad; `None`: the hand presses into the wall.
+    /// Angle in rad to which the simulated hand turns the knob; `None` if the hand presses into the wall.
     turned_rad: Option<f64>,
-    /// Whether the cable is plugged in.
+    /// Whether the simulated cable is plugged in.
     plugged: bool,
     noise: usize,
 }
 
 impl ServedKnob {
-    /// A knob with the board's default settings.
+    /// A simulated knob with the default settings of the board Nucleo-G474RE.
     #[must_use]
     pub fn new() -> Self {
         let settings = DeviceSettings::defaults(BOARD);
@@ -98,8 +97,8 @@ impl ServedKnob {
         }
     }
 
-    /// Causes a fault: `gap N` drops N records, `noise N` sends N bytes of nonsense, `volts V` changes the supply, `pull` and
-    /// `plug` disconnect and connect the cable.
+    /// Carries out an order from the terminal. `gap N` drops N telemetry records, `noise N` sends N random bytes, `volts V` changes
+    /// the supply, `pull` and `plug` disconnect and connect the cable. `turn DEGREES` and `press` set what the hand does.
     pub fn suffer(&mut self, what: &str) {
         let (word, number) = what.trim().split_once(' ').unwrap_or((what.trim(), "0"));
         let number: f64 = number.parse().unwrap_or(0.0);
@@ -117,15 +116,15 @@ impl ServedKnob {
         }
     }
 
-    /// Calibrates the knob, as fast as the machine can simulate.
+    /// Calibrates the knob, as fast as the computer can simulate, and returns it.
     #[must_use]
     pub fn calibrated(mut self) -> Self {
         self.knob.calibrate();
         self
     }
 
-    /// Runs one control tick. While the device is armed, the simulated hand presses into the wall. Queues a telemetry record if one
-    /// is due.
+    /// Runs one control tick with its PWM periods. The simulated hand turns the knob to the angle of a `turn` order, or presses
+    /// into the wall while the motor is on. Queues a telemetry record if one is due.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if let Some(turned_rad) = self.turned_rad {
@@ -157,7 +156,7 @@ impl ServedKnob {
         self.records.push(self.knob.telemetry());
     }
 
-    /// Hands a command to the device's next tick; returns whether it had an effect.
+    /// Gives a command to the device's next control tick and runs it; returns whether the command had an effect.
     fn give(&mut self, command: Command) -> bool {
         self.knob.ask(command);
         self.advance();
@@ -207,7 +206,7 @@ impl Backend for ServedKnob {
         checked(settings, BOARD)
     }
     fn use_settings(&mut self, settings: &DeviceSettings) {
-        // They were checked.
+        // The settings were checked before, so they are accepted.
         if self.knob.device.configure(settings, &IHM08M1).is_ok() {
             self.settings = settings.clone();
         }
@@ -240,7 +239,7 @@ impl Backend for ServedKnob {
     }
 }
 
-/// Serves one connection after the other until `stop` is set. `happens` brings the texts for [`ServedKnob::suffer`].
+/// Serves one connection after the other until `stop` is set. The channel `happens` delivers the texts for [`ServedKnob::suffer`].
 ///
 /// # Errors
 /// The listener fails.

@@ -2,8 +2,8 @@
 //! certify_campaign -- FILE.csv [RUNS] [SEED] [STATES]`.
 //!
 //! Results are appended to the file, one table row per run; an interrupted campaign continues when started with the same seed. At
-//! the end the program prints how often each verdict of a certificate met each outcome of a run, and why some certificates were
-//! undecided.
+//! the end the program prints how often each verdict of a certificate coincided with each outcome of a run, and why some
+//! certificates were undecided.
 
 use rayon::prelude::*;
 use std::error::Error;

@@ -1,5 +1,5 @@
-//! Draws the signals to expect at a board's first power-up: `first_power FOLDER OUT` reads the CSV tables that `touchstone-emulator
-//! trace` wrote into FOLDER and writes SVG pictures into OUT. `cargo xtask traces` runs both programs.
+//! Draws the electrical signals to expect at a board's first power-up. `first_power FOLDER OUT` reads the CSV tables that
+//! `touchstone-emulator trace` wrote into FOLDER and writes SVG pictures into OUT. `cargo xtask traces` runs both programs.
 
 use std::error::Error;
 use std::path::Path;
@@ -10,7 +10,7 @@ use touchstone_lab::report::svg::Size;
 
 /// Voltage of a pin at high level, V.
 const HIGH_V: f64 = 3.3;
-/// Vertical distance between two pins' curves in a picture, V.
+/// Vertical distance between the curves of two pins in a picture, V.
 const APART_V: f64 = 5.0;
 const NARROW: Size = Size {
     width: 360,
@@ -75,7 +75,7 @@ impl Table {
             .collect::<Result<_, _>>()?)
     }
 
-    /// Pairs of time in seconds and the value of the named column.
+    /// Time in seconds and value of the named column, row by row.
     fn course(&self, name: &str) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
         let times = self.numbers("time_s")?;
         Ok(times.into_iter().zip(self.numbers(name)?).collect())
@@ -100,7 +100,8 @@ fn corners(levels: &[(f64, f64)], above: f64) -> Vec<(f64, f64)> {
     points
 }
 
-/// Picture of the two pins of motor phase U between the times `from` and `to` in seconds, with lines where currents are sampled.
+/// Draws the two pins of motor phase U between the times `from` and `to` in seconds, with lines at the times at which currents are
+/// sampled.
 fn pins(
     table: &Table,
     title: &str,

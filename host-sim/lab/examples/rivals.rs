@@ -1,11 +1,11 @@
-//! Simulations by Touchstone for the comparison with other physics engines in `tests/rivals/compare.py`. The problem is a hinge
-//! with dry friction that is pressed into a wall.
+//! Simulations by Touchstone for the comparison with other physics engines in `tests/rivals/compare.py`. The test problem is a
+//! hinge with dry friction that is pressed into a wall.
 //!
 //! `rivals problem NAME TICKS` prints as JSON: the device, the torque of every tick, the reference's angles under these torques,
-//! and the error of Touchstone's exact step. `rivals time NAME TICKS` prints nanoseconds per tick, once for the whole loop
-//! (encoder, control law and press) and once for the plant alone under the same torques.
+//! and the error of Touchstone's closed-form solution. `rivals time NAME TICKS` prints nanoseconds per tick (control period), once
+//! for the whole loop (encoder, control law and press) and once for the plant alone under the same torques.
 //!
-//! No hand model holds the hinge, because not every engine has one. A press with given torques takes its place.
+//! No hand model holds the hinge, because not every engine has one. Given torques press the hinge instead.
 
 use std::error::Error;
 use std::hint::black_box;

@@ -1,11 +1,11 @@
-//! Compares the simulation rate of a sweep on one core with that of single runs of the same scenes: `cargo run --release -p
+//! Compares the speed of a parameter sweep on one core with that of single runs of the same scenes: `cargo run --release -p
 //! touchstone-lab --example sweep_rate -- [CELLS per axis, default 40] [REPEATS, default 5]`.
 //!
 //! Each scene lasts 2 s at 1 kHz. Three measurements alternate, so that a disturbance of the machine affects all of them:
 //!
 //! - every cell by `touchstone_lab::sweep`, from an empty folder to rows in a file
 //! - every cell as a single run of a scene that is ready in memory
-//! - long runs of the scene in the middle of the map, held in the wall, whose preparation takes no time compared with their ticks
+//! - long runs of the scene in the middle of the map, held in the wall, whose preparation takes negligible time
 //!
 //! On Linux the times are processor time of this program, elsewhere clock time.
 

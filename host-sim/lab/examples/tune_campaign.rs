@@ -1,9 +1,10 @@
 //! Tunes control laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES per
 //! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
 //!
-//! LAWS are names of laws as in a scorecard, separated by commas. Results are appended to the file, one row per device and law; an
-//! interrupted campaign continues when started with the same arguments. At the end the program prints how many walls hold under
-//! each law and under the better law of each device, and why the other walls do not hold.
+//! LAWS are names of laws as in a scorecard, separated by commas. TICKS limits the simulated control periods of each search.
+//! Results are appended to the file, one row per device and law; an interrupted campaign continues when started with the same
+//! arguments. At the end the program prints how many walls meet the limits under each law and under the better law of each device,
+//! and why the other walls do not.
 
 use std::error::Error;
 use std::path::Path;

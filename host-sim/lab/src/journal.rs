@@ -1,4 +1,4 @@
-//! A file to which a long job appends its results as they are finished, so that an interrupted job can continue.
+//! A results file to which a long job appends rows as they are finished, so that an interrupted job can continue.
 //!
 //! The file holds comma-separated values below a header, or is empty. Each batch of rows is written in one call, so an interruption
 //! tears at most the last line. The next program that opens the file removes a torn line and computes its row again.
@@ -120,8 +120,8 @@ fn problem(path: &Path, problem: String) -> Error {
     }
 }
 
-/// Writes a missing number as `NaN` instead of an empty cell. Readers that guess a column's type from its first rows then see
-/// decimals; a column that begins with empty cells would be taken for text.
+/// Writes a missing number as `NaN` instead of an empty cell. A reader that guesses a column's type from the first rows would take
+/// a column that begins with empty cells for text.
 pub mod or_nan {
     use serde::{Deserialize, Deserializer, Serializer};
 
@@ -145,7 +145,7 @@ pub mod or_nan {
         Option::deserialize(from).map(number)
     }
 
-    /// Missing numbers of a list as `NaN`, for fields that hold several numbers.
+    /// Writes and reads the missing numbers of a list as `NaN`, for fields that hold several numbers.
     pub mod each {
         use super::{Deserialize, Deserializer, Serializer, number};
 

@@ -1,5 +1,5 @@
-//! Experiments that consist of many simulated runs, and readable results of them: the thesis' comparison of control laws, its
-//! Algorithm 2.1 that measures a device's damping, scorecards, tuning, sweeps and reports.
+//! Experiments that consist of many simulated runs, and readable results of them. Examples are the thesis' comparison of control
+//! laws, its Algorithm 2.1 that measures a device's damping, scorecards, tuning, sweeps and reports.
 
 pub mod accuracy;
 pub mod beside;

@@ -7,8 +7,8 @@
 
 use touchstone_sim::scene::{Encoder, Friction, Scene};
 
-/// Damping of a fingertip, N·m·s/rad. Control laws assume a total damping (`device_damping_n_m_s_per_rad`, the thesis' `c_i`),
-/// which is the device's own damping plus the fingertip's.
+/// Damping of a fingertip, N·m·s/rad. Control laws assume the total damping of device and fingertip
+/// (`device_damping_n_m_s_per_rad`).
 pub const FINGERTIP: f64 = 1e-4;
 
 /// Random number generator SplitMix64 (Steele, Lea and Flood, 2014).
@@ -42,9 +42,9 @@ impl Random {
 /// A random device with its encoder and control rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomDevice {
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia: f64,
-    /// Viscous damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping: f64,
     /// Kinetic dry friction, N·m; two thirds of the devices have some.
     pub friction: Option<f64>,
@@ -52,7 +52,7 @@ pub struct RandomDevice {
     pub counts: f64,
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Computational delay from sample to force, in ticks.
+    /// Computational delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
 }
 
@@ -83,7 +83,7 @@ impl RandomDevice {
         self.friction.unwrap_or(0.0)
     }
 
-    /// Replaces device, encoder, rate and delay of a scene by this device's.
+    /// Replaces device, encoder, rate and delay of a scene by those of this random device.
     pub fn put_into(&self, scene: &mut Scene) {
         scene.device.inertia_kg_m2 = self.inertia;
         scene.device.damping_n_m_s_per_rad = self.damping;

@@ -1,17 +1,18 @@
-//! Counts received telemetry records and those missing between them.
+//! Counts the telemetry records that arrived from a board, and the records that were lost on the way.
 
-/// Numbers of received and missing records.
+/// Numbers of telemetry records that arrived and that were lost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counted {
-    /// Number of records received.
+    /// Number of records that arrived.
     pub records: u64,
-    /// Number of records missing.
+    /// Number of records that were lost, by the gaps in the control ticks of the others.
     pub lost: u64,
     last: Option<u32>,
 }
 
 impl Counted {
-    /// Counts a received record. Returns the number of records missing just before it, which it adds to [`Self::lost`].
+    /// Counts a record that arrived. `tick` is its control tick, `decimation` the number of ticks per record. Returns the number of
+    /// records lost just before it, and adds this number to [`Self::lost`].
     pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
         let steps = self.last.map_or(0, |last| {
             let steps = tick.wrapping_sub(last) / u32::from(decimation);

@@ -1,9 +1,10 @@
-//! The documentation's text on a fault, for a person at the device.
+//! The documentation's text on a device's fault, for a person at the device.
 
-/// Number and text of each page in `docs/faults`.
+/// Fault number and text of each documentation page in `docs/faults`.
 const PAGES: &[(u8, &str)] = include!(concat!(env!("OUT_DIR"), "/faults.rs"));
 
-/// The text below a heading of a fault's page, e.g. `Meaning`; `None` for a fault that this version does not know.
+/// The text below a heading, e.g. `Meaning`, on the documentation page of the fault with number `code`. `None` for a fault that
+/// this version does not know.
 #[must_use]
 pub fn section(code: u8, heading: &str) -> Option<&'static str> {
     let (_, page) = PAGES.iter().find(|(known, _)| *known == code)?;

@@ -1,5 +1,5 @@
-//! Limits for the settings of a board's energy guard, within which its energy bound holds on this board. With them the program
-//! warns if a settings file weakens the guard.
+//! Checks the settings of a board's energy guard against the conditions of the guard's energy bound on this board. The program uses
+//! it to warn if a settings file weakens the guard.
 
 use crate::value;
 use touchstone_control::{ChangeOfForce, Fixed32, Guard, Si};
@@ -9,18 +9,19 @@ use touchstone_protocol::settings::fields::field;
 use touchstone_protocol::settings::{DriveKind, GuardSettings};
 use touchstone_protocol::{Board, DeviceSettings};
 
-/// A setting that weakens the guard's energy bound, or makes it void.
+/// A changed setting that raises the energy guard's bound, or makes it void.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weaker {
-    /// Path of the setting.
+    /// Path of the setting, such as `law.guard.on`.
     pub path: &'static str,
     /// What is wrong with the new value, in words.
     pub problem: String,
 }
 
-/// Lists how new settings weaken the guard's energy bound. The delay is compared with that of the board's own loop, the damping
-/// with the old settings, the account's capacity and refilling power with the shipped ones. A weakness of the old settings is not
-/// listed again.
+/// Lists the settings in `after` that weaken the energy guard's bound. The delay must stay measured with the board's own current
+/// loop, and not fall below that in `before` with an external amplifier. The assumed damping must not exceed that in `before`; the
+/// energy account's capacity and refilling power must not exceed the shipped ones. A weakness that `before` already has is not
+/// listed.
 #[must_use]
 pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
     const ON: &str = "law.guard.on";
@@ -98,17 +99,17 @@ fn trusted(guard: &GuardSettings) -> Si {
         .saturating_mul(guard.damping_n_m_s_per_rad)
 }
 
-/// The energy bound of a board's guard with its present settings.
+/// Energy that the energy guard of a board lets the motor give to a hand, with the board's present settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// Most energy that a hand can get out at once beyond what it put in, J: the capacity of the guard's energy account, plus half
-    /// an encoder count times the largest force that a full account allows.
+    /// Most energy that a hand can get out at once beyond what it put in, J. It is the capacity of the energy guard's account, plus
+    /// half an encoder count times the largest force that a full account allows.
     pub at_once_j: f64,
-    /// Power that a hand can get out continuously in addition, W: that which refills the energy account.
+    /// Power that a hand can get out continuously in addition, W: the power that refills the energy guard's account.
     pub refill_w: f64,
 }
 
-/// The energy bound of the guard with a board's settings; `None` without a guard.
+/// Computes the bound of the energy guard with a board's settings; `None` if the guard is off or the settings are refused.
 #[must_use]
 pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     let (law, _) = law_settings(settings, hardware(board)).ok()?;
@@ -126,7 +127,7 @@ pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     })
 }
 
-/// The energy bound as text for people, with its conditions.
+/// The energy guard's bound as text for people, with the conditions under which it holds.
 #[must_use]
 pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     let Some(bound) = bound(settings, board) else {
@@ -148,9 +149,9 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     )
 }
 
-/// Limits the guard's settings to what is certain on this board, whatever a settings file says. The guard is on and uses the
-/// position measured when the force changes. Its damping is at most `sure_damping`, its capacity and refilling power at most the
-/// shipped ones.
+/// Limits the energy guard's settings to what is certain on this board, whatever a settings file contains. The guard is switched on
+/// and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its capacity and
+/// refilling power at most the shipped ones.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;
@@ -178,7 +179,7 @@ mod tests {
     #[test]
     fn each_setting_that_the_bound_rests_on_is_noticed_and_the_other_way_is_not() {
         type Change = fn(&mut DeviceSettings, bool);
-        // What weakens it, and what does not.
+        // Each change with a value that weakens the bound, and with one that does not.
         let changes: [(&str, Change); 6] = [
             ("law.guard.on", |all, weak| all.law.guard.on = !weak),
             ("law.guard.change", |all, weak| {
@@ -213,12 +214,12 @@ mod tests {
                 assert!(paths(&before, &after, board).is_empty(), "{board:?} {path}");
                 change(&mut after, true);
                 if path.ends_with("damping_n_m_s_per_rad") {
-                    // From half of it back above all of it.
+                    // Compared with the full damping, not with the half of it set before.
                     after.law.guard.damping_n_m_s_per_rad =
                         before.law.guard.damping_n_m_s_per_rad + Si::DELTA * 8;
                 }
                 assert_eq!(paths(&before, &after, board), [path], "{board:?}");
-                // Taken once, it is not said again.
+                // A weakness that is already set is not listed again.
                 assert!(paths(&after, &after, board).is_empty(), "{board:?} {path}");
             }
         }

@@ -1,9 +1,9 @@
-//! What a desktop program and a browser's page have in common for talking to a board. The crate uses no port, no clock and no file.
+//! The code for talking to a board that a desktop program and a browser's page share. The crate uses no port, no clock and no file.
 //!
 //! ```text
-//! bytes -> talk: frames, questions and answers -> rows: records as numbers
-//!                                              -> told: states, settings and faults in words
-//! text  -> setting, value: by the table of all settings -> talk -> bytes
+//! bytes from the board -> talk: frames, requests and answers -> rows: telemetry records as numbers
+//!                                                            -> told: states, settings and faults as text
+//! text from a person   -> setting, value: checked with the table of all settings -> talk -> bytes to the board
 //! ```
 
 pub mod counted;

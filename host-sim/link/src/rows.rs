@@ -1,23 +1,23 @@
-//! Telemetry records as rows of numbers, which a browser's page draws.
+//! Converts a board's telemetry records to rows of numbers, which a browser's page draws.
 
 use crate::counted::Counted;
 use touchstone_drive::twin::Twin;
 use touchstone_protocol::{DeviceSettings, Telemetry};
 
-/// Names of the numbers in a row, in their order. Numbers that the browser's page for simulations also draws have the same names
-/// there, so that the same code draws them.
+/// Names of the numbers in a row (one telemetry record), in their order. A number that the page for simulations also draws has the
+/// same name there, because the same code draws it.
 pub const COLUMNS: [&str; 16] = [
     "clock",
     "tick",
-    // Records that are missing before this one.
+    // Number of records that are missing before this one.
     "missing",
     "angle_rad",
     "surface_shifted_rad",
-    // The virtual mass is in no record.
+    // Equal to `angle_rad`, because no record contains the position of the law's virtual mass.
     "mass_rad",
     "force_n_m",
     "motor_force_n_m",
-    // NaN where the model does not run.
+    // NaN while the simulated copy of the device does not run.
     "model_n_m",
     "difference_n_m",
     "energy_observed_j",
@@ -28,26 +28,26 @@ pub const COLUMNS: [&str; 16] = [
     "phase",
 ];
 
-/// Most rows that are kept. If the page has not fetched them by then, all are removed.
+/// Most rows that are kept until the page fetches them. When one more arrives, all kept rows are removed.
 const KEPT: usize = 20_000;
 
-/// Largest distance from the wall's surface, rad, at which a row takes the position from the record's depth. Beyond it the row
-/// takes the position from the encoder count.
+/// Distance from the wall's surface, rad, below which a row takes the position from the record's penetration. Beyond it, where the
+/// penetration's number format ends, the row takes the position from the encoder count.
 const REACH_RAD: f64 = 127.0;
 
-/// Bytes of a busy record with its frame. The next line has the bytes per second that records may take of the serial line (921,600
-/// baud, ten bits a byte); the rest is for answers.
+/// Bytes of a long telemetry record with its frame. `LINE_BYTES` is the number of bytes per second that records may take of the
+/// serial line (921,600 baud, ten bits per byte); the rest of the line is for answers.
 const RECORD_BYTES: u32 = 36;
 const LINE_BYTES: u32 = 80_000;
 
-/// The smallest number of control ticks per record for which the serial line is fast enough.
+/// Smallest number of control ticks per telemetry record for which the serial line is fast enough.
 #[must_use]
 pub fn decimation(settings: &DeviceSettings) -> u16 {
     let line = settings.timing.rate_hz * RECORD_BYTES;
     u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX)
 }
 
-/// The rows since the page last fetched them.
+/// The rows of telemetry that the page has not fetched yet.
 #[derive(Default)]
 pub struct RecordRows {
     twin: Option<Twin>,
@@ -56,14 +56,14 @@ pub struct RecordRows {
     period_s: f64,
     surface_rad: f64,
     count_rad: f64,
-    /// Number of control ticks since the first record, including those of missing records.
+    /// Number of control ticks since the first record, including those of lost records.
     ticks: u64,
     numbers: Vec<f64>,
 }
 
 impl RecordRows {
-    /// Starts with new settings. `twin` is a model of the device's control law; it can follow the device only if every tick is
-    /// sent.
+    /// Prepares for records of a device with these settings. `twin` is a simulated copy of the device's control law, whose force is
+    /// compared with the device's; it is used only if the device sends a record for every tick (`decimation` 1).
     pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, settings: &DeviceSettings) {
         self.twin = twin.filter(|_| decimation == 1);
         self.counted = Counted::default();
@@ -73,7 +73,7 @@ impl RecordRows {
         self.count_rad = std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev);
     }
 
-    /// Adds a row for a record.
+    /// Adds the row of a telemetry record.
     pub fn push(&mut self, record: &Telemetry) {
         let missing = self.counted.take(record.tick, self.decimation);
         self.ticks += u64::from(self.decimation) * (1 + u64::from(missing));
@@ -113,13 +113,13 @@ impl RecordRows {
         ]);
     }
 
-    /// Returns the rows up to now and removes them.
+    /// Returns the numbers of all rows that are kept and removes the rows.
     pub fn numbers(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.numbers)
     }
 
-    /// Returns the rows up to now as a message and removes them: the batch's number, then 64-bit floats, least significant byte
-    /// first.
+    /// Removes all rows that are kept and returns them as bytes for the page: the number `batch`, then the rows, as 64-bit floats
+    /// with the least significant byte first.
     pub fn take(&mut self, batch: u32) -> Vec<u8> {
         let numbers = self.numbers();
         std::iter::once(f64::from(batch))

@@ -1,4 +1,5 @@
-//! Converts a setting's path and value from a person's texts, and checks them with all settings of a device.
+//! Reads a setting's path and value from texts that a person wrote, and checks the value together with all other settings of the
+//! device.
 
 use crate::value::{self, Wrong};
 use touchstone_drive::wire::checked;
@@ -8,10 +9,10 @@ use touchstone_protocol::{Board, DeviceSettings};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{nearest, renamed};
 
-/// A setting with its new value in postcard's encoding.
+/// A setting, and its new value in the encoding of the crate postcard.
 pub type Setting = (&'static Field, Vec<u8>);
 
-/// The error for a path or its value.
+/// The error message for a setting's path or its value: problem and advice.
 #[must_use]
 pub fn option(path: &str, (problem, fix): Wrong) -> Error {
     Error::Option {
@@ -21,12 +22,12 @@ pub fn option(path: &str, (problem, fix): Wrong) -> Error {
     }
 }
 
-/// The setting with this path.
+/// Finds the setting with this path; an error if there is none.
 fn known(path: &str) -> Result<&'static Field> {
     field(path).ok_or_else(|| option(path, unknown(path)))
 }
 
-/// Problem and advice for a path that no setting has.
+/// Problem and advice for a path that names no setting.
 #[must_use]
 pub fn unknown(path: &str) -> Wrong {
     let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
@@ -47,8 +48,8 @@ pub fn parsed(path: &str, text: &str) -> Result<Setting> {
     Ok((field, bytes))
 }
 
-/// All settings with one of them changed. Makes the same check as the device before the request is sent, with the same message and
-/// advice.
+/// Returns the device's settings with one of them changed. The program makes the same check as the device, with the same message
+/// and advice, before it sends the change.
 ///
 /// # Errors
 /// A device on this board would refuse the settings.
@@ -70,7 +71,8 @@ pub fn changed(
     Ok(after)
 }
 
-/// Why a setting is refused. Leaves its path out if that is `path`, which the message already names.
+/// The reason for which a setting is refused, as text. Leaves out the refused setting's path if it is `path`, which the message
+/// already names.
 #[must_use]
 pub fn without_path(invalid: &SettingsError, path: &str) -> String {
     let text = invalid.to_string();

@@ -1,4 +1,4 @@
-//! Messages to the page, with texts for people.
+//! JSON messages from the program to a board's page, with texts for people.
 
 use crate::fault_words::section;
 use crate::value;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Limit, Phase, Status};
 
-/// The device's identity and all its settings, as JSON.
+/// The JSON message with the device's identity and all its settings.
 #[must_use]
 pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value {
     let wall = &settings.wall;
@@ -30,7 +30,7 @@ pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value 
     })
 }
 
-/// The device's state and what to do next, as text for people.
+/// The JSON message with the device's state, its fault and what the user can do next.
 #[must_use]
 pub fn state(status: &Status) -> Value {
     let fault = status.fault.map(|fault| {
@@ -53,14 +53,14 @@ pub fn state(status: &Status) -> Value {
     })
 }
 
-/// A documentation page's text without its markup, one paragraph per line.
+/// Removes the Markdown markup from a documentation page's text and puts each paragraph on one line.
 fn plain(text: &str) -> String {
     text.replace("**", "")
         .replace('`', "")
         .replace("\n\n", "\n")
 }
 
-/// A state of the device, with what to do next, as text.
+/// A sentence on a state of the device, with what the user can do next.
 const fn phase_words(phase: Phase) -> &'static str {
     match phase {
         Phase::Boot => "Just switched on. Calibrate: the shaft will move.",
@@ -72,7 +72,7 @@ const fn phase_words(phase: Phase) -> &'static str {
     }
 }
 
-/// A limit that reduces the force, as text.
+/// A sentence for each cause that reduces the commanded force, such as the current limit.
 const fn limit_words(limit: Limit) -> &'static str {
     match limit {
         Limit::Temperature => "the power stage is warm",
@@ -88,19 +88,20 @@ const fn limit_words(limit: Limit) -> &'static str {
     }
 }
 
-/// The message on the connection: why it was lost, or what was done after it came back.
+/// The JSON message on the connection to the board. `lost` is the reason for its loss, `done` what the program did when the board
+/// came back.
 #[must_use]
 pub fn connection(lost: Option<&str>, done: Option<&str>) -> Value {
     json!({ "type": "connection", "lost": lost, "done": done })
 }
 
-/// The message with the number of records that the device's serial port dropped, and of frames that arrived damaged.
+/// The JSON message with the number of records that the device's serial port dropped, and of frames that arrived damaged.
 #[must_use]
 pub fn troubles(dropped: u32, damaged: u32) -> Value {
     json!({ "type": "troubles", "dropped": dropped, "damaged": damaged })
 }
 
-/// The command that switches a device off in this state, and the text for what was done. `None` if the device is off.
+/// The command that switches off a device in this state, and the text that tells the user so. `None` if the device is already off.
 #[must_use]
 pub const fn switched_off(phase: Phase) -> Option<(DeviceCommand, &'static str)> {
     match phase {

@@ -1,14 +1,15 @@
-//! Converts a setting's value between a person's text and its encoding on the wire.
+//! Converts a setting's value between the text that a person writes and the bytes that are sent to the board.
 
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::fields::{Field, Kind};
 use touchstone_protocol::settings::{Decimal, VALUE_MAX};
 use touchstone_sim::scene::{list, nearest};
 
-/// What is wrong with a text, and advice.
+/// A problem with a text that a person wrote, and advice.
 pub type Wrong = (String, String);
 
-/// Converts a person's text to the setting's value in postcard's encoding. Numbers are exact, without floating point.
+/// Converts the text that a person wrote to the setting's value in the encoding of the crate postcard. Numbers are converted
+/// exactly, without floating point.
 ///
 /// # Errors
 /// The text is no valid value of this setting.
@@ -45,7 +46,7 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     Ok(bytes.expect("VALUE_MAX bytes hold every value").to_vec())
 }
 
-/// Problem and advice for a value that is refused without a more exact reason.
+/// Problem and advice for a refused value if no more exact reason is known: names the values that the setting allows.
 #[must_use]
 pub fn wanted(field: &Field) -> Wrong {
     (
@@ -54,7 +55,7 @@ pub fn wanted(field: &Field) -> Wrong {
     )
 }
 
-/// The allowed values of a setting as text.
+/// The values that a setting allows, as text.
 #[must_use]
 pub fn range(field: &Field) -> String {
     match field.kind {
@@ -74,7 +75,7 @@ pub fn unit(field: &Field) -> String {
     }
 }
 
-/// The value of a setting as the text that [`parse`] reads.
+/// The present value of a setting as text, in the form that [`parse`] reads.
 #[must_use]
 pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     let mut buffer = [0; VALUE_MAX];
@@ -94,7 +95,7 @@ pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     .expect("the leaf has the type that the table says")
 }
 
-/// The value of a setting for programs, as JSON: a number if it is one.
+/// The present value of a setting as JSON for programs: a JSON number if the setting is a number.
 #[must_use]
 pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     let text = shown(settings, field);
@@ -111,7 +112,7 @@ pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     }
 }
 
-/// A setting's path, type, range, unit and meaning for programs, as JSON.
+/// Path, type, range, unit and meaning of a setting, as JSON for programs.
 #[must_use]
 pub fn json(field: &Field) -> serde_json::Value {
     use serde_json::json;

@@ -1,9 +1,9 @@
-//! Names and answers of a device as text for people.
+//! Converts names, identities and refusals that a device sends to text for people.
 
 use touchstone_protocol::settings::KeyError;
 use touchstone_protocol::{Fault, FaultCode, Identity, Phase, Refusal, Reply, Unkept};
 
-/// The microcontroller's unique number as text.
+/// The unique number of the device's microcontroller, as hexadecimal text.
 #[must_use]
 pub fn number_of(identity: &Identity) -> String {
     use std::fmt::Write;
@@ -15,7 +15,7 @@ pub fn number_of(identity: &Identity) -> String {
     number
 }
 
-/// The device's identity on one line.
+/// The device's identity on one line: board, firmware, protocol, settings version and unique number.
 #[must_use]
 pub fn described(identity: &Identity) -> String {
     let number = number_of(identity);
@@ -29,7 +29,7 @@ pub fn described(identity: &Identity) -> String {
     )
 }
 
-/// The fault's code and name.
+/// Number and name of a device's fault, as text.
 #[must_use]
 pub fn name_of(fault: &Fault) -> String {
     match fault.known() {
@@ -41,7 +41,7 @@ pub fn name_of(fault: &Fault) -> String {
     }
 }
 
-/// File name of a fault's page in `docs/faults/`, without its number.
+/// Name of a fault's documentation page in `docs/faults/`, without the fault's number.
 #[must_use]
 pub fn page(code: FaultCode) -> String {
     let mut name = String::new();
@@ -54,13 +54,13 @@ pub fn page(code: FaultCode) -> String {
     name
 }
 
-/// What is wrong, and advice.
+/// A problem with a device, and advice.
 pub type ProblemAndFix = (String, &'static str);
 
-/// The advice for a device with another version of the protocol.
+/// The advice for a device that speaks another version of the protocol.
 pub const OTHER_VERSION: &str = "flash the firmware of this version: touchstone flash";
 
-/// Problem and advice for an answer of another type than the request needs.
+/// Problem and advice if the device's answer is not of the type that the request needs.
 #[must_use]
 pub fn odd(reply: &Reply) -> ProblemAndFix {
     let kind = format!("{reply:?}");
@@ -68,7 +68,7 @@ pub fn odd(reply: &Reply) -> ProblemAndFix {
     (format!("answered something else ({kind})"), OTHER_VERSION)
 }
 
-/// Problem and advice for a device with another version of the protocol.
+/// Problem and advice for a device that speaks another version of the protocol than this program (`own`).
 #[must_use]
 pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
     (
@@ -77,7 +77,7 @@ pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
     )
 }
 
-/// Why the device refused a request, and advice.
+/// The reason for which the device refused a request, and advice.
 #[must_use]
 pub fn refused(refusal: &Refusal) -> ProblemAndFix {
     match refusal {
@@ -120,7 +120,7 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
     }
 }
 
-/// Advice which command is possible in this state.
+/// Advice for a command that the device refuses in this state: the command to give before it.
 const fn next_step(phase: Phase) -> &'static str {
     match phase {
         Phase::Boot => "calibrate first: touchstone device calibrate",

@@ -1,4 +1,4 @@
-//! Tests of the communication with a simulated device that loses frames, refuses requests, is silent or sends nonsense.
+//! Tests of the page's communication with a simulated device that loses frames, refuses requests, is silent or sends damaged data.
 
 use serde_json::Value;
 use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};
@@ -8,14 +8,14 @@ use touchstone_protocol::{
     Reply, Request, ResetReason, Status, Telemetry, ToDevice, stored,
 };
 
-/// A simulated device that records the requests.
+/// A simulated device that records the requests that it receives.
 struct Device {
     decoder: Decoder,
     settings: DeviceSettings,
     phase: Phase,
     tick: u32,
     asked: Vec<String>,
-    /// Number of the next answers that are lost.
+    /// Number of further answers that the device does not send.
     mute: u32,
     telemetry: bool,
 }
@@ -118,7 +118,7 @@ fn framed(message: &FromDevice) -> Vec<u8> {
     frame::encode(message, &mut buffer).unwrap().to_vec()
 }
 
-/// Both ends of the link, with a clock.
+/// The page's communication and the simulated device, with a clock.
 struct Wire {
     talk: Talk,
     device: Device,
@@ -145,7 +145,7 @@ impl Wire {
         wire
     }
 
-    /// Lets time pass. The device sends a record every millisecond while it has power.
+    /// Lets `ms` milliseconds pass. If `power` is true, the device sends a telemetry record every millisecond.
     fn pass(&mut self, ms: f64, power: bool) {
         let until = self.now_ms + ms;
         while self.now_ms < until {
@@ -171,7 +171,7 @@ impl Wire {
         self.talk.order(text, self.now_ms);
     }
 
-    /// The last message of this kind.
+    /// The last message to the page whose `type` is `kind`.
     fn last(&self, kind: &str) -> &Value {
         let found = self.said.iter().rev().find(|said| said["type"] == kind);
         found.unwrap_or_else(|| panic!("no {kind} in {:?}", self.said))
@@ -229,7 +229,7 @@ fn the_stop_overtakes_what_waits_and_a_command_is_sent_once() {
         .collect();
     assert_eq!(ours, ["Save", "Command(Stop)"]);
     assert_eq!(wire.device.phase, Phase::Stopped);
-    // The answer to `Save` is lost: it is not asked again, and said to be unknown.
+    // The answer to `Save` is lost: the request is not repeated, and the message says that its result is unknown.
     wire.pass(2.0 * ANSWER_LIMIT_MS, true);
     let saves = wire.device.asked.iter().filter(|asked| *asked == "Save");
     assert_eq!(saves.count(), 1);
@@ -262,7 +262,7 @@ fn an_armed_device_that_was_out_of_sight_is_disarmed() {
     assert_eq!(wire.device.phase, Phase::Ready);
     let done = wire.last("connection")["done"].as_str().unwrap();
     assert!(done.contains("is disarmed"), "{done}");
-    // And a port that is pulled out and put in again.
+    // The same for a port that is unplugged and plugged in again.
     wire.device.phase = Phase::Armed;
     wire.talk.closed("the cable was pulled");
     wire.pass(10.0, false);

@@ -185,7 +185,7 @@ addEventListener("keydown", (event) => {
 }, { capture: true });
 // Keeps the space bar from pressing the focused button when the key is released.
 addEventListener("keyup", (event) => { if (event.key === " ") event.preventDefault(); }, { capture: true });
-// The stop acts when the button is pressed, not when it is released.
+// The stop button acts when it is pressed, not when it is released.
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("click", (event) => { if (event.detail === 0) stop(); });
 for (const button of document.querySelectorAll("[data-do]")) button.addEventListener("click", () => ask({ do: button.dataset.do }));

@@ -1,4 +1,4 @@
-// Texts and numbers in the memory of the WebAssembly module. The memory moves when it grows, so every view of it is made anew.
+// Texts and numbers in the memory of the WebAssembly module. The memory's buffer is replaced when it grows, so every access makes a new view of it.
 let wasm;
 
 const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));

@@ -1,4 +1,4 @@
-// Opens a trace of a simulation or a record of a board beside the run on the page, and draws it at its own times. If the file has the hand's rest points, they also move the hand of the run.
+// Opens a CSV file (trace of a simulation or record of a board) and draws its data beside the run on the page, at the file's own times. If the file has the hand's rest points, they also move the hand of the run.
 let openedFile = null;
 
 /** Reads a CSV file with a header: a simulation's trace, a record of this page, or a file of `touchstone monitor`. */
@@ -26,7 +26,7 @@ async function openFile(file) {
     aim = null;
     run(false);
     open(false);
-    // After the opening and before the first tick, so that the file moves the hand from the first tick on.
+    // Sent after the run is opened and before its first tick, so that the file moves the hand from the first tick on.
     tell("play", { rests });
     run(true);
     $("record-told").textContent = `${file.name}: ${length} rows beside the run${rests ? ", and its hand moves this one" : ""}.`;

@@ -11,7 +11,7 @@ const HAND_HZ = 8;
 let running = false, speed = 1, origin = 0, due = 0, posted = 0;
 let count = { done: 0, late: 0, skipped: 0 };
 
-/** Moves the hand towards a goal for one tick, through a low-pass of second order that makes the motion smooth. */
+/** Moves the hand towards a goal for one tick, through a second-order low-pass filter that makes the motion smooth. */
 function follow(hand, goal, period) {
   const w = Math.min(2 * Math.PI * HAND_HZ, 0.5 / period);
   hand.v += (w * w * (goal - hand.x) - 2 * w * hand.v) * period;
@@ -36,7 +36,7 @@ function work() {
     }
     const last = Math.floor((now - origin) * perMs);
     while (due < last) {
-      // Lateness counts when the tick is run, not when the batch of ticks began.
+      // Lateness is measured when the tick is run, not when the batch of ticks began.
       const lateness = performance.now() - origin - (due + 1) / perMs;
       if (lateness > LATE_MS) count.late += 1;
       due += 1;

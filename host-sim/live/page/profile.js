@@ -14,7 +14,7 @@ function profileOf(printed) {
   return { copies, start, end, strength, shape, steps, length, heights: heights.map((h) => (strength > 0 ? (h - least) / wide : 0)) };
 }
 
-/** Position of an angle in a profile, counted in points, with a fraction. */
+/** Index of the profile's point at an angle; a fraction lies between two points. */
 function placeIn(profile, angle) {
   const share = (angle - profile.start) / profile.length;
   return profile.steps * (profile.copies > 0 ? share - Math.floor(share) : Math.max(0, Math.min(1, share)));
@@ -44,7 +44,7 @@ class ProfileEditor {
     for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { this.before = null; this.send(); });
     canvas.addEventListener("keydown", (event) => { if (this.key(event)) { event.preventDefault(); event.stopPropagation(); } });
   }
-  /** Takes over the scene's profile, unless the user is drawing. */
+  /** Shows the scene's profile in the editor, unless the user is drawing. */
   take(profile) { if (this.before) return; if (this.shape.join() !== profile.shape.join()) this.shape = profile.shape.slice(); this.chosen = Math.min(this.chosen, this.shape.length - 1); this.say(); }
   at(event) {
     const box = this.canvas.getBoundingClientRect();
@@ -80,7 +80,7 @@ class ProfileEditor {
     this.canvas.setAttribute("aria-valuenow", Math.round(100 * value));
     this.canvas.setAttribute("aria-valuetext", `point ${this.chosen + 1} of ${this.shape.length}: ${(100 * value).toFixed(0)} % of the torque, ${value > 0 ? "towards larger angles" : value < 0 ? "towards smaller angles" : "no push"}`);
   }
-  /** Changes the number of points; the new points lie on the old lines. */
+  /** Changes the number of points; the new points are interpolated between the old ones. */
   resample(n) { this.shape = Array.from({ length: n }, (_, i) => Number(between(this.shape, (i * this.shape.length) / n).toFixed(2))); this.chosen = 0; this.send(); }
   draw(profile, angle) {
     const { g, width, height } = sheet(this.canvas), n = this.shape.length;

@@ -21,10 +21,10 @@ class BoardLink {
       setInterval(() => this.turn(), TURN_MS);
       setInterval(() => this.again(), AGAIN_MS);
     }, (error) => complain(`this browser cannot run WebAssembly: ${error}`));
-    // Stops an armed device when the page is closed, as far as the browser still sends then.
+    // Stops a device whose motor is on when the page is closed, if the browser still sends the bytes.
     addEventListener("pagehide", () => this.leave());
   }
-  /** Lets the user choose the port. The browser asks once. */
+  /** Lets the user choose the port in the browser's dialog. Later the page opens the port without the dialog. */
   async choose() {
     try {
       this.wanted = await navigator.serial.requestPort();
@@ -57,7 +57,7 @@ class BoardLink {
       wasm.live_board_opened(performance.now());
       this.on.open();
       this.flush();
-      // A damaged byte ends the reader, and a new reader is made. An unplugged cable ends the port's stream.
+      // A damaged byte ends the reader, and the loop makes a new one. An unplugged cable ends the port's stream and the loop.
       while (port.readable) {
         try { await this.read(port); } catch (error) { why = error.message; }
       }
@@ -67,7 +67,7 @@ class BoardLink {
     this.port = this.writer = null;
     $("connect").disabled = false;
     if (!was) {
-      // A timer repeats the attempt to open the port.
+      // The timer of `again` repeats the attempt to open the port.
       this.refused = true;
       complain(`The port does not open: ${why} Does another program or page have it, or is its cable out?`);
       return;

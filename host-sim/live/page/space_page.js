@@ -4,7 +4,7 @@ const $ = (id) => document.getElementById(id);
 const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
 const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
 
-/** The user's choices: the program's scene, and changes of it. */
+/** The user's choices: the settings with which the program made the page, and changes of them. */
 let chosen = { object: content.object, changes: new Map(), automatic: false, speed: 1 };
 let run = null, runs = [], running = true, aim = null, pending = true;
 let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;

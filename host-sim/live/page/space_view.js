@@ -75,13 +75,13 @@ class SpaceView {
     for (const [d, w] of [[0, 0], [-head, 6], [-head, -6]]) g.lineTo(to[0] + d * ux - w * uy, to[1] + d * uy + w * ux);
     g.fill();
   }
-  /** Whether the object hides a point from the viewer. */
+  /** Whether the virtual object hides a point from the viewer. */
   behind(p, { radius_mm, normal }) {
     const { away, right, up } = this.camera;
     if (radius_mm) return dot(p, away) > 0 && Math.hypot(dot(p, right), dot(p, up)) < radius_mm;
     return dot(normal, away) > 0;
   }
-  /** Draws the object. It stands still, so its picture is kept until the view changes. */
+  /** Draws the virtual object. The object does not move, so its picture is kept until the view changes. */
   object(g, facts, at, s, width, height) {
     const { camera } = this, ratio = window.devicePixelRatio || 1;
     const drawn = JSON.stringify([camera.yaw, camera.pitch, camera.span, facts.radius_mm, facts.normal, width, height, ratio, ink.panel]);

@@ -99,12 +99,12 @@ class Stage {
     stroke(g, ink.muted, 2, [], () => g.arc(x, y, r, 0, 7));
     if (!row) return;
     stroke(g, ink.line, 2, [], () => { for (let i = 0; i < 24; i += 1) { const a = row.angle_rad + (i * Math.PI) / 12; g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); } });
-    // The surface that the law uses, moved outwards by the law's offset.
+    // Draws the wall's surface as the control law uses it, moved outwards by the law's offset.
     if (run.facts.has_wall !== 0 && row.surface_shifted_rad < surface - 1e-4) {
       const moved = Math.max(row.surface_shifted_rad, surface - 2.5);
       stroke(g, ink.shift, 2.5, [4, 3], () => { g.moveTo(...at(moved, r * 1.04)); g.lineTo(...at(moved, r * 1.36)); });
     }
-    // The hand's rest point on a ring of its own, and the spring that pulls the knob to it.
+    // Draws the rest point of the hand on a ring around the knob, and the hand's spring, which pulls the knob to the rest point.
     if (run.facts.reach_rad_per_n_m > 0 && hand !== null) {
       const aim = run.facts.has_wall === 0 ? Math.max(row.angle_rad - 2.8, Math.min(hand, row.angle_rad + 2.8)) : Math.max(-2.8, Math.min(hand, surface + 2.2));
       stroke(g, ink.hand, 2, [2, 4], () => g.arc(x, y, r * 1.2, turn(Math.min(aim, row.angle_rad)), turn(Math.max(aim, row.angle_rad))));
@@ -226,7 +226,7 @@ class Lens {
   parts(g, box, run, row, X, top, line, strip, colour) {
     const x = X(row.angle_rad), left = box.x + 4, right = box.x + box.w - 4;
     const shown = Math.max(left, Math.min(right, x));
-    // The surface that the law uses, moved by the law's offset.
+    // Draws the wall's surface as the control law uses it, moved by the law's offset.
     const shifted = X(row.surface_shifted_rad);
     if (run.facts.has_wall !== 0 && row.surface_shifted_rad < run.facts.surface_rad - 1e-7) {
       const at = Math.max(left, shifted);
@@ -236,19 +236,19 @@ class Lens {
       g.textBaseline = "bottom";
       g.fillText(shifted < left ? "◂ offset surface" : "offset surface", at + 4, strip - 2);
     }
-    // The position at which a real wall of the desired stiffness would hold the knob against this force.
+    // Marks the position at which a real wall of the desired stiffness would hold the knob against the present force.
     if (run.facts.has_wall !== 0 && row.force_n_m > 1e-4) {
       const ideal = X(run.facts.surface_rad + row.force_n_m / run.facts.k_desired_n_m_per_rad);
       stroke(g, ink.muted, 1.6, [], () => { g.moveTo(ideal, line - 16); g.lineTo(ideal - 6, line - 24); g.lineTo(ideal + 6, line - 24); g.closePath(); });
     }
-    // The virtual mass of the enhanced law, and its spring.
+    // Draws the virtual mass that the enhanced control law simulates, and the spring between this mass and the knob.
     if (Math.abs(row.mass_rad - row.angle_rad) > 1e-6) {
       const m = Math.max(left, Math.min(right, X(row.mass_rad))), y = line + 24;
       stroke(g, ink.mass, 1.4, [], () => { for (let i = 0; i <= 8; i += 1) g.lineTo(m + ((shown - m) * i) / 8, y + (i % 2 ? 4 : -4) * (i > 0 && i < 8)); });
       g.fillStyle = ink.mass;
       g.fillRect(m - 6, y - 6, 12, 12);
     }
-    // The force.
+    // Draws the motor's force as an arrow.
     const long = Math.min(box.w * 0.45, (Math.abs(row.motor_force_n_m) / 0.3) * box.w * 0.4);
     if (long > 1) {
       const to = shown - long * Math.sign(row.motor_force_n_m), back = Math.sign(shown - to) * Math.min(9, long);

@@ -1,7 +1,7 @@
 // Connects controls, figures and keys, and draws the frames.
 const E = (c, i, name) => c[name][i];
 const isWall = (run) => run.facts.has_wall !== 0;
-/** Angle from the wall's surface, rad; from zero if there is no wall. */
+/** Angle relative to the wall's surface, rad; without a wall, the angle itself. */
 const fromSurface = (rad, run) => rad - (isWall(run) ? run.facts.surface_rad : 0);
 const inside = (c, i, run) => fromSurface(E(c, i, "angle_rad"), run);
 const inHand = (c, i, run) => fromSurface(E(c, i, "hand_rad"), run);
@@ -90,7 +90,7 @@ const ease = { every: 1, at: 0, done: 0, late: 0, quiet: 0 };
 const MOST_EASED = 6, LATE_SHARE = 0.002;
 function easeOff(now) {
   if (now - ease.at < 1000) return;
-  // The counts of ticks start again at 0 with some runs.
+  // `Math.max`: some runs restart the counts of ticks at 0.
   const late = Math.max(0, counted.late + counted.skipped - ease.late), done = Math.max(0, counted.done - ease.done);
   ease.quiet = late > LATE_SHARE * done ? 0 : ease.quiet + 1;
   if (ease.quiet === 0) ease.every = Math.min(MOST_EASED, ease.every + 1);

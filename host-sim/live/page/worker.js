@@ -20,7 +20,7 @@ function factsOf(side) {
   return Object.fromEntries(FACTS.map((name, i) => [name, values[i]]));
 }
 
-/** Opens, changes or closes one of the two runs. After an error the run is unchanged. */
+/** Opens, changes or closes (`scene` null) one of the two runs. After an error the run is unchanged. */
 function setSide(index, scene, keep) {
   const side = sides[index];
   if (scene === null) {
@@ -116,7 +116,7 @@ function back(count) {
   postMessage({ type: "back", a: all[0], b: all[1], most, why: `Tick ${to} of the run.` });
 }
 
-/** The hand's rest point, rad. Outside the wall it is the pointer's angle; inside it is as deep as the pointer's push needs against a perfect wall. */
+/** Rest point of the hand's spring, rad. Outside the wall it is the pointer's angle. Inside, it lies as deep as the push of the pointer needs against a perfectly stiff wall. */
 function target() {
   const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad, has_wall } = sides[0].facts;
   if (automatic && motion_s > 0) {

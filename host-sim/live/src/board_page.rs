@@ -1,5 +1,5 @@
-//! The browser page that shows a real board, drawn by the JavaScript of the page for the simulated board. Its data come through a
-//! socket of this program. In a browser with WebSerial, the page can hold the serial port itself.
+//! Builds the browser page for a real board. The page draws with the same JavaScript as the page for the simulated knob. Its data
+//! come through a WebSocket of the program `touchstone`. In a browser with WebSerial, the page can open the serial port itself.
 
 use crate::page::{
     MARK, MEMORY, STAGE, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
@@ -11,29 +11,29 @@ const BOARD: &str = include_str!("../page/board.js");
 const SOCKET: &str = include_str!("../page/board_link.js");
 const SERIAL: [&str; 3] = [UNPACK, MEMORY, include_str!("../page/serial_link.js")];
 
-/// How the page reaches the board.
+/// The connection between the page and the board.
 #[derive(Debug, Clone, Copy)]
 pub enum Way<'a> {
-    /// Through this program: the address of the program's web socket, with the access token.
+    /// Through the program `touchstone`. Holds the address of its WebSocket, with the access token.
     Socket(&'a str),
     /// The browser opens the serial port itself (WebSerial).
     Serial,
 }
 
-/// Data with which the page starts.
+/// Data that are written into the web page when it is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// How the page reaches the board.
+    /// The connection between the page and the board.
     pub way: Way<'a>,
-    /// Column names of the numbers in one record of the board, in their order.
+    /// Column names of the numbers that the page gets for each telemetry record of the board, in their order.
     pub columns: &'a [&'a str],
-    /// Where the device is.
+    /// Name of the board's port as shown to the user, such as a serial port.
     pub place: &'a str,
-    /// Name, version and commit of the program.
+    /// Name, version and commit of the program that made the page.
     pub program: &'a str,
 }
 
-/// Returns the page as HTML, and its content security policy.
+/// Returns the board's page as HTML, and the page's content security policy.
 #[must_use]
 pub fn render(content: &Content) -> (String, String) {
     let link = match content.way {
@@ -49,7 +49,7 @@ pub fn render(content: &Content) -> (String, String) {
     let (runs, connects, module, gone, way) = match content.way {
         Way::Socket(socket) => {
             data["socket"] = socket.into();
-            // A policy names paths without what is asked of them.
+            // A content security policy names addresses without their query (`?token=…`).
             let socket = socket.split('?').next().unwrap_or_default();
             (
                 "",

@@ -1,5 +1,5 @@
-//! The simulated control loops of a page. A loop is opened from a scene (TOML text that describes a simulation), is moved by the
-//! rest point of the hand's spring, and returns a row of numbers per tick.
+//! The simulated control loops that a web page shows. A loop is opened from a scene (TOML text that describes a simulation). The
+//! page moves the rest point of the hand's spring, and each tick (control period) returns a row of numbers.
 
 use std::path::Path;
 use touchstone_control::Choice as _;
@@ -9,8 +9,8 @@ use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
 use touchstone_sim::scene::{MotionSpec, Preset, RestPath, Scene};
 
-/// Names of the numbers that one tick returns, in their order: the columns of this program's trace files first, then the numbers
-/// that only the page shows.
+/// Names of the numbers that one tick (control period) returns, in their order. The columns of this program's trace files come
+/// first, then the numbers that only the page shows.
 pub const ROW: [&str; 17] = [
     "time_s",
     "angle_rad",
@@ -28,28 +28,29 @@ pub const ROW: [&str; 17] = [
     "guard_account_j",
     "motor_force_n_m",
     "energy_hand_j",
-    // 0: the guard lets the law's force through, or there is none; 1: it gives less; 2: it has switched the force off.
+    // 0: the energy guard changes nothing, or there is none; 1: it reduces the force; 2: it has switched the force off.
     "guard_acts",
 ];
 
 /// Number of leading entries of [`ROW`] that are columns of a trace file.
 pub const TRACE_COLUMNS: usize = 14;
 
-/// Names of the numbers of a loop that change only with its scene.
+/// Names of the numbers that describe a simulated loop and change only when its scene (description of the simulation) changes.
 pub const FACTS: [&str; 19] = [
     "rate_hz",
     "surface_rad",
     "k_desired_n_m_per_rad",
     "k_critical_n_m_per_rad",
-    // Rest point's shift for one newton metre of static torque against the desired stiffness; 0 without a hand.
+    // Shift of the hand's rest point for 1 N·m of static torque against a wall of the desired stiffness; 0 without a hand.
     "reach_rad_per_n_m",
     "angle_rad",
-    // Length of the scene's own motion, s; 0 where it has none.
+    // Duration of the hand motion in the scene file, s; 0 without one.
     "motion_s",
     "encoder_step_rad",
     // 1: there is a wall at `surface_rad`, solid above it; 0: there is none.
     "has_wall",
-    // What there is beside it; NaN: it is not there. A side is 1 where a wall is solid above its surface, -1 where below.
+    // Further walls and end stops; NaN for one that does not exist. A side is 1 for a wall that is solid above its surface, -1 for
+    // one that is solid below.
     "wall2_rad",
     "wall2_side",
     "wall3_rad",
@@ -58,7 +59,7 @@ pub const FACTS: [&str; 19] = [
     "wall4_side",
     "lower_end_rad",
     "upper_end_rad",
-    // Detents in a turn; 0: none.
+    // Detents per turn; 0: none.
     "detents_per_rev",
     "detent_rad",
 ];
@@ -66,21 +67,22 @@ pub const FACTS: [&str; 19] = [
 /// One simulated control loop of the page.
 struct Place {
     live: Live,
-    /// The motion of the scene's own hand, and its length.
+    /// The hand motion that the simulation's scene file prescribes, and its duration in seconds; `None` for a file without one.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
     facts: [f64; FACTS.len()],
 }
 
-/// The simulated control loops of a page, each named by a handle.
+/// All simulated control loops of a page. Each loop is named by a number, its handle.
 #[derive(Default)]
 pub struct Desk {
     places: Vec<Option<Place>>,
 }
 
-/// Reads a scene that a page sent: its TOML text or the name of a shipped scene, a zero byte, then changes `key=value`, one per
-/// line. A change `preset=NAME` is applied before all others, like the command line's option `--preset`.
+/// Reads a scene (description of a simulation) that a page sent: its TOML text or the name of a shipped scene, a zero byte, then
+/// changes `key=value`, one per line. A change `preset=NAME` is applied before all others, like the command line's option
+/// `--preset`.
 ///
 /// # Errors
 /// The first problem in the text or in the changes.
@@ -111,7 +113,7 @@ pub fn scene(text: &str) -> Result<Scene> {
 impl Place {
     fn of(scene: Scene, live: Live) -> Result<Self> {
         let motion = match &scene.operator.motion {
-            // A page has no files.
+            // A browser's page cannot read files.
             MotionSpec::None | MotionSpec::Recorded(_) => None,
             _ => Some((RestPath::from_scene(&scene)?, scene.timing.duration_s)),
         };
@@ -211,10 +213,10 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a loop at the start of its scene; returns the loop's handle.
+    /// Opens a simulated loop at the start of the scene (TOML description of the simulation) in `text`; returns the loop's handle.
     ///
     /// # Errors
-    /// The problem in the scene.
+    /// The first problem in the description.
     pub fn open(&mut self, text: &str) -> Result<usize> {
         let scene = scene(text)?;
         let live = Live::new(&scene)?;
@@ -228,17 +230,18 @@ impl Desk {
         Ok(handle)
     }
 
-    /// Closes a loop; a loop opened later may get the same handle.
+    /// Closes the simulated loop with this handle. A loop that is opened later may get the same handle.
     pub fn close(&mut self, handle: usize) {
         if let Some(place) = self.places.get_mut(handle) {
             *place = None;
         }
     }
 
-    /// Gives a loop another scene; the simulated device and hand keep their positions.
+    /// Replaces the scene (TOML description of the simulation) of a running loop by the one in `text`; the simulated device and
+    /// hand keep their positions.
     ///
     /// # Errors
-    /// The problem in the new scene; the loop then continues with its old scene.
+    /// The first problem in the new description; the loop then continues with the old one.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -247,7 +250,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Restarts a loop at the start of its scene.
+    /// Restarts a simulated loop from the beginning of its simulation.
     ///
     /// # Errors
     /// The same as for opening the loop.
@@ -258,7 +261,8 @@ impl Desk {
         Ok(())
     }
 
-    /// Runs one tick with the rest point of the hand's spring at `rest_rad`, in radians; returns the numbers named in [`ROW`].
+    /// Runs one control period with the rest point of the hand's spring at `rest_rad`, in radians. Returns the numbers named in
+    /// [`ROW`]; `None` for an unknown handle.
     pub fn tick(&mut self, handle: usize, rest_rad: f64) -> Option<&[f64; ROW.len()]> {
         let place = self.place(handle)?;
         let moment = place.live.tick(rest_rad);
@@ -266,19 +270,21 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// Rest point of the hand's spring in radians that the scene prescribes at a time; NaN for a scene without a hand motion.
+    /// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
+    /// prescribes none.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())
             .map_or(f64::NAN, |(motion, _)| motion.rest_rad(time_s))
     }
 
-    /// The numbers named in [`FACTS`]. They change only with the loop's scene.
+    /// The numbers named in [`FACTS`], which describe the simulated loop and change only with its settings; `None` for an unknown
+    /// handle.
     pub fn facts(&mut self, handle: usize) -> Option<&[f64; FACTS.len()]> {
         self.place(handle).map(|place| &place.facts)
     }
 
-    /// The loop's scene as TOML, with every value and its meaning.
+    /// The loop's scene (description of the simulation) as TOML text, with every value and a comment on its meaning.
     #[must_use]
     pub fn printed(&mut self, handle: usize) -> String {
         self.place(handle)
@@ -286,8 +292,8 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// A scene as TOML that repeats the loop's ticks since its start. `file` is the name of the file that holds the hand's rest
-    /// point of every tick.
+    /// Returns a TOML description of a simulation that repeats the loop's control periods since its start. `file` is the name of
+    /// the file that holds the rest point of the hand's spring in every control period.
     #[must_use]
     pub fn replay(&mut self, handle: usize, file: &str) -> String {
         self.place(handle)
@@ -295,7 +301,7 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// The passivity bounds that the settings of the loop's scene violate, one per line.
+    /// The passivity conditions (bounds on stiffness and damping) that the loop's settings violate, as text, one per line.
     #[must_use]
     pub fn warnings(&mut self, handle: usize) -> String {
         let said = self

@@ -1,5 +1,5 @@
-//! WebAssembly functions for the page of the device with three axes. Texts go through the buffer of [`crate::exports`]. What that
-//! module says about `unsafe` holds here too.
+//! WebAssembly functions for the page of the simulated device with three axes. Texts go through the buffer of [`crate::exports`].
+//! What that module says about `unsafe` applies here too.
 #![allow(unsafe_code)]
 
 use crate::exports::{give, number, take};
@@ -10,7 +10,7 @@ thread_local! {
     static SPACE: RefCell<Option<SpaceLoop>> = const { RefCell::new(None) };
 }
 
-/// Opens the loop with the settings in the buffer. Returns 0, or −1 after an error.
+/// Opens the simulated loop of three axes with the settings in the shared text buffer. Returns 0, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_space_open() -> i32 {
     let opened = SpaceChoice::of_text(&take()).and_then(SpaceLoop::new);
@@ -20,7 +20,8 @@ extern "C" fn live_space_open() -> i32 {
     }))
 }
 
-/// Gives the loop the settings in the buffer; device and hand keep their positions. Returns 0, or −1 after an error.
+/// Changes the settings of the running loop to those in the shared text buffer; device and hand keep their positions. Returns 0, or
+/// −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_space_change() -> i32 {
     let choice = SpaceChoice::of_text(&take());
@@ -32,8 +33,8 @@ extern "C" fn live_space_change() -> i32 {
     }))
 }
 
-/// Runs one tick with the rest point of the hand's spring at this position, in mm. Returns the address of the row of numbers, or 0
-/// if no loop is open.
+/// Runs one control period with the rest point of the hand's spring at this position, in mm. Returns the address of the row of
+/// numbers, or 0 if no loop is open.
 #[unsafe(no_mangle)]
 extern "C" fn live_space_tick(x_mm: f64, y_mm: f64, z_mm: f64) -> *const f64 {
     SPACE.with_borrow_mut(|space| {
@@ -43,7 +44,7 @@ extern "C" fn live_space_tick(x_mm: f64, y_mm: f64, z_mm: f64) -> *const f64 {
     })
 }
 
-/// Puts the values of the loop that change only with its settings into the buffer, as JSON.
+/// Puts the values of the loop that change only with its settings into the shared text buffer, as JSON.
 #[unsafe(no_mangle)]
 extern "C" fn live_space_facts() {
     give(SPACE.with_borrow(|space| space.as_ref().map_or_else(String::new, SpaceLoop::facts)));

@@ -1,10 +1,10 @@
-//! A virtual wall under the mouse: the simulator's control loop in one self-contained web page.
+//! A virtual wall pushed with the mouse: the simulator's control loop in one self-contained web page.
 //!
-//! The crates of the simulator, compiled to WebAssembly, compute the numbers of the page. [`desk`] holds the loops of one axis that
-//! run side by side; [`space_loop`] is the loop of three axes. On `wasm32`, one exported function per method gives the page access
-//! to them. On every other machine, [`page`] writes the page for the simulation and [`board_page`] the page for a real board. A
-//! page that holds the board's serial port itself runs the host's side of the protocol ([`touchstone_link::talk`]) in the same
-//! WebAssembly module.
+//! The crates of the simulator, compiled to WebAssembly, compute all numbers that the page shows. [`desk`] holds the loops of one
+//! axis that run side by side; [`space_loop`] is the loop of three axes. On `wasm32`, one exported function per method gives the
+//! page access to the loops. On every other target, [`page`] builds the page for the simulation and [`board_page`] the page for a
+//! real board. A page that holds the board's serial port itself runs the host's side of the protocol ([`touchstone_link::talk`]) in
+//! the same WebAssembly module.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod board_page;

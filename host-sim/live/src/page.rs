@@ -1,15 +1,16 @@
-//! Writes the page as one file. The page loads nothing from elsewhere, and its content security policy forbids loading.
+//! Builds the page of the simulated knob as one HTML file. The page loads nothing from elsewhere, and its content security policy
+//! forbids loading.
 
 use crate::desk::{FACTS, ROW, TRACE_COLUMNS};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
 
-/// The simulator's loop as a WebAssembly module, built by `cargo xtask live`. A file beside the module records how it was built and
-/// from what.
+/// The simulator's loop as a WebAssembly module, built by `cargo xtask live`. A file next to the module records the compiler and
+/// the sources of the build.
 pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
 
-/// The first bytes of every page. By them the program recognises a file that it wrote itself.
+/// The first bytes of every page. By them the program recognises a page that it wrote itself and may overwrite.
 pub const MARK: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\"";
 
 const PAGE: &str = include_str!("../page/page.html");
@@ -37,22 +38,22 @@ const SCRIPT: [&str; 9] = [
     include_str!("../page/start.js"),
 ];
 
-/// Data with which the page starts.
+/// Data that are written into the web page when it is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// The scene as TOML, with the changes of the command line.
+    /// The scene (description of the simulation) as TOML text, with the changes of the command line.
     pub scene: &'a str,
-    /// Name of the scene.
+    /// Name of the scene (the simulated situation), shown on the page.
     pub name: &'a str,
-    /// What the scene shows, in one sentence.
+    /// What the simulation of the page shows, in one sentence.
     pub description: &'a str,
-    /// Arguments after `touchstone live` that give the same scene.
+    /// Command-line arguments after `touchstone live` that give the same simulation as the page.
     pub source: &'a str,
-    /// Name, version and commit of the program.
+    /// Name, version and commit of the program that made the page.
     pub program: &'a str,
 }
 
-/// Returns the page as HTML.
+/// Returns the page of the simulated knob as HTML.
 #[must_use]
 pub fn render(content: &Content) -> String {
     let script = SCRIPT.concat();
@@ -99,7 +100,7 @@ pub(crate) fn packed_module() -> String {
     BASE64.encode(miniz_oxide::deflate::compress_to_vec_zlib(MODULE, 9))
 }
 
-/// Returns the template with each placeholder replaced by the part of that name.
+/// Replaces each placeholder `{{NAME}}` in the template by the text of the part of that name, and returns the result.
 pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let mut page = String::with_capacity(1 << 20);
     let mut rest = template;
@@ -118,7 +119,7 @@ pub(crate) fn block(data: &serde_json::Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }
 
-/// Hash of a script or style block, in the format of a content security policy.
+/// SHA-256 hash of a script or style block, in the format of a content security policy.
 pub(crate) fn hash(text: &str) -> String {
     format!("sha256-{}", BASE64.encode(Sha256::digest(text)))
 }

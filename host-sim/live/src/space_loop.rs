@@ -1,5 +1,5 @@
-//! A simulated control loop of three axes for a page: a virtual wall of the control crate on a simulated omega.3, held by a firm
-//! hand.
+//! A simulated control loop of three axes for a web page: a virtual wall on a simulated omega.3 (haptic device with three axes),
+//! held by a firm hand.
 
 use std::fmt::Write as _;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -18,11 +18,12 @@ use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, O
 type N = Fixed32;
 type Held = Cartesian<HeldLinear>;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Length units of the control law per metre (it computes in centimetres). `MM` is the number of millimetres per such unit.
+/// Length units of the control law per metre (it computes in centimetres). The constant `MM` is the number of millimetres per such
+/// unit.
 const PER_METRE: f64 = 100.0;
 const MM: f64 = 10.0;
 
-/// Names of the numbers that one tick returns, in their order. Positions are in mm, forces on the hand in N.
+/// Names of the numbers that one tick (control period) returns, in their order. Positions are in mm, forces on the hand in N.
 pub const SPACE_ROW: [&str; 20] = [
     "time_s",
     "hip_x_mm",
@@ -55,7 +56,7 @@ pub enum SpaceObject {
     Sphere(f64),
 }
 
-/// The settings chosen on the page, and the program's data on the device.
+/// The settings of a loop of three axes, as the user chose them on the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceChoice {
     /// The virtual object that the hand touches.
@@ -68,8 +69,8 @@ pub struct SpaceChoice {
     pub guard: Option<GuardSettings>,
 }
 
-/// The settings that a page gets, each with its name: all in which the laws of three axes differ from
-/// [`Settings::thesis`].
+/// Lists the number settings that the page can change, each with its name: all numbers in which the control law of three axes may
+/// differ from [`Settings::thesis`].
 macro_rules! numbers {
     ($settings:expr, $with:ident) => {{
         let settings = $settings;
@@ -94,7 +95,7 @@ macro_rules! numbers {
 }
 
 impl SpaceChoice {
-    /// The settings as the page keeps them: `key=value`, one per line.
+    /// The settings as text in the page's format: `key=value`, one per line.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = match self.object {
@@ -121,7 +122,7 @@ impl SpaceChoice {
         text
     }
 
-    /// Reads the settings from a page's text. If a key occurs twice, the last value counts.
+    /// Reads the settings from the page's text (`key=value`, one per line). If a key occurs twice, the last value counts.
     ///
     /// # Errors
     /// An unknown key, or a value that its key does not allow.
@@ -228,9 +229,9 @@ impl SpaceChoice {
     }
 }
 
-/// The simulated control loop of three axes.
+/// The simulated control loop of three axes: device, hand, control law and energy guard.
 pub struct SpaceLoop {
-    /// The settings with which the loop was opened.
+    /// The settings of the loop.
     pub choice: SpaceChoice,
     wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
     plant: Held,
@@ -246,7 +247,7 @@ pub struct SpaceLoop {
     row: [f64; SPACE_ROW.len()],
 }
 
-/// Position in mm at which the hand rests at the start.
+/// Position in mm at which the hand rests at the start of the simulation.
 #[must_use]
 pub fn start_mm(object: SpaceObject) -> [f64; 3] {
     match object {
@@ -259,7 +260,7 @@ pub fn start_mm(object: SpaceObject) -> [f64; 3] {
 }
 
 impl SpaceLoop {
-    /// Opens a loop at rest at the start position of the hand.
+    /// Opens a loop whose device and hand are at rest at the start position for the chosen object.
     ///
     /// # Errors
     /// Same as [`Self::at`].
@@ -268,7 +269,7 @@ impl SpaceLoop {
         Self::at(choice, start)
     }
 
-    /// Opens a loop at rest at a position, in mm.
+    /// Opens a loop whose device and hand are at rest at the position `start_mm`, in mm.
     ///
     /// # Errors
     /// Settings that the control law or the energy guard refuses.
@@ -318,7 +319,7 @@ impl SpaceLoop {
         })
     }
 
-    /// Gives the loop other settings; device and hand keep their positions.
+    /// Changes the settings of the running loop; device and hand keep their positions.
     ///
     /// # Errors
     /// Same as [`Self::new`]; the loop then keeps its old settings.
@@ -353,13 +354,14 @@ impl SpaceLoop {
         )
     }
 
-    /// Runs one tick with the rest point of the hand's spring at `rest_mm`, in mm; returns the numbers named in [`SPACE_ROW`].
+    /// Runs one control period with the rest point of the hand's spring at `rest_mm`, in mm; returns the numbers named in
+    /// [`SPACE_ROW`].
     pub fn tick(&mut self, rest_mm: [f64; 3]) -> &[f64; SPACE_ROW.len()] {
         let hip_m = Held::position(&self.state);
         let hip_mm = hip_m.map(|x| x * 1e3);
         let moved_mm: [f64; 3] =
             std::array::from_fn(|i| self.last_mm.map_or(0.0, |last| hip_mm[i] - last[i]));
-        // What the wall took since the tick before: its force stood still.
+        // Energy that the wall took since the last tick, while its force was constant.
         self.energy_true_j -= (0..3)
             .map(|i| self.force_n[i] * moved_mm[i] * 1e-3)
             .sum::<f64>();
@@ -367,7 +369,7 @@ impl SpaceLoop {
         let counts = OMEGA3.counts(hip_m);
         let measured_mm = counts.map(|n| f64::from(n) * OMEGA3.count_m * 1e3);
         let at = Vector(measured_mm.map(|x| Position::<N>(N::signal_from_f64(x / MM))));
-        // An overspeed switches off, as on a device.
+        // An over-speed switches the force off, as on a device.
         let force = self.wall.tick(at).unwrap_or_default();
         self.force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
         let nearest = self.wall.surface.nearest(

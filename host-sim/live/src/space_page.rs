@@ -1,4 +1,4 @@
-//! Writes the web page of the simulated device with three axes.
+//! Builds the web page of the simulated device with three axes.
 
 use crate::page::{
     MARK, MEMORY, PACING, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
@@ -25,7 +25,7 @@ const SCRIPT: [&str; 6] = [
     include_str!("../page/space_page.js"),
 ];
 
-/// Returns the page as HTML; the simulation starts with the settings in `choice`.
+/// Returns the page as HTML. The simulation starts with the settings in `choice`; `program` is the name, version and commit shown.
 #[must_use]
 pub fn render(choice: &SpaceChoice, program: &str) -> String {
     let script = SCRIPT.concat();

@@ -1,4 +1,5 @@
-//! A board's page loads nothing, speaks to one socket, and cannot be broken out of.
+//! Tests of a real board's web page: it loads nothing, connects to one WebSocket only, and a name with HTML in it cannot inject a
+//! script.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;

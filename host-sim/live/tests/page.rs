@@ -1,4 +1,5 @@
-//! The page is whole, loads nothing, and cannot be broken out of.
+//! Tests of the simulated knob's web page: it is one complete file, loads nothing, and texts with HTML in them cannot inject a
+//! script.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -15,7 +16,7 @@ fn page() -> String {
     })
 }
 
-/// The text between two others, each of which occurs once.
+/// The text of `page` between `from` and `to`.
 fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
     let (_, rest) = page.split_once(from).unwrap_or_else(|| panic!("no {from}"));
     rest.split_once(to).unwrap_or_else(|| panic!("no {to}")).0

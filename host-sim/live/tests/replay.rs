@@ -1,11 +1,12 @@
-//! A live hand and its replay by the program give the same, bit for bit.
+//! Tests that the command-line program repeats a recorded run of the live page bit for bit, from the hand's recorded rest points.
 
 use std::path::PathBuf;
 use touchstone_live::desk::{Desk, ROW, TRACE_COLUMNS, scene};
 use touchstone_sim::run;
 use touchstone_sim::scene::Scene;
 
-/// A pointer: pushes in, trembles, lets go, each at its own jerky pace; rad.
+/// Rest point of the simulated hand's spring at a control period, in radians, as from a mouse: pushes in, trembles, lets go, each
+/// jerkily.
 fn pointer_rad(tick: u64, reach_rad: f64) -> f64 {
     let t = tick as f64 * 1e-3;
     // Steps of a pointer that is read 60 times a second.
@@ -22,7 +23,8 @@ impl Drop for File {
     }
 }
 
-/// Plays the pointer live, replays its file, and compares every column; gives how many ticks had a force.
+/// Simulates a scene (TOML text) as the page does, with the hand motion of `pointer_rad`. Replays the recorded motion with the
+/// command-line program's code, and asserts equal columns. Returns the number of control periods with a force.
 fn replayed(name: &str, text: &str) -> usize {
     let mut desk = Desk::default();
     let handle = desk.open(text).unwrap();

@@ -1,5 +1,5 @@
-//! Measures the time of a proxy's tick on balls with more and more triangles: with the hand 0.4 mm inside and led around, and
-//! outside.
+//! Measures the computing time per tick (control period) of a mesh's proxy, the point that follows the hand on the surface. The
+//! meshes are balls with more and more triangles; the hand moves around 0.4 mm inside, and outside.
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;

@@ -1,5 +1,5 @@
-//! Replacement of the crate without the feature `geometry`: no mesh exists, and an error says how to build the program with the
-//! feature.
+//! Replacement of the crate without the feature `geometry`. No mesh can be made; reading one gives an error that says how to build
+//! the program with the feature.
 
 use std::path::Path;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
@@ -11,7 +11,7 @@ use touchstone_sim::error::{Error, Result};
 pub enum Mesh {}
 
 impl Mesh {
-    /// Reads nothing.
+    /// Reads nothing and returns an error.
     ///
     /// # Errors
     /// Always: the error says how to build the program with the feature `geometry`.
@@ -41,7 +41,7 @@ impl Mesh {
         match *self {}
     }
 
-    /// Remarks on the mesh for a person, one per line. The argument is the box that the device reaches, m.
+    /// Remarks on the mesh for the user, one per line. The argument is the box that the device reaches, m.
     #[must_use]
     pub const fn notes(&self, _: [[f64; 3]; 2]) -> Vec<String> {
         match *self {}
@@ -53,7 +53,7 @@ impl Mesh {
 pub struct MeshSurface<'m>(&'m Mesh);
 
 impl<'m> MeshSurface<'m> {
-    /// The surface of a mesh. Without the feature `geometry` it is never called.
+    /// Makes the surface of a mesh. Without the feature `geometry` the function cannot be called, because no mesh exists.
     #[must_use]
     pub const fn new(mesh: &'m Mesh, _: LengthUnit) -> Self {
         Self(mesh)

@@ -1,4 +1,4 @@
-//! Mesh files of all kinds: how much of one is read, and what reading one gives.
+//! Reads mesh files of all formats (STL, OBJ, PLY): format by file name, largest sizes, and the triangles that result.
 
 use crate::{obj, ply, stl};
 use parry3d_f64::math::Vector;
@@ -8,14 +8,14 @@ use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
 
-/// Most triangles of a mesh. With its search structure such a mesh takes some 250 MB.
+/// Largest number of triangles of a mesh. With its search tree such a mesh takes about 250 MB.
 pub const MOST_TRIANGLES: usize = 1_000_000;
-/// Most vertices of a file: as many as triangles that share none need.
+/// Largest number of vertices in a file: three per triangle, the number that triangles without shared vertices need.
 pub(crate) const MOST_VERTICES: usize = 3 * MOST_TRIANGLES;
-/// Longest file that is read, bytes.
+/// Size of the largest file that is read, bytes.
 const MOST_BYTES: u64 = 128_000_000;
 
-/// What a file is by the ending of its name.
+/// Format of a mesh file, by the extension of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Stl,
@@ -24,7 +24,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// STL where the ending is none of the others.
+    /// Format of a file by the extension of its name; STL for any unknown extension.
     pub fn of(path: &Path) -> Self {
         let is = |ending: &str| {
             path.extension()
@@ -46,14 +46,14 @@ impl Kind {
     }
 }
 
-/// Why a file gives no mesh.
+/// Reason why a file gives no mesh.
 #[derive(Debug)]
 pub(crate) enum Refused {
-    /// It has another form than its name says, and this is where.
+    /// The content does not have the form of its format; the text says where.
     Form(String),
-    /// It states that it has so many triangles.
+    /// The file states that it contains this number of triangles, which is too large.
     TooMany { triangles: u64 },
-    /// It has more triangles or vertices than are read; how many is not known.
+    /// The file contains more triangles or vertices than are read; their number is not known.
     MoreThanRead,
 }
 
@@ -64,7 +64,7 @@ impl From<String> for Refused {
 }
 
 impl Refused {
-    /// Problem and remedy.
+    /// Problem and remedy, as text for an error message.
     pub fn said(self, kind: Kind) -> (String, String) {
         let fewer = "export the object with fewer triangles".to_owned();
         match self {
@@ -88,19 +88,19 @@ impl Refused {
     }
 }
 
-/// Triangles of a file.
+/// Vertices and triangles read from a file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Triangles {
     pub vertices: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
-    /// Solids or objects that the file names; 1 where it names none.
+    /// Number of solids or objects that the file names; 1 if it names none.
     pub solids: usize,
-    /// Faces of more than three corners that are not convex, so that the triangles made of one overlap.
+    /// Number of faces with more than three corners that are not convex. The triangles made from such a face overlap.
     pub not_convex: usize,
 }
 
 impl Triangles {
-    /// Vertices in metres.
+    /// Vertices of the file, converted to metres. `unit_m` is the unit of the file in metres.
     pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
         self.vertices
             .iter()
@@ -109,7 +109,7 @@ impl Triangles {
     }
 }
 
-/// Reads the bytes of a file of any kind.
+/// Reads vertices and triangles from the bytes of a file in the format `kind`.
 pub(crate) fn parse(bytes: &[u8], kind: Kind) -> Result<Triangles, Refused> {
     match kind {
         Kind::Stl => stl::parse(bytes),
@@ -118,10 +118,11 @@ pub(crate) fn parse(bytes: &[u8], kind: Kind) -> Result<Triangles, Refused> {
     }
 }
 
-/// The content of a file. What is too long is refused before it is read, and so is binary STL of too many triangles.
+/// Reads the content of a file. Files that are too large, and binary STL files with too many triangles, are refused before they are
+/// read.
 ///
 /// # Errors
-/// Problem and remedy.
+/// Problem and remedy, as text.
 pub(crate) fn bytes_of(path: &Path, kind: Kind) -> Result<Vec<u8>, (String, String)> {
     if let Some(triangles) = stated_triangles(path, kind)
         && triangles > MOST_TRIANGLES as u64
@@ -140,7 +141,7 @@ pub(crate) fn bytes_of(path: &Path, kind: Kind) -> Result<Vec<u8>, (String, Stri
     })
 }
 
-/// How many triangles a file of binary STL has, from its length and its first bytes.
+/// Number of triangles in a binary STL file, from its length and its first bytes; `None` for other files.
 fn stated_triangles(path: &Path, kind: Kind) -> Option<u64> {
     // A pipe can be read only once.
     let meta = std::fs::metadata(path).ok()?;
@@ -152,7 +153,7 @@ fn stated_triangles(path: &Path, kind: Kind) -> Option<u64> {
     stl::binary_count(&head, meta.len())
 }
 
-/// Triangles whose corners are written out each time, as in STL: a corner that comes again is the same vertex.
+/// Triangles that repeat the coordinates of their corners, as in STL. Equal coordinates become one vertex.
 #[derive(Debug, Default)]
 pub(crate) struct Welded {
     found: Triangles,
@@ -161,7 +162,7 @@ pub(crate) struct Welded {
 
 impl Welded {
     fn vertex(&mut self, at: [f32; 3]) -> u32 {
-        // -0 is 0.
+        // The coordinates -0 and 0 count as equal.
         let key = at.map(|value| (value + 0.0).to_bits());
         let next = self.found.vertices.len() as u32;
         let number = *self.known.entry(key).or_insert(next);
@@ -176,7 +177,7 @@ impl Welded {
         self.found.triangles.push(numbers);
     }
 
-    /// Triangles so far.
+    /// Number of triangles added so far.
     pub fn len(&self) -> usize {
         self.found.triangles.len()
     }
@@ -189,19 +190,21 @@ impl Welded {
     }
 }
 
-/// Faces of any number of corners, by the numbers of vertices that may come later in the file, as in OBJ and PLY.
+/// Faces with any number of corners, as in OBJ and PLY. Corners are given by vertex numbers; the vertices may come later in the
+/// file.
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
     triangles: Vec<[u32; 3]>,
-    /// Faces of more than three corners: the first triangle of each, and how many triangles were made of it.
+    /// Faces with more than three corners: number of the face's first triangle, and how many triangles the face was divided into.
     fans: Vec<(u32, u32)>,
 }
 
 impl Faces {
-    /// Adds a face, as the triangles from its first corner to each further edge.
+    /// Adds a face, divided into triangles from its first corner to each edge that does not touch this corner. `place` names the
+    /// face in errors.
     ///
     /// # Errors
-    /// It has fewer than three corners, or there are too many triangles.
+    /// The face has fewer than three corners, or there are too many triangles.
     pub fn face(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<(), Refused> {
         let &[first, ref others @ ..] = corners else {
             return Err(format!("{}: a face without a corner", place()).into());
@@ -221,7 +224,7 @@ impl Faces {
         Ok(())
     }
 
-    /// With the vertices of the whole file.
+    /// Combines the faces with the vertices of the whole file.
     ///
     /// # Errors
     /// There is no face.

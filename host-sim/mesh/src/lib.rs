@@ -1,13 +1,14 @@
-//! Triangle meshes as virtual objects, on the desktop.
+//! Triangle meshes as virtual objects for haptic devices, on the desktop.
 //!
-//! [`Mesh`] is the object, from vertices or a file of STL, OBJ or PLY. `Proxy` is a point that stays on the mesh's surface while the
-//! hand's point is inside (the god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] makes mesh and proxy an object for
-//! [`touchstone_control::space`].
+//! [`Mesh`] is the object, made from vertices or read from an STL, OBJ or PLY file. `Proxy` is a point that stays on the mesh's
+//! surface while the hand's point is inside (the god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] joins mesh and
+//! proxy to an object for [`touchstone_control::space`].
 //!
-//! The crate needs the feature `geometry`. Without it no mesh can be made, and the error says how to build the program with it.
+//! The crate needs the feature `geometry`. Without it no mesh can be made, and an error says how to build the program with the
+//! feature.
 
 #[cfg(any(not(feature = "geometry"), test))]
-// The tests ask it for a mesh, and nothing else.
+// Tests use only one function of this module, so the rest would count as dead code.
 #[cfg_attr(test, allow(dead_code))]
 mod absent;
 #[cfg(feature = "geometry")]

@@ -1,4 +1,4 @@
-//! A triangle mesh: its triangles with their planes, in a tree of bounding boxes.
+//! A triangle mesh: triangles with their normals, in a search tree of bounding boxes.
 
 use crate::file::{self, Kind, MOST_TRIANGLES};
 use crate::tree::Tree;
@@ -6,17 +6,17 @@ use parry3d_f64::math::Vector;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 
-/// Why triangles make no mesh.
+/// Reason why triangles do not make a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MeshError {
     /// No triangle has an area.
     NoArea,
-    /// A triangle uses a vertex number that does not exist, or a vertex that is not finite.
+    /// A triangle refers to a vertex that does not exist or whose coordinates are not finite.
     Vertex {
         /// Number of the triangle, from 0.
         triangle: usize,
     },
-    /// There are more than [`MOST_TRIANGLES`].
+    /// There are more than [`MOST_TRIANGLES`] triangles.
     TooMany,
 }
 
@@ -37,16 +37,18 @@ impl std::fmt::Display for MeshError {
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with its normal. The tree keeps the normals; the directions of the edges would take as much memory as the tree.
+/// A triangle with its normal. The search tree stores normals, but not the directions of edges, which would take as much memory as
+/// the tree.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
-    /// The corners, counter-clockwise from outside, m.
+    /// Corners of the triangle, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
     /// Normal of length 1 that points outwards.
     pub normal: Vector,
 }
 
-/// A triangle mesh. The side of a triangle from which its corners run counter-clockwise is outside. The mesh need not be closed.
+/// A triangle mesh. The outside of a triangle is the side from which its corners run counter-clockwise. The mesh need not be
+/// closed.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     pub(crate) tree: Tree,
@@ -57,10 +59,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh of vertices in metres and triangles of vertex numbers. Triangles without an area are left out.
+    /// Makes a mesh from vertices in metres and triangles of three vertex numbers each. Triangles without an area are left out.
     ///
     /// # Errors
-    /// No triangle is left, one names a missing vertex, or there are more than [`MOST_TRIANGLES`].
+    /// No triangle is left, a triangle refers to a missing vertex, or there are more than [`MOST_TRIANGLES`].
     pub fn new(
         vertices: &[Vector],
         triangles: &[[u32; 3]],
@@ -96,11 +98,11 @@ impl Mesh {
         })
     }
 
-    /// Reads a mesh from a file of STL, OBJ or PLY, as its ending says; a file of any other ending is read as STL. None of these formats
-    /// has a unit: `unit_m` is the file's unit in metres, e.g. 0.001 for millimetres.
+    /// Reads a mesh from an STL, OBJ or PLY file; the file's extension gives the format, and an unknown extension means STL. None
+    /// of these formats has a unit: `unit_m` is the file's unit in metres, e.g. 0.001 for millimetres.
     ///
     /// # Errors
-    /// The file cannot be read or is too long, is not what its ending says, or holds no triangle with an area.
+    /// The file cannot be read or is too long, does not have the format of its extension, or holds no triangle with an area.
     pub fn read(path: &Path, unit_m: f64) -> Result<Self> {
         let kind = Kind::of(path);
         let triangles = {
@@ -111,7 +113,7 @@ impl Mesh {
         Self::of_file(triangles, path, unit_m)
     }
 
-    /// Reads a mesh from the bytes of a file. `path` names the file in messages, and its ending says the format.
+    /// Reads a mesh from the bytes of a file. `path` names the file in messages; its extension gives the format.
     ///
     /// # Errors
     /// Same as [`Mesh::read`].
@@ -168,7 +170,7 @@ impl Mesh {
         self.solids
     }
 
-    /// Faces of its file with more than three corners that are not convex.
+    /// Number of faces in the mesh's file that have more than three corners and are not convex.
     #[must_use]
     pub const fn not_convex(&self) -> usize {
         self.not_convex
@@ -182,7 +184,7 @@ impl Mesh {
 }
 
 impl Face {
-    /// A triangle with its normal and edges; `None` if the corners lie on a line, to rounding.
+    /// Makes a triangle with its normal; `None` if the corners lie on one line, to rounding.
     pub fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let edges = [b - a, c - b, a - c];

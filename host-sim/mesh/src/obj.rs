@@ -1,15 +1,16 @@
-//! Wavefront OBJ: its vertices and faces. Colours, materials, texture, normals, points and lines are skipped, and no other file is opened.
+//! Reads vertices and faces of Wavefront OBJ files. Colours, materials, textures, normals, points and lines are skipped, and no
+//! other file is opened.
 
 use crate::file::{Faces, MOST_VERTICES, Refused, Triangles};
 use crate::words::{Word, is_space};
 
-/// Keywords of curves and surfaces that are no triangles.
+/// Keywords of curves and curved surfaces, which are refused because they are not triangles.
 const FREE_FORM: [&[u8]; 4] = [b"curv", b"curv2", b"surf", b"cstype"];
 
-/// Reads the bytes of a file.
+/// Reads the bytes of an OBJ file.
 ///
 /// # Errors
-/// The line that is not as OBJ has it, or that there are too many triangles.
+/// A line that is not valid OBJ, or too many triangles.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut vertices: Vec<[f32; 3]> = Vec::new();
@@ -68,7 +69,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
     faces.finish(vertices, objects)
 }
 
-/// The vertex that a word of a face names, from 0; `so_far`: vertices before it, from which a negative number counts back.
+/// Number of the vertex that a word of a face refers to, from 0. `so_far` is the number of vertices before the face; negative
+/// numbers count back from it.
 fn corner(word: Word<'_>, so_far: usize) -> Result<u32, String> {
     let number = word.bytes.split(|byte| *byte == b'/').next();
     let number = number.and_then(|number| std::str::from_utf8(number).ok());
@@ -82,7 +84,7 @@ fn corner(word: Word<'_>, so_far: usize) -> Result<u32, String> {
         .ok_or_else(|| word.instead_of("the number of a vertex"))
 }
 
-/// Lines with their numbers from 1; LF, CR or CRLF ends one, and one before which a backslash stands does not.
+/// Splits a file into lines with their numbers from 1. LF, CR or CRLF ends a line, unless a backslash stands before it.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let (mut rest, mut line) = (bytes, 1);
     std::iter::from_fn(move || {

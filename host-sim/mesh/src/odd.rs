@@ -1,18 +1,19 @@
-//! Checks of a mesh that warn about likely mistakes: inside out, doubled triangles, open, out of reach, another unit.
+//! Checks a mesh for likely mistakes and warns of them: triangles inside out, doubled triangles, an open surface, an object out of
+//! reach, a wrong unit.
 
 use super::mesh::Mesh;
 use parry3d_f64::math::Vector;
 use std::collections::HashMap;
 
-/// Diagonal below which a mesh is probably in another unit, m.
+/// Diagonal of the bounding box below which a mesh is probably in another unit, m.
 const LEAST_M: f64 = 1e-3;
-/// A mesh is probably in another unit if its diagonal is more than this many times that of the box which the device reaches.
+/// Ratio of the mesh's diagonal to that of the device's workspace above which the mesh is probably in another unit.
 const MOST_TIMES: f64 = 100.0;
 
-/// Numbers of irregular edges and triangles.
+/// Counts of irregular edges and triangles in a mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Edges {
-    /// Number of edges that belong to one triangle only: the mesh is open there.
+    /// Number of edges that belong to one triangle only; at such an edge the surface is open.
     pub open: usize,
     /// Number of edges along which two triangles run in the same direction: one of the two triangles is inside out.
     pub same_way: usize,
@@ -53,10 +54,10 @@ impl Mesh {
         self.tree.corners().map(six).sum::<f64>() / 6.0
     }
 
-    /// For each vertex the number of its place: vertices at the same place have the same number.
+    /// Number of the place of each vertex: vertices with equal coordinates have the same number.
     fn places(&self) -> Vec<u32> {
         let vertices = self.tree.vertices();
-        // -0 is 0.
+        // The coordinates -0 and 0 count as equal.
         let key = |&vertex: &u32| {
             let at = vertices[vertex as usize].to_array();
             at.map(|value| (value + 0.0).to_bits())
@@ -74,10 +75,10 @@ impl Mesh {
         places
     }
 
-    /// Volume and bounding box of each part of the mesh. Different parts share no corner.
+    /// Volume and bounding box of each connected part of the mesh. Different parts share no corner.
     fn parts(&self) -> Vec<Part> {
         let places = self.places();
-        // Each place's way to the first one of its part.
+        // Union-find: for each place a reference towards the first place of its part.
         let mut above: Vec<u32> = (0..places.len() as u32).collect();
         let root = |above: &mut [u32], mut at: u32| {
             while above[at as usize] != at {
@@ -113,7 +114,7 @@ impl Mesh {
     }
 
     /// Number of parts that are inside out, and number of all parts. A part counts as inside out if its volume is negative and it
-    /// is no hollow in another part.
+    /// is not a cavity in another part.
     fn inside_out(&self) -> (usize, usize) {
         let parts = self.parts();
         let is_hollow = |part: &Part| {
@@ -181,7 +182,7 @@ impl Mesh {
         [around.mins.to_array(), around.maxs.to_array()]
     }
 
-    /// Remarks on the mesh for a person, one per line. `workspace_m` is the box that the device reaches.
+    /// Remarks on the mesh for the user, one per line. `workspace_m` is the box that the device reaches.
     #[must_use]
     pub fn notes(&self, workspace_m: [[f64; 3]; 2]) -> Vec<String> {
         let mut notes = Vec::new();

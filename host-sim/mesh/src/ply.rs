@@ -1,9 +1,10 @@
-//! PLY (Stanford): vertices and faces, as text or binary of either byte order. Other elements and properties are skipped.
+//! Reads vertices and faces of PLY (Stanford) files, as text or binary of either byte order. Other elements and properties are
+//! skipped.
 
 use crate::file::{Faces, MOST_TRIANGLES, MOST_VERTICES, Refused, Triangles};
 use crate::words::Words;
 
-/// A kind of number in binary.
+/// Type of a number in a binary PLY file.
 #[derive(Debug, Clone, Copy)]
 struct Number {
     bytes: usize,
@@ -14,7 +15,7 @@ struct Number {
 #[derive(Debug)]
 struct Property {
     name: String,
-    /// The kind of number of a list's length, if the property is a list.
+    /// Type of the number that gives a list's length; `None` if the property is not a list.
     length: Option<Number>,
     number: Number,
 }
@@ -26,14 +27,14 @@ struct Element {
     properties: Vec<Property>,
 }
 
-/// Where the numbers come from.
+/// The data after the header, from which numbers are read: text or binary.
 enum Data<'a> {
-    /// Each element has a line of its own.
+    /// Text, in which each element has a line of its own.
     Text {
         words: Words<'a>,
-        /// The line of the last number; 0 before the first.
+        /// Line of the last number that was read; 0 before the first.
         last: usize,
-        /// No number of the element was read yet.
+        /// Whether no number of the present element has been read yet.
         is_new: bool,
     },
     Binary {
@@ -113,14 +114,14 @@ impl Data<'_> {
         }
     }
 
-    /// The next number belongs to the next element.
+    /// Announces that the next number belongs to the next element.
     fn next_element(&mut self) {
         if let Self::Text { is_new, .. } = self {
             *is_new = true;
         }
     }
 
-    /// What follows the last element, in words; `None` where nothing does.
+    /// Describes data after the last element, in words; `None` if there is none.
     fn left(&mut self) -> Option<String> {
         match self {
             Self::Text { words, .. } => words
@@ -132,7 +133,7 @@ impl Data<'_> {
     }
 }
 
-/// An element by its number, from 0.
+/// An element of the file by its number, from 0, for error messages.
 struct Place<'a> {
     element: &'a Element,
     number: u64,
@@ -152,10 +153,10 @@ impl Place<'_> {
     }
 }
 
-/// Reads the bytes of a file.
+/// Reads the bytes of a PLY file.
 ///
 /// # Errors
-/// The bytes are no PLY of faces, or there are too many triangles.
+/// The bytes are not a PLY file with faces, or there are too many triangles.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
     let (elements, mut data) = head(bytes)?;
     let mut vertices: Vec<[f32; 3]> = Vec::new();
@@ -213,7 +214,7 @@ fn is_corners(property: &Property) -> bool {
     property.length.is_some() && ["vertex_indices", "vertex_index"].contains(&&*property.name)
 }
 
-/// Whether an element is one that is read, by what the head says of it.
+/// Checks from the header that an element's properties can be read.
 fn check(element: &Element) -> Result<(), Refused> {
     let has = |name: &str| {
         let own = |property: &Property| property.length.is_none() && property.name == name;
@@ -237,7 +238,7 @@ fn check(element: &Element) -> Result<(), Refused> {
     }
 }
 
-/// A number that counts something.
+/// Converts a number that must be a whole number, such as a list's length; `wanted` says in errors what it counts.
 fn whole(value: f64, place: &Place<'_>, wanted: &str) -> Result<u32, String> {
     match value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
         true => Ok(value as u32),
@@ -245,7 +246,7 @@ fn whole(value: f64, place: &Place<'_>, wanted: &str) -> Result<u32, String> {
     }
 }
 
-/// The head: which elements follow, and what they are written in.
+/// Reads the header: the list of elements that follow, and whether the data are text or binary.
 fn head(bytes: &[u8]) -> Result<(Vec<Element>, Data<'_>), String> {
     let mut elements: Vec<Element> = Vec::new();
     let (mut rest, mut number, mut form) = (bytes, 0, None);

@@ -1,25 +1,26 @@
-//! The proxy of a mesh: a point that follows the hand's point and never goes through a triangle from its front.
+//! The proxy of a mesh: a point that follows the hand's point, but never passes through a triangle from its outside.
 //!
-//! In every tick the proxy goes straight towards the hand. A triangle on the way stops it. Then it goes to the point that is
-//! closest to the hand and below none of the planes that stopped it: on one plane, on the crease of two, or in the corner of three.
-//! It repeats both steps, each time without the earlier planes, until nothing stops it, so it slides over an edge within a tick.
-//! However thin a plate is and however fast the hand, the proxy stays on the side on which it was.
+//! In every tick (control period) the proxy moves straight towards the hand. If a triangle on the way stops it, the proxy moves to
+//! the point closest to the hand that lies below none of the planes that stopped it: on one plane, on the crease of two, or in the
+//! corner of three. It repeats both steps, each time without the earlier planes, until nothing stops it. The proxy can therefore
+//! slide over an edge within a tick. However thin a plate is and however fast the hand, the proxy stays on its side of the plate.
 //!
 //! The proxy keeps a distance from planes, the [gap](Proxy::gap_m): a ten-millionth of the object's size, so that rounding never
-//! puts it behind a plane. Triangles count as larger at their edges, so that the proxy cannot slip through between two.
+//! puts it behind a plane. Triangles are enlarged slightly at their edges, so that the proxy cannot slip through between two.
 
 use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 
-/// Largest number of rounds in a tick; each round begins without planes that stopped the proxy.
+/// Largest number of rounds per tick (control period). Each round forgets the planes that stopped the proxy in earlier rounds.
 const ROUNDS: usize = 6;
 /// Largest number of planes that may stop the proxy in a round.
 const PLANES: usize = 6;
-/// Distance by which a triangle counts as larger at its edges, in gaps. Enough for edges down to 15 degrees.
+/// Distance by which a triangle is enlarged at its edges, as a multiple of the proxy's gap. It suffices for edges down to 15
+/// degrees.
 const BESIDE_GAPS: f64 = 8.0;
 
-/// A plane that the proxy may not be below: `normal · x >= least`.
+/// A plane below which the proxy may not go: `normal · x >= least` for the proxy's position `x`.
 #[derive(Debug, Clone, Copy)]
 struct Plane {
     normal: Vector,
@@ -34,7 +35,7 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// A proxy at the hand's first position, m.
+    /// Makes a proxy at the hand's first position, m.
     #[must_use]
     pub fn new(mesh: &Mesh, at: Vector) -> Self {
         Self {
@@ -89,8 +90,8 @@ impl Proxy {
         }
     }
 
-    /// The first triangle that is met from its front on the straight way to `goal`, without those of the planes `known`. Returns
-    /// the fraction of the way up to the triangle too.
+    /// The first triangle that the proxy meets from its outside on the straight way to `goal`, with the fraction of the way up to
+    /// it. Triangles of the planes `known` are ignored.
     fn first(&self, mesh: &Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, Face)> {
         let gap = self.gap_m;
         let around = Vector::splat(2.0 * BESIDE_GAPS * gap);
@@ -123,7 +124,7 @@ impl Proxy {
     }
 }
 
-/// The point closest to `place` that is below none of the planes. It lies on one, two or three of them.
+/// The point closest to `place` that lies below none of the planes: it lies on one, two or three of them.
 fn closest(place: Vector, planes: &[Plane], gap_m: f64) -> Option<Vector> {
     let allowed = |point: &Vector| {
         planes

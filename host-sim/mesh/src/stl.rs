@@ -1,21 +1,21 @@
-//! Reads STL files as programs write them: text in any letter case and spacing, with one or more solids; binary with a wrong count
-//! of triangles.
+//! Reads STL files with the deviations of common programs: text in any letter case and spacing, one or more solids, and binary
+//! files with a wrong number of triangles.
 
 use crate::file::{MOST_TRIANGLES, Refused, Triangles, Welded};
 use crate::words::Words;
 
-/// Bytes of a binary file before its first triangle: header and number of triangles.
+/// Number of bytes of a binary STL file before its first triangle: header and number of triangles.
 pub(crate) const HEAD: usize = 84;
-/// Bytes of a triangle in a binary file.
+/// Number of bytes per triangle in a binary STL file.
 const RECORD: usize = 50;
 
-/// Reads the bytes of a file. It is text if it begins with the word `solid` and then has a `facet` or an end;
-/// otherwise binary.
+/// Reads the bytes of an STL file. It is text if it begins with the word `solid`, followed by a `facet` or an end; otherwise it is
+/// binary.
 ///
 /// # Errors
-/// The bytes are no STL, or hold more than [`MOST_TRIANGLES`].
+/// The bytes are not STL, or hold more than [`MOST_TRIANGLES`].
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
-    // The count that fits is the one mark that a text cannot have by chance.
+    // A text cannot contain a matching number of triangles by chance, so a matching number means a binary file.
     if let Some(count) = binary_count(bytes, bytes.len() as u64) {
         return match count > MOST_TRIANGLES as u64 {
             true => Err(Refused::TooMany { triangles: count }),
@@ -57,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
     .into())
 }
 
-/// The number of triangles that the first bytes of a binary file state.
+/// Number of triangles that the first bytes of a binary STL file state.
 fn count(head: &[u8]) -> u64 {
     head.get(80..HEAD).map_or(0, |count| {
         count
@@ -67,13 +67,13 @@ fn count(head: &[u8]) -> u64 {
     })
 }
 
-/// The number of triangles of a binary file, from its first [`HEAD`] bytes and its length in bytes; `None` where the two disagree.
+/// Number of triangles of a binary STL file, from its first [`HEAD`] bytes and its length in bytes; `None` if the two disagree.
 pub(crate) fn binary_count(head: &[u8], length: u64) -> Option<u64> {
     let count = count(head);
     (length > HEAD as u64 && count * RECORD as u64 == length - HEAD as u64).then_some(count)
 }
 
-/// Name of another format that is sometimes stored as `.stl`; `None` if the bytes begin like none of these.
+/// Name of another format that is sometimes stored as `.stl`; `None` if the bytes do not begin like a known other format.
 fn other_format(bytes: &[u8]) -> Option<&'static str> {
     let begins = |mark: &[u8]| bytes.starts_with(mark);
     let first = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
@@ -147,7 +147,7 @@ fn text(bytes: &[u8]) -> Result<Triangles, Refused> {
     }
 }
 
-/// Reads a facet after its first word. The normal in the file is ignored, because many programs write no useful one, or `nan`.
+/// Reads a facet after the word `facet`. The normal in the file is ignored, because many programs write a useless one, or `nan`.
 fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     words.wanted("normal")?;
     let mut left = 3;

@@ -1,4 +1,4 @@
-//! A mesh with its proxy as an object that the control crate's wall can have.
+//! Makes a mesh with its proxy (surface point) an object for a wall of the control crate.
 
 use crate::mesh::Mesh;
 use crate::proxy::Proxy;
@@ -8,19 +8,19 @@ use std::cell::Cell;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
 use touchstone_control::{Position, Reported};
 
-/// A mesh as an object of a [`touchstone_control::space::SpaceWall`], with the rule of the closest surface point. The surface point
-/// is the proxy, which keeps its position from tick to tick. Lengths are in the control law's unit.
+/// A mesh as an object of a [`touchstone_control::space::SpaceWall`]. The wall pushes towards the surface point, which is the
+/// mesh's proxy and keeps its position from tick to tick (control periods). Lengths are in the control law's unit.
 #[derive(Debug, Clone)]
 pub struct MeshSurface<'m> {
     mesh: &'m Mesh,
     metre: f64,
-    /// The proxy. It is in a `Cell` because the wall uses its object through a shared reference, and the proxy changes in every
+    /// The proxy. It is in a `Cell` because the wall uses its object through a shared reference, while the proxy changes in every
     /// tick.
     proxy: Cell<Option<Proxy>>,
 }
 
 impl<'m> MeshSurface<'m> {
-    /// An object before the hand's first position is known.
+    /// Makes an object without a proxy; the first position of the hand creates the proxy.
     #[must_use]
     pub fn new(mesh: &'m Mesh, unit: LengthUnit) -> Self {
         Self {
@@ -45,8 +45,8 @@ impl<'m> MeshSurface<'m> {
     }
 }
 
-/// A direction in the control law's number format: first scaled to a length that the format holds with all digits, then normalised
-/// in the format.
+/// Converts a direction to the control law's number format. It is first scaled to a length that the format holds with all digits,
+/// then normalised in the format.
 fn direction<N: Spatial + Reported>(way: Place) -> Option<Direction<N>> {
     let largest = way.abs().max_element();
     (largest > 0.0).then_some(())?;

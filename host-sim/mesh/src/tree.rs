@@ -1,5 +1,6 @@
-//! Triangles in a tree of boxes. The tree takes 220 bytes a leaf. A leaf of an ordinary mesh is one triangle, so that a search is quick. A
-//! leaf of a large mesh holds four triangles that lie side by side, so that a million of them fit into memory; a search takes twice as long.
+//! A search tree of bounding boxes over triangles. The tree takes 220 bytes per leaf. A leaf of an ordinary mesh is one triangle,
+//! so that a search is fast. A leaf of a large mesh holds four neighbouring triangles, so that a million fit into memory; a search
+//! then takes twice as long.
 
 use crate::mesh::Face;
 use parry3d_f64::bounding_volume::Aabb;
@@ -8,14 +9,14 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::query::{PointQuery as _, Ray, RayCast as _};
 use parry3d_f64::shape::Triangle;
 
-/// Triangles of a mesh up to which each has a leaf of its own.
+/// Largest number of triangles of a mesh in which each triangle has its own leaf.
 const ORDINARY: usize = 250_000;
-/// Triangles of a leaf of a larger mesh.
+/// Number of triangles per leaf in a larger mesh.
 const LARGE_LEAF: usize = 4;
-/// Cells along an axis of the grid by which triangles are ordered.
+/// Number of cells along each axis of the grid by which triangles are sorted.
 const CELLS: f64 = 1024.0;
 
-/// Triangles, all of whose corners are finite.
+/// A search tree over triangles, all of whose corners are finite.
 #[derive(Debug, Clone)]
 pub(crate) struct Tree {
     boxes: Bvh,
@@ -24,12 +25,12 @@ pub(crate) struct Tree {
     triangles: Vec<[u32; 3]>,
     /// The normal of each triangle.
     normals: Vec<Vector>,
-    /// Triangles of a leaf.
+    /// Number of triangles per leaf.
     leaf: usize,
 }
 
 impl Tree {
-    /// The tree of these triangles, given by numbers of vertices; `None` without a triangle. Every number must be that of a vertex, and
+    /// Builds the tree from triangles of three vertex numbers each; `None` without a triangle. Every vertex number must exist, and
     /// every triangle must have an area.
     pub fn new(vertices: Vec<Vector>, mut triangles: Vec<[u32; 3]>) -> Option<Self> {
         let corner = |index: &u32| vertices[*index as usize];
@@ -70,17 +71,17 @@ impl Tree {
         })
     }
 
-    /// The box around all triangles.
+    /// Bounding box around all triangles, m.
     pub const fn around(&self) -> &Aabb {
         &self.around
     }
 
-    /// The vertices, of which triangles may leave some unused.
+    /// All vertices, m; some may belong to no triangle.
     pub fn vertices(&self) -> &[Vector] {
         &self.vertices
     }
 
-    /// The triangles, by numbers of vertices.
+    /// All triangles, as three vertex numbers each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -95,7 +96,7 @@ impl Tree {
         triangle.map(|index| self.vertices[index as usize])
     }
 
-    /// Numbers of the triangles of a leaf.
+    /// Numbers of the triangles in a leaf.
     #[inline]
     fn numbers(&self, leaf: u32) -> std::ops::Range<usize> {
         let begin = self.leaf * leaf as usize;
@@ -108,7 +109,7 @@ impl Tree {
             .map(|triangle| self.places(triangle))
     }
 
-    /// Each triangle whose own box meets another one.
+    /// All triangles whose bounding box meets the box `other`.
     #[inline]
     pub fn near<'a>(&'a self, other: &'a Aabb) -> impl Iterator<Item = Face> + 'a {
         let meets = |Face {
@@ -127,7 +128,7 @@ impl Tree {
             .filter(meets)
     }
 
-    /// Distance from a point to the closest triangle.
+    /// Distance from a point to the closest triangle, m.
     pub fn distance(&self, point: Vector) -> f64 {
         let closest = self.boxes.find_best(
             f64::MAX,
@@ -143,7 +144,7 @@ impl Tree {
         closest.map_or(0.0, |(_, (distance, ()))| distance)
     }
 
-    /// Share of a ray, up to `most`, after which it meets the first triangle.
+    /// Fraction of a ray's length, up to `most`, after which the ray meets the first triangle; `None` if it meets none.
     pub fn hit(&self, ray: &Ray, most: f64) -> Option<f64> {
         let first = self.boxes.cast_ray(ray, most, |number, most| {
             self.leaf(number)
@@ -154,7 +155,7 @@ impl Tree {
     }
 }
 
-/// The bits of three numbers below 1024 in turn, so that what is close in space is close in order.
+/// Interleaves the bits of three numbers below 1024 (Morton order), so that neighbours in space are neighbours in order.
 fn interleaved(cell: [u32; 3]) -> u32 {
     (0..10).fold(0, |sum, bit| {
         let bits = cell.map(|number| number >> bit & 1);

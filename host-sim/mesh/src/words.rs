@@ -1,4 +1,4 @@
-//! The words of a text file with their lines, for the readers of meshes.
+//! Splits a text file into words with their line numbers, for the readers of mesh files.
 
 /// Whether a byte is white space, including the vertical tab as in C.
 pub(crate) fn is_space(byte: &u8) -> bool {
@@ -9,14 +9,14 @@ pub(crate) fn is_space(byte: &u8) -> bool {
 pub(crate) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// The line of the place, from 1.
+    /// Line number of the reading position, from 1.
     pub line: usize,
 }
 
 #[derive(Clone, Copy)]
 pub(crate) struct Word<'a> {
     pub bytes: &'a [u8],
-    /// Its line, from 1.
+    /// Line number of the word, from 1.
     pub line: usize,
 }
 
@@ -25,7 +25,7 @@ impl<'a> Words<'a> {
         Self::from_line(bytes, 1)
     }
 
-    /// The words of a text whose first line has another number than 1.
+    /// Words of a text that begins at line number `line` of its file.
     pub fn from_line(bytes: &'a [u8], line: usize) -> Self {
         Self { bytes, at: 0, line }
     }
@@ -38,7 +38,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Skips the rest of the line, which is a solid's name in any encoding.
+    /// Skips the rest of the line, such as the name of a solid, which may have any encoding.
     pub fn skip_line(&mut self) {
         while self.at < self.bytes.len() && !self.ends_line() {
             self.at += 1;
@@ -90,10 +90,10 @@ impl Word<'_> {
         self.bytes.eq_ignore_ascii_case(wanted.as_bytes())
     }
 
-    /// The word as a finite number.
+    /// Reads the word as a finite number.
     ///
     /// # Errors
-    /// It is none, or is too large for `f32`.
+    /// The word is not a number, or is too large for `f32`.
     pub fn number(&self) -> Result<f32, String> {
         let text = std::str::from_utf8(self.bytes).ok();
         let number = text.and_then(|text| text.parse::<f32>().ok());

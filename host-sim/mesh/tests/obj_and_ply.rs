@@ -1,4 +1,4 @@
-//! OBJ and PLY as people have them, wrong ones, damaged ones, and how much of a file is read.
+//! Tests of OBJ and PLY files: forms that users have, wrong and damaged files, and files that are too large.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -47,7 +47,7 @@ fn obj() -> String {
     format!("# a block\no slab\n{vertices}{}", faces.concat())
 }
 
-/// A file of the format `form`, whose vertices have a colour that is not read.
+/// A PLY file in the format `form`, with colours on its vertices, which are ignored.
 fn ply(form: &str) -> Vec<u8> {
     let head = format!(
         "ply\nformat {form} 1.0\ncomment a block\nelement vertex 8\nproperty float x\nproperty double y\nproperty short z\n\
@@ -377,7 +377,7 @@ fn ten_thousand_damaged_files_are_read_or_refused_in_a_line() {
     });
     let read = read.count();
     println!("{read} of 10000 were read");
-    // Both ways are tried, or the generator is worth nothing.
+    // The generator must make both files that are read and files that are refused.
     assert!((1000..9000).contains(&read), "{read} were read");
 }
 
@@ -395,7 +395,7 @@ fn more_triangles_than_are_read_are_refused_by_number() {
     let error = read("a.stl", format!("solid\n{}endsolid", facet.repeat(many))).unwrap_err();
     assert!(error.contains("more than the 1000000 triangles"), "{error}");
 
-    // Of binary STL nothing beyond its first bytes is read: this file is sparse.
+    // Only the first bytes of this binary STL file are read; the rest of the file is sparse.
     let file = std::env::temp_dir().join(format!("touchstone-many-{}.stl", std::process::id()));
     let triangles = block([-1.0; 3], [1.0; 3]);
     std::fs::write(&file, stl::binary(b"many", many as u32, &triangles)).unwrap();

@@ -1,4 +1,4 @@
-//! Eight cases on meshes that a proxy has to pass.
+//! Tests of the proxy (the point that follows the hand on a surface) in eight standard cases on meshes.
 
 mod shapes;
 
@@ -7,7 +7,7 @@ use touchstone_control::space::{LengthUnit, Rule, SurfacePoint, Touch, Turn};
 use touchstone_control::{Fixed32, Position, Reported};
 use touchstone_mesh::{Mesh, MeshSurface, Proxy, Vector};
 
-/// Leads the hand along straight lines from corner to corner, each in this many ticks. Returns the positions of hand and proxy in
+/// Moves the hand along straight lines from corner to corner, each in `ticks` ticks. Returns the positions of hand and proxy in
 /// every tick.
 fn along(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<(Vector, Vector)> {
     let mut proxy = Proxy::new(mesh, corners[0]);
@@ -30,10 +30,11 @@ fn apart(a: Vector, b: Vector) -> f64 {
     1e3 * (a - b).length()
 }
 
-/// Tangent of half the cone's angle in the rule of the restricted surface point.
+/// Tangent of half the cone's angle in the control crate's restricted rule, which limits how fast the force direction turns.
 const CONE: f64 = 0.02;
 
-/// Leads the hand along the same path with the control crate's rule of the restricted surface point, in centimetres.
+/// Moves the hand along a path and computes the contact by the control crate's restricted rule, which limits how fast the force
+/// direction turns. Lengths are in centimetres.
 fn touched(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<Touch<Fixed32>> {
     let surface = MeshSurface::new(mesh, LengthUnit::Centimetre);
     let turn = Turn::of_ratio(<Fixed32 as Reported>::signal_from_f64(CONE));
@@ -53,7 +54,7 @@ fn numbers(touch: &Touch<Fixed32>) -> [f64; 3] {
     touch.normal.0.map(<Fixed32 as Reported>::signal_to_f64)
 }
 
-/// Largest turn of the direction in a tick while the hand is inside.
+/// Largest turn of the force direction per tick while the hand is inside.
 fn largest_turn(touches: &[Touch<Fixed32>]) -> f64 {
     let inside = |touch: &Touch<Fixed32>| touch.depth > Position::zero();
     touches
@@ -79,7 +80,7 @@ fn case_1_no_pop_through_a_thin_plate() {
     ));
     assert!(apart(proxy, mm(4., -2., 0.1)) < NEAR, "{proxy}");
     assert!((apart(hand, proxy) - 5.1).abs() < NEAR);
-    // Around the rim it comes to the other side.
+    // Around the rim the proxy reaches the other side.
     let around = [
         mm(0., 0., 1.),
         mm(31., 0., 1.),
@@ -88,7 +89,7 @@ fn case_1_no_pop_through_a_thin_plate() {
         mm(0., 0., 0.05),
     ];
     assert!(apart(last(&along(&plate, &around, 100)).1, mm(0., 0., -0.1)) < NEAR);
-    // A closest point pops through: the case is a case.
+    // A rule of the closest point fails here by jumping to the other side, so the case is a real test.
     let hand = mm(4., -2., -0.6);
     assert!(apart(Proxy::new(&plate, hand).follow(&plate, hand), hand) < NEAR);
 }
@@ -133,8 +134,8 @@ fn case_3_in_a_concave_corner_it_lies_on_the_crease() {
     assert!(((proxy - hand).normalize() - normal).length() < 1e-6);
 }
 
-/// Over a convex edge the proxy alone jumps by the depth times the sine of the edge's angle. With the restricted rule the force
-/// turns by at most the cone's angle in a tick.
+/// Tests a convex edge, over which the proxy alone jumps by the depth times the sine of the edge's angle. With the restricted rule
+/// the force direction turns by at most the cone's angle per tick.
 #[test]
 fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     let roof = prism(&[[-30., -20.], [30., -20.], [30., 0.], [0., 12.], [-30., 0.]]).mesh();
@@ -146,7 +147,7 @@ fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     assert!(jump(&along(&roof, &path, 400)) > 1.0, "the case is a case");
     let touches = touched(&roof, &path, 400);
     assert!(largest_turn(&touches) <= CONE.atan() + 1e-6);
-    // From one face's normal to the other's, and on the way both are left.
+    // The direction turns from one face's normal to the other's, and in between it equals neither.
     let normals: Vec<f64> = touches.iter().map(|touch| numbers(touch)[0]).collect();
     let [least, most] = [f64::min, f64::max].map(|of| normals.iter().copied().fold(0.0, of));
     assert!(least < -0.37 && most > 0.37, "{least} {most}");
@@ -173,7 +174,7 @@ fn case_5_a_seam_between_coplanar_faces_is_not_felt() {
 fn case_6_vertices_of_three_to_twelve_faces() {
     for faces in 3..=12 {
         let mesh = pyramid(faces).mesh();
-        // Around below the apex, through all faces, and up the middle and out.
+        // The hand goes around below the apex, through all faces, then up the middle and out.
         let mut path: Vec<Vector> = (0..=24)
             .map(|i| 0.53 * f64::from(i))
             .map(|phi: f64| mm(0.5 * phi.cos(), 0.5 * phi.sin(), -1.5))
@@ -181,7 +182,7 @@ fn case_6_vertices_of_three_to_twelve_faces() {
         path.insert(0, mm(0.0, 0.0, 1.0));
         path.extend([mm(0., 0., -1.5), mm(0., 0., 1.0)]);
         let course = along(&mesh, &path, 100);
-        // On the surface at every tick: the faces have 45 degrees at their steepest line.
+        // The proxy is on the surface at every tick; the faces rise at 45 degrees.
         for (hand, proxy) in &course {
             let inside = apart(*hand, *proxy) > 0.0;
             assert!(!inside || 1e3 * proxy.z <= NEAR, "{faces} faces: {proxy}");
@@ -242,7 +243,7 @@ fn case_8_faster_than_it_is_thick() {
     let plate = block(30.0, 30.0, 0.1).mesh();
     let (_, proxy) = last(&along(&plate, &[mm(0., 0., 2.5), mm(1., 1., -2.5)], 1));
     assert!((1e3 * proxy.z - 0.1).abs() < NEAR, "{proxy}");
-    // 100 mm in a tick, slanted, through a ball.
+    // The hand moves 100 mm in one tick, obliquely through a ball.
     let (_, proxy) = last(&along(
         &ball(20.0, 32).mesh(),
         &[mm(50., 3., 40.), mm(-5., -1., -4.)],
@@ -254,12 +255,12 @@ fn case_8_faster_than_it_is_thick() {
     );
 }
 
-/// Ten thousand random positions and jumps of up to 30 mm around a ball: the proxy is never inside, and it is at the hand when the
-/// hand is outside.
+/// Tests ten thousand random positions with jumps of up to 30 mm around a ball. The proxy is never inside, and it is at the hand
+/// when the hand is outside.
 #[test]
 fn it_never_gets_inside() {
     let mesh = ball(20.0, 32).mesh();
-    // The inner radius of the facets: of the sector and the ring.
+    // Inner radius of the facets, from the angles of sector and ring.
     let inner = 20.0 * (std::f64::consts::PI / 64.0).cos().powi(2);
     let mut state = 1_u64;
     let mut real = || {

@@ -1,4 +1,4 @@
-//! Tests with STL files as programs write them: variants of the text form, several solids, other formats stored as `.stl`, and
+//! Tests of STL files as common programs write them: variants of the text form, several solids, other formats stored as `.stl`, and
 //! 10,000 generated files.
 
 #[path = "../../../tests/made/choices.rs"]
@@ -196,7 +196,7 @@ fn what_is_odd_is_noted_by_its_number() {
     let button = block([-10.0, -10.0, 5.0], [10.0, 10.0, 25.0]);
     let hollow = block([-10.0, -10.0, -15.0], [10.0, 10.0, -5.0]);
     let turned_all = |solid: Vec<_>| solid.into_iter().map(turned).collect::<Vec<_>>();
-    // A hollow in a block is as it should be.
+    // A cavity in a block is valid and gives no warning.
     let with_hollow = [slab(), turned_all(hollow)].concat();
     assert_eq!(notes("hollow", &with_hollow), Vec::<String>::new());
     let ball_far_out = block([-1.0, -1.0, -1e6], [1.0, 1.0, -999_998.0]);
@@ -273,6 +273,6 @@ fn ten_thousand_damaged_files_are_read_or_refused_in_a_line() {
     let mut seeded = Seeded(51);
     let read = (0..10_000).filter(|_| is_read(&made(&mut seeded))).count();
     println!("{read} of 10000 were read");
-    // Both ways are tried, or the generator is worth nothing.
+    // The generator must make both files that are read and files that are refused.
     assert!((1000..9000).contains(&read), "{read} were read");
 }

@@ -1,4 +1,4 @@
-//! Tests of a mesh in the control crate's wall, and of meshes from STL files.
+//! Tests of a mesh as the object of the control crate's wall, and of meshes from STL files.
 
 mod shapes;
 
@@ -32,7 +32,7 @@ fn spring() -> AnyLaw<Fixed32> {
     UNIT.law(&settings).expect("settings")
 }
 
-/// A wall of 1 N/mm on a box: the force is in proportion to the depth and along the normal; outside there is no force.
+/// Tests a wall of 1 N/mm on a box: the force is proportional to the depth and points along the normal; outside there is no force.
 #[test]
 fn a_wall_of_triangles_pushes_like_one_of_planes() {
     let mesh = block(20.0, 20.0, 20.0).mesh();
@@ -48,7 +48,7 @@ fn a_wall_of_triangles_pushes_like_one_of_planes() {
     };
     assert_eq!(force(&mut wall, at(1.0, 2.0, 21.0)), [0.0; 3]);
     let [x, y, z] = force(&mut wall, at(1.0, 2.0, 17.0));
-    // 3 mm: 3 N, to the gap's 7 nm and a quantum of the format.
+    // A depth of 3 mm gives 3 N, to within the gap of 7 nm and one step of the number format.
     assert!(
         (z - 3.0).abs() < 2e-5 && x.abs() < 1e-5 && y.abs() < 1e-5,
         "{x} {y} {z}"
@@ -56,7 +56,7 @@ fn a_wall_of_triangles_pushes_like_one_of_planes() {
     assert_eq!(force(&mut wall, at(1.0, 2.0, 30.0)), [0.0; 3]);
 }
 
-/// Outside the object the depth is minus the distance from the surface.
+/// Tests that outside the object the reported depth is minus the distance from the surface.
 #[test]
 fn outside_it_says_how_far_the_surface_is() {
     let mesh = ball(20.0, 32).mesh();

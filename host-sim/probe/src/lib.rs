@@ -1,7 +1,8 @@
-//! Writes a board's flash and reads its log through a debug probe, with the crate probe-rs, so that no other program is needed.
+//! Writes a program into a board's flash and reads the program's log through a debug probe. It uses the crate probe-rs, so that the
+//! user needs no other program.
 //!
-//! All code here needs the feature `probe-rs`. Without it this crate is empty, so a build of the whole workspace does not build the
-//! packages for probes. A `Lister` finds the probes; the tests use one with a simulated probe and chip.
+//! All code of this crate needs the feature `probe-rs`. Without the feature this crate is empty, so that a build of the whole
+//! workspace does not build probe-rs. A `Lister` of probe-rs finds the probes; the tests use one with a simulated probe and chip.
 
 #[cfg(feature = "probe-rs")]
 mod board;

@@ -1,10 +1,10 @@
-//! Measures the time per control period (tick), and the time that a more accurate number format costs: `cargo run --release
+//! Measures the computing time per control period (tick), and the cost of more accurate number formats: `cargo run --release
 //! --example bench_tick`.
 //!
 //! The first part times whole ticks of the simulation without logging. The second part times the control law alone in each number
-//! format, on encoder counts from a simulation of the thesis' knob. It prints the largest force difference to f64 beside each time.
-//! Times are minimum and median of several repeats, in wall-clock time of one core. The repeats alternate between the rows, so that
-//! a disturbance of the machine affects all rows.
+//! format, on encoder counts from a simulation of the thesis' knob, and prints the largest force difference to f64. Times are
+//! minimum and median of several repeats, in wall-clock time of one core. The repeats alternate between the measured cases, so that
+//! a disturbance of the machine affects all cases alike.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,12 +16,12 @@ use touchstone_sim::scene::Scene;
 
 const REPEATS: usize = 100;
 
-/// Duration of the hold in seconds of simulated time. Nearly the whole simulation is then in contact, yet takes only a millisecond
-/// or two, so that some repeats run undisturbed.
+/// Setting that makes the hold last 20 s of simulated time. The device is then in contact for nearly the whole simulation. The
+/// computation takes only a millisecond or two, so that some repeats run undisturbed.
 const HOLD_S: &str = "operator.motion.hold_s=20";
 const DURATION_S: &str = "timing.duration_s=23";
 
-/// Records the number of ticks with a force, and the measured position at each tick, from which the encoder counts follow.
+/// Records the number of ticks with a force, and the measured position at each tick, from which encoder counts are computed.
 #[derive(Default)]
 struct Contact {
     ticks: u64,

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-/// A problem that the user can solve, printed on one line: place, problem, remedy. The exit code is 1 for a device and 2 for all
-/// other errors.
+/// A problem that the user can solve, printed on one line: place, problem, remedy. The exit code of the program is 1 for a problem
+/// with a device, else 2.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A problem at a line of a file, such as a scene or a recording.

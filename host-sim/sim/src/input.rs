@@ -1,5 +1,5 @@
-//! Reads users' files of any type, up to a limit of length for each purpose. A pipe is read once, and its content is kept for
-//! further reads.
+//! Reads files that users name, up to a largest size for each purpose. The content of a pipe is kept, because a pipe can be read
+//! only once.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -7,16 +7,16 @@ use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Largest size of a scene file, bytes. It holds about a hundred thousand keys, which take one second to refuse.
+/// Largest size of a scene file, bytes. A file of this size holds about a hundred thousand keys, which take one second to refuse.
 pub const MOST_OF_SCENE: u64 = 1_000_000;
-/// Largest size of a file of settings or of a survey, bytes.
+/// Largest size of a file of settings or of a survey of a device, bytes.
 pub const MOST_OF_SETTINGS: u64 = 4_000_000;
 /// Largest size of a file of results or of a board's firmware, bytes.
 pub const MOST_OF_RESULTS: u64 = 64_000_000;
 /// Largest size of a recording, bytes.
 pub const MOST_OF_RECORDING: u64 = 200_000_000;
 
-/// Number of bytes that are read at a time. A part with a zero byte ends the reading of a text.
+/// Number of bytes that are read at a time. When a text is read, a chunk with a zero byte ends the reading.
 const PART: usize = 1 << 16;
 
 /// Contents of the pipes read so far, by path. A pipe can be read only once, but a scene is read several times.
@@ -31,7 +31,7 @@ fn no_text() -> Error {
     Error::new(ErrorKind::InvalidData, "is not text in UTF-8")
 }
 
-/// Reads a file of up to `most` bytes. If `text` is true, reading stops with an error at the first part with a zero byte.
+/// Reads a file of up to `most` bytes. If `text` is true, a zero byte ends the reading with an error.
 fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     let mut pipes = PIPES.lock().unwrap_or_else(|broken| broken.into_inner());
     if let Some(bytes) = pipes.get(path) {
@@ -86,7 +86,7 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
 mod tests {
     use super::*;
 
-    /// Tests an endless input, an input that is not text, one that is too long, and one of exactly the allowed length.
+    /// Tests four inputs: endless, not text, too long, and of exactly the allowed length.
     #[test]
     fn nothing_is_read_beyond_its_limit() {
         let said = |path: &str, most| text(Path::new(path), most).unwrap_err().to_string();

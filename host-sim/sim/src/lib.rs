@@ -1,8 +1,8 @@
-//! Simulations of haptic devices, each described by a scene: `scene -> plan -> loop -> record`.
+//! Simulates haptic devices, each described by a scene: `scene -> plan -> loop -> record`.
 //!
-//! A scene is a TOML text whose field names contain the units ([`scene`]). Running it simulates the loop of sensor, control law,
-//! amplifier and device, and records the ticks ([`run`]). [`error::Error`] reports a problem that the user can solve, and its
-//! place.
+//! A scene is a TOML text whose field names contain the units ([`scene`]). Running a scene simulates the loop of sensor, control
+//! law, amplifier and device, and records every control period, called a tick ([`run`]). [`error::Error`] reports a problem that
+//! the user can solve, and its place.
 //!
 //! The same scene gives the same bits on every machine, because all transcendental functions are those of `libm`.
 

@@ -1,6 +1,6 @@
-//! Writes users' files so that each is complete or absent. The content first goes to a temporary file in the same folder, which is
-//! then moved to its place. A link at that place is never followed, and an older file is replaced only if the caller says so.
-//! Exceptions are devices and pipes, and the files of [`begun`], which are written in place.
+//! Writes files so that each is either complete or absent. The content first goes to a temporary file in the same folder, which is
+//! then renamed to the final name. A symbolic link of the final name is never followed, and an older file is replaced only if the
+//! caller says so. Exceptions are devices, pipes and the files of [`begun`], which are written in place.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Result, Write};
@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 /// Beginning of a temporary file's name; the number of the writing process and the final file's name follow.
 const PREFIX: &str = ".touchstone-";
 
-/// A temporary file beside the final one, deleted on drop unless it was moved. It is locked while in use; an unlocked one was left
-/// by a killed process.
+/// A temporary file in the folder of the final file, deleted on drop unless it was renamed. The program locks the file while using
+/// it; an unlocked one was left by a killed process.
 struct Beside {
     path: PathBuf,
     file: File,
@@ -28,7 +28,8 @@ fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
 
-/// Checks that writing to the path would replace no file and no link. Devices and pipes count as free.
+/// Checks that writing to the path would replace no file and no link. Devices and pipes pass the check, because they are written to
+/// directly.
 ///
 /// # Errors
 /// [`ErrorKind::AlreadyExists`] for a file or link, wherever the link leads; [`ErrorKind::IsADirectory`] for a folder.
@@ -43,12 +44,12 @@ pub fn is_free(path: &Path) -> Result<()> {
 /// Writes a file, and replaces an older file or link of the same path. A device or a pipe is written to directly.
 ///
 /// # Errors
-/// The system's error. The older file is then unchanged.
+/// The operating system's error. An older file is then unchanged.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     put(path, content.as_ref(), true)
 }
 
-/// Writes a file only if the path is free, also if another process creates a file there meanwhile.
+/// Writes a file only if no file or link has its path, even if another process creates one in the meantime.
 ///
 /// # Errors
 /// Same as [`write()`] and [`is_free`].
@@ -123,11 +124,11 @@ fn sweep(path: &Path, own: &Path) {
     }
 }
 
-/// Creates a file that is written bit by bit, such as a record without a known end. With `replaces`, an older file or link of the
-/// same path is deleted first.
+/// Creates a file that grows while the program runs, such as a recording. If `replaces` is true, an older file or link of the same
+/// path is deleted first.
 ///
 /// # Errors
-/// The system's error; [`ErrorKind::AlreadyExists`] if the path is not free and `replaces` is false.
+/// The operating system's error; [`ErrorKind::AlreadyExists`] if the path is not free and `replaces` is false.
 pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     if is_special(path) {
         return OpenOptions::new().write(true).open(path);

@@ -1,5 +1,5 @@
-//! Tests of every simulated effect in a whole simulation: its result at typical magnitude and at amplitude zero, its figures, its
-//! random seed.
+//! Tests of every simulated effect in a whole simulation: the result at typical magnitude and at amplitude zero, figures of the
+//! effect, and the random seed.
 
 use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
 use touchstone_sim::run::live::Live;
@@ -45,7 +45,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// Scene without the effect. If the effect is the hand itself, the knob has no hand and starts with a speed.
+/// Makes the scene without the effect. If the effect is the hand itself, the knob starts with a speed in place of being moved.
 fn without(effect: &Effect) -> Scene {
     let scene = ideal();
     match effect.name {
@@ -65,7 +65,7 @@ fn every_effect_does_something_and_can_be_taken_away_again() {
         assert!(!(effect.is_named)(&plain), "{}", effect.name);
         let added = plain.with(effect.add).unwrap();
         assert!((effect.is_named)(&added), "{}", effect.name);
-        // A limit of five times the press does nothing, as it should, nor do walls that nobody comes to.
+        // A torque limit of five times the press has no effect, and neither have walls that the knob never reaches.
         let idle = ["torque-limit", "second-wall", "endstops"].contains(&effect.name);
         let changes = bits(&plain) != bits(&added);
         assert_eq!(changes, !idle, "{}", effect.name);
@@ -88,11 +88,11 @@ fn an_effect_of_no_amplitude_is_its_absence_to_the_bit() {
         let scene = ideal().with(silence).unwrap();
         assert!(bits(&scene) == plain, "{name}");
     }
-    // The same for an effect that is a part of another effect.
+    // Checks the same for an effect that is a part of another effect.
     let sticky = with(&ideal(), &["device.friction.kinetic_n_m=1e-3"]);
     for set in [
         "device.friction.asymmetry_n_m=0",
-        // A curve from a level to the same level.
+        // A friction curve whose two levels are equal.
         "device.friction.stribeck_rad_per_s=0.1",
     ] {
         assert!(bits(&sticky) == bits(&with(&sticky, &[set])), "{set}");
@@ -123,7 +123,7 @@ fn what_has_no_amplitude_converges_to_its_absence() {
     );
     let stiff = |stiffness: &str| format!("device.transmission.spring_n_m_per_rad={stiffness}");
     pair(&smooth, &[&stiff("1e3")], &[&stiff("1e4")]);
-    // Bristles that hardly give are dry friction, as far as substeps show it.
+    // Very stiff bristles act like dry friction, within the accuracy of the substeps.
     let bristles = "device.friction.bristle_stiffness_n_m_per_rad";
     let (soft, hard) = (format!("{bristles}=1"), format!("{bristles}=1000"));
     pair(&sticky, &[&soft], &[&hard]);
@@ -169,8 +169,8 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     }
 }
 
-/// Differences between the motor's torque and the commanded torque, N·m. It also counts the ticks in which the knob moved, and
-/// those in which the law got the previous angle again.
+/// Differences between the motor's torque and the commanded torque, N·m. Also counts the ticks in which the knob moved, and those
+/// in which the control law then received the previous angle again.
 #[derive(Default)]
 struct Torques {
     off: Vec<f64>,
@@ -252,7 +252,7 @@ fn the_same_seed_gives_the_same_bits_and_another_others() {
 
 #[test]
 fn late_commands_lie_between_the_least_and_the_greatest_delay() {
-    // A spread of nearly nothing is the fixed delay, to the part of a period; one of a period lies between two delays.
+    // With almost no spread the delay is fixed, to a part of a period; with a spread of a period it lies between two fixed delays.
     let first_force = |sets: &[&str]| {
         struct First(Option<f64>);
         impl Recorder for First {
@@ -285,7 +285,7 @@ fn late_commands_lie_between_the_least_and_the_greatest_delay() {
         ]);
         assert!((0.25..=0.75).contains(&spread), "{spread}");
     }
-    // Ticks late by up to a period: with jitter alone and no law at work, the way is that of the time that passed.
+    // Ticks are late by up to a period. With jitter alone and no force, the displacement is that of the elapsed time.
     let free = Scene::load("free-release")
         .unwrap()
         .with_overrides(&[
@@ -309,7 +309,7 @@ fn late_commands_lie_between_the_least_and_the_greatest_delay() {
 
 #[test]
 fn a_hand_trembles_and_answers_late() {
-    // Outside the wall nothing but the hand moves the knob: its tremor is at its rate.
+    // Outside the wall only the hand moves the knob, so the motion has the frequency of the tremor.
     let still = [
         "operator.motion.kind=none",
         "operator.tremor.amplitude_rad=0.02",
@@ -324,7 +324,7 @@ fn a_hand_trembles_and_answers_late() {
         .filter(|pair| pair[0] < mean && pair[1] >= mean)
         .count();
     assert_eq!(rises, 10, "2 s of 5 Hz");
-    // A reflex as stiff as the hand holds a steady push with half the give of the hand's own spring.
+    // A reflex as stiff as the hand's spring halves the displacement under a steady push.
     let push = |sets: &[&str]| {
         let scene = with(
             &ideal(),
@@ -369,7 +369,7 @@ fn every_pair_of_effects_runs_and_closes_its_books_live() {
             let motion = RestPath::from_scene(&scene).unwrap();
             for tick in 0..700 {
                 let moment = live.tick(motion.rest_rad(f64::from(tick) * 1e-3));
-                // The hand pressed: what it put in is there, and nothing left all numbers.
+                // While the hand presses, the energy that it has put in must stay finite and small.
                 assert!(
                     moment.energies.hand_j().abs() < 0.1,
                     "{} {}",

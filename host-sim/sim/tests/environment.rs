@@ -8,7 +8,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// Scene of a knob without a hand that is thrown, at 5 rad/s, between two walls.
+/// Scene of a knob that moves freely between two walls, without a hand, from an initial speed of 5 rad/s.
 fn thrown(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -80,7 +80,7 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
         // A wall that the knob never reaches changes nothing.
         let far = ["environment.wall2.at_rad=-2"];
         assert!(plain == bits(&with(&scene, &far)), "{name}");
-        // Without the first wall the knob passes its place.
+        // Without the main wall the knob passes the position of its surface.
         let open = with(&scene, &["environment.first_wall=false"]);
         assert!(trace(&open).force_n_m.iter().all(|force| *force == 0.0));
     }
@@ -113,7 +113,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     assert!(soft != bits(&with(&among, &[two, &own("3")])));
 }
 
-/// Scene of a knob without a hand, with some damping, among 20 detents per turn.
+/// Scene of a knob without a hand, with some damping and 20 detents per turn.
 fn in_a_detent(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -139,7 +139,7 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     let pitch = std::f64::consts::TAU / 20.0;
     let count = std::f64::consts::TAU / 40_000.0;
     let end = |sets: &[&str]| *trace(&in_a_detent(sets)).angle_rad.last().unwrap();
-    // Let go near a ridge, it comes to rest in the detent on that side.
+    // A knob released near the ridge between two detents comes to rest in the detent on its side.
     for (from, rest) in [
         ("0.15", 0.0),
         ("-0.15", 0.0),
@@ -149,8 +149,9 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
         let at = end(&[&format!("device.initial_angle_rad={from}")]);
         assert!((at - rest).abs() < 2.0 * count, "{from}: {at} for {rest}");
     }
-    // A steady torque below its strength is held, where the triangle has it; one above goes over the ridge. Imbalance of 1 N·m·sin with
-    // its phase set is such a torque.
+    // A steady torque below the detent's strength is held, at the angle that the triangle gives; a larger one turns over the ridge.
+    // An imbalance with
+    // a suitable phase gives such a torque.
     let pushed = |torque: f64| {
         let imbalance = format!("device.imbalance.torque_n_m={torque}");
         let phase = format!(
@@ -168,8 +169,8 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     assert!(pushed(0.011) > 0.6 * pitch);
 }
 
-/// Energy balance of a simulation, J: energy absorbed and passed by the motor, energy lost in the device; with the first and last
-/// squared speed.
+/// Energy sums of a simulation, J: net and absolute energy that the environment absorbed, and losses of the device. Also the first
+/// and last squared speed, (rad/s)².
 #[derive(Default)]
 struct Books {
     absorbed: f64,

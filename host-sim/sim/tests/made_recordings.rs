@@ -1,4 +1,4 @@
-//! Tests with random recordings, generated from a seed. The fuzzer feeds the same generator with bytes.
+//! Tests with random recordings, generated from a seed. The fuzzer uses the same generator, with bytes in place of a seed.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -24,7 +24,7 @@ fn a_hundred_thousand_recordings_are_read_or_refused_in_a_line() {
     campaign(100_000, 51);
 }
 
-/// Tests a million recordings: `cargo test -p touchstone-sim --test made_recordings -- --ignored`.
+/// Tests a million random recordings. Takes a minute: `cargo test -p touchstone-sim --test made_recordings -- --ignored`.
 #[test]
 #[ignore = "a minute"]
 fn a_million_recordings() {

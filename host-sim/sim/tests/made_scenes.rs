@@ -1,4 +1,5 @@
-//! Tests with random scenes, generated from a seed by the table of fields. The fuzzer feeds the same generator with bytes.
+//! Tests with random scenes, generated from a seed and the list of scene fields. The fuzzer uses the same generator, with bytes in
+//! place of a seed.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -14,7 +15,7 @@ fn campaign(number: usize, seed: u64) {
     let mut seeded = Seeded(seed);
     let [mut runs, mut refused, mut long] = [0; 3];
     let mut wrong = Vec::new();
-    // Of those without a word, and of those that are said to be long.
+    // Longest computing time of runs without a note, and of runs that are announced as long.
     let mut slowest = [(0.0, String::new()), (0.0, String::new())];
     let begun = Instant::now();
     for at in 0..number {
@@ -55,7 +56,8 @@ fn campaign(number: usize, seed: u64) {
     assert!(runs > number / 10 && refused > number / 10 && long < number / 10);
 }
 
-/// Tests scenes with extreme values. Such scenes once caused an endless step of the plant, or a panic when the plant diverged.
+/// Tests that scenes with extreme values end. Possible faults are an endless step of the plant and a panic where the plant
+/// diverges.
 #[test]
 fn scenes_beyond_all_numbers_end() {
     for (base, sets) in [
@@ -98,8 +100,9 @@ fn made_scenes_run_or_are_refused_in_a_line() {
     campaign(500, 51);
 }
 
-/// Tests a hundred thousand scenes, or as many as `TOUCHSTONE_MADE` gives: `cargo test --profile every -p touchstone-sim --test
-/// made_scenes -- --ignored --nocapture`.
+/// Tests a hundred thousand random scenes, or as many as the variable `TOUCHSTONE_MADE` gives: `cargo test --profile every -p
+/// touchstone-sim
+/// --test made_scenes -- --ignored --nocapture`.
 #[test]
 #[ignore = "some twenty minutes"]
 fn a_hundred_thousand_scenes() {

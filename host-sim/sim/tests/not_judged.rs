@@ -1,11 +1,11 @@
-//! Tests that the verdict does not mistake a moving hand for an unstable wall, and still reports faults that are visible under it.
+//! Tests that a moving hand is not mistaken for an unstable wall, and that faults visible under a moving hand are still reported.
 
 use std::path::PathBuf;
 use touchstone_sim::run;
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Writes a recording at 1 kHz of a given angle over time, and returns its path.
+/// Writes a recording at 1 kHz of the angle in rad as a function of time in s, and returns the path of the file.
 fn recording(name: &str, length_s: f64, angle: impl Fn(f64) -> f64) -> PathBuf {
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.csv"));
     let mut text = String::from("time_s,angle_rad\n");
@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Tests a wall of half the critical stiffness, which stays stable under any hand.
+/// Tests that a wall of half the largest stable stiffness is never called unstable while a hand moves it.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;
@@ -81,7 +81,7 @@ fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     assert!(unjudged >= 24, "{unjudged} of 36");
 }
 
-/// Hand angle in rad over time in s: moves in, holds from 1 to 3 s, then moves in and out at 1 Hz.
+/// Angle of a hand in rad over time in s: it moves in, holds still from 1 to 3 s, then moves in and out at 1 Hz.
 fn held_and_then_not(time_s: f64) -> f64 {
     match time_s {
         t if t < 1.0 => 0.4 * (1.0 - libm::cos(std::f64::consts::PI * t)) / 2.0,
@@ -95,7 +95,7 @@ fn a_recorded_hold_is_judged_wherever_it_is() {
     let file = recording("held-and-then-not", 5.0, held_and_then_not);
     let soft = played(&file, 5.0, 0.5, &[]);
     assert!(soft.verdict < Verdict::LimitCycle, "{soft:?}");
-    // Four times the critical stiffness buzzes while the hand presses it.
+    // A wall of four times the critical stiffness oscillates while the hand presses it.
     let stiff = played(&file, 5.0, 4.0, &["operator.motion.offset_rad=0.2"]);
     assert!(
         matches!(stiff.verdict, Verdict::LimitCycle | Verdict::Unstable),

@@ -1,5 +1,5 @@
-//! Checks that each integration method has its textbook order, keeps the energy balance to that order, and holds or creeps as
-//! documented.
+//! Checks that each integration method has its textbook order, keeps the energy balance to that order, and lets the device rest or
+//! creep as documented.
 
 use touchstone_world::integrator::{
     CREEP_RAD_PER_S, ExactLinear, ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4,
@@ -23,7 +23,7 @@ const STICKY: Device = Device {
 };
 const PERIOD_S: f64 = 1e-3;
 
-/// Torque and rest point in a tick; both change smoothly with the ticks.
+/// Torque in N·m and rest point in rad that are held in a tick (control period); both change smoothly from tick to tick.
 fn held(tick: u32) -> [f64; 2] {
     let t = PERIOD_S * f64::from(tick);
     [0.03 * (37.0 * t).sin(), 0.1 + 0.3 * (11.0 * t).sin()]
@@ -31,7 +31,7 @@ fn held(tick: u32) -> [f64; 2] {
 
 const START: [f64; 4] = [0.1, 2.0, 0.12, -1.0];
 
-/// Largest difference of the device's angle from the exact plant's, and largest error of a tick's energy balance.
+/// Largest difference of the device's angle from the closed-form solution, and largest error of a tick's energy balance.
 fn errors(
     plant: &impl Stepper<State = State<4>>,
     exact: &impl Stepper<State = State<4>>,
@@ -51,7 +51,8 @@ fn errors(
     [off, gap]
 }
 
-/// Binary logarithms of the ratios of both errors between a number of substeps and twice that number: the methods' orders.
+/// Measured orders of angle error and energy error: binary logarithm of the ratio of the errors with `substeps` and with twice as
+/// many substeps.
 fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     let model = Model::held(&KNOB, &MEDIUM).unwrap();
     let exact = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).unwrap();
@@ -66,7 +67,7 @@ fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     [0, 1].map(|i| (coarse[i] / fine[i]).log2())
 }
 
-/// Whether a measured order is within a tenth of the textbook's. The tolerance covers the next term of the error.
+/// Whether a measured order is within a tenth of the method's textbook order. The tolerance covers the next term of the error.
 fn is_order(slope: f64, order: u32) -> bool {
     (slope - f64::from(order)).abs() < 0.1
 }
@@ -104,7 +105,7 @@ fn midpoint_keeps_the_books_to_rounding() {
     let exact = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).unwrap();
     let plant = Substepped::<ImplicitMidpoint<4>, 4>::new(&model, PERIOD_S, 1).unwrap();
     let [off, gap] = errors(&plant, &exact);
-    // It is wrong about the motion, and not about the energy: some 2e-4 J are stored.
+    // The energy balance closes although the motion is wrong; about 2e-4 J are stored.
     assert!(off > 1e-5 && gap < 1e-17, "{off:e} {gap:e}");
 }
 
@@ -124,7 +125,7 @@ fn the_exact_step_of_a_model_is_the_exact_plant() {
     assert!(ExactLinear::new(&sticky, PERIOD_S).is_err());
 }
 
-/// Checks that every method is of first order if stops and starts fall inside substeps.
+/// Checks that a method is of first order if the device stops and starts within substeps.
 fn converges_on_friction<M: Method<4>>() {
     let model = Model::held(&STICKY, &MEDIUM).unwrap();
     let exact = HeldCoulomb::new(&STICKY, &MEDIUM, PERIOD_S).unwrap();
@@ -134,7 +135,7 @@ fn converges_on_friction<M: Method<4>>() {
     };
     let (coarse, fine) = (with(64), with(4096));
     println!("friction: {coarse:e} {fine:e}");
-    // Six doublings of first order are 64; events move within substeps, so that single points scatter by some of it.
+    // Six doublings at first order give a factor of 64. Stops and starts move within substeps, so single points scatter around it.
     assert!(
         fine < coarse / 30.0 && fine > coarse / 200.0,
         "{coarse:e} {fine:e}"
@@ -153,7 +154,7 @@ fn hold<M: Method<2>>(substeps: u32) -> f64 {
     let plant = Substepped::<M, 2>::new(&model, PERIOD_S, substeps).unwrap();
     let mut state = State::from_array([0.1, 0.0]);
     for _ in 0..10_000 {
-        // Nine tenths of the kinetic torque: smoothed friction knows no other level.
+        // The torque is nine tenths of the kinetic friction, because smoothed friction has no break-away torque.
         plant.step(&mut state, 0.9 * 2e-3, 0.0);
     }
     state.position() - 0.1

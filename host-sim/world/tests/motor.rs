@@ -17,7 +17,8 @@ fn amplitude_invariant([a, b, c]: [f64; 3], theta: f64) -> (f64, f64) {
     (d, q)
 }
 
-/// The derivative `d/dt (i_d, i_q)` in the rotor's frame by the textbook equations, which differ in form from those of the model.
+/// Rates of the currents `(i_d, i_q)` in the rotor's frame by the textbook equations, A/s. Their form differs from that of the
+/// tested model.
 fn slope(
     m: &MotorParameters,
     (d, q): (f64, f64),
@@ -51,7 +52,7 @@ fn windings_agree_with_a_fine_integration_in_the_rotors_frame() {
                     14.0 - f64::from(period % 3),
                 ];
                 let torque = windings.step(volts, angle, speed);
-                // Fourth-order Runge-Kutta in 200 steps.
+                // Integrates the equations by 200 steps of the fourth-order Runge-Kutta method.
                 let h = PERIOD_S / 200.0;
                 let omega = sign * speed;
                 let mut mean = 0.0;

@@ -1,6 +1,6 @@
-//! The same specification ticks, from the same source text, at the 8-bit formats. Signals and ratios have 7 fractional bits, gains
-//! 3, energies 14. An `i32` is wide enough that nothing saturates in it, except where the text says so. It is also narrow enough
-//! for a solver.
+//! The same specification, from the same source text, with 8-bit number formats. Signals (positions, forces) and ratios have 7
+//! fractional bits, gains (stiffnesses) 3, energies 14. An `i32` is wide enough that nothing saturates in it, except where the text
+//! says so. It is also narrow enough for a solver.
 
 #[path = "enhanced.rs"]
 pub mod enhanced;
@@ -23,13 +23,13 @@ pub type Int = i32;
 pub const BITS: u32 = 8;
 /// Number of fractional bits of a signal (position or force).
 pub const SIGNAL: u32 = 7;
-/// Number of fractional bits of a gain.
+/// Number of fractional bits of a gain (stiffness).
 pub const GAIN: u32 = 3;
-/// The highest signal (position or force), in quanta.
+/// The highest signal (position or force), in steps of the number format.
 pub const HIGHEST: i32 = (1 << 7) - 1;
-/// The lowest signal (position or force), in quanta.
+/// The lowest signal (position or force), in steps of the number format.
 pub const LOWEST: i32 = -(1 << 7);
-/// The lowest energy, in quanta.
+/// The lowest energy, in steps of the number format.
 pub const LOWEST_ENERGY: i32 = -(1 << 15);
 
 /// The product `a b` of two 16-bit words, which must fit 16 bits as well. The multiplication is no wider than needed, so that a

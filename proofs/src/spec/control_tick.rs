@@ -1,5 +1,8 @@
-//! Specification of a device's control tick: what the tick requests from the device's parts (drive, law, limits) and calculates
-//! from their answers.
+//! Specification of a device's control tick: which of the device's parts (drive, law, limits) the tick calls, and what it
+//! calculates from their answers.
+//!
+//! `e` is the penetration, `f` the force, `τ` the torque, `i` the current, `share` the fraction of the torque that is commanded;
+//! `'` marks the new value.
 //!
 //! ```text
 //! fault     = reported, else detected, else refused settings      the first one is latched, and outputs go off
@@ -14,7 +17,7 @@
 //!             the switching off is reported to the law
 //! ```
 //!
-//! If the device is armed but has no good reading, the drive is off and the law is not called. Its guard then books the last force
+//! If the device is armed but has no good reading, the drive is off and the law is not called. Its guard then counts the last force
 //! up to the next reading.
 
 use super::{Int, LOWEST, signal};
@@ -27,25 +30,25 @@ use touchstone_drive::supervisor::{Verdict, Watch};
 use touchstone_drive::{Amps, Angle, Celsius, ControlInput, ControlOutput, DriveCommand, Record};
 use touchstone_protocol::{Command, Context, FaultCode, Limit, Limits, Machine, Outputs, State};
 
-/// The whole torque as a fraction with 32 fractional bits: one last bit less than 1.
+/// The whole torque as a fraction with 32 fractional bits. It is 2^-32 less than 1, so that it fits 32 bits.
 const ALL: Int = (1 << 32) - 1;
 
-/// The parts of a device that a control tick uses. Each may give any answer.
+/// The parts of a device that a control tick calls. Each may give any answer.
 pub trait Parts {
     /// Checks the limits. Returns the first limit that is exceeded, the shaft's position, and the fraction of the current that the
     /// temperatures allow.
     fn inspect(&mut self, watch: Watch) -> Verdict;
-    /// Whether there is a motor whose electrical angle must be aligned.
+    /// Whether the drive has a motor whose electrical angle must be aligned with the encoder.
     fn aligns(&self) -> bool;
-    /// Runs one tick of the calibration.
+    /// Runs one tick of the calibration at an encoder count.
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress;
-    /// Ends the calibration.
+    /// Ends the calibration, so that the next tick does not run it.
     fn calibration_over(&mut self);
-    /// Puts waiting new settings in force; returns whether there were any.
+    /// Puts waiting new settings in force; returns whether any were waiting.
     fn changes_over(&mut self) -> bool;
     /// Shaft's speed in rad/s, with 16 fractional bits.
     fn speed(&mut self) -> i32;
-    /// Electrical angle by which the rotor advances in a PWM period.
+    /// Electrical angle by which the rotor advances in one PWM period.
     fn advance(&mut self) -> i32;
     /// Electrical angle that belongs to an encoder count.
     fn angle(&mut self, count: i64) -> u16;
@@ -55,10 +58,10 @@ pub trait Parts {
     fn penetration(&mut self, count: i64) -> i32;
     /// Whether the encoder is also read when the force changes.
     fn measures_change(&self) -> bool;
-    /// Displacement since the change of force. The tick's displacement up to the second encoder reading is `until`, from that
-    /// reading on it is `from`.
+    /// Displacement since the force changed. Of the tick's displacement, `until` passed before the second encoder reading and
+    /// `from` after it.
     fn since_change(&mut self, until: i32, from: i32) -> i32;
-    /// Restarts the law, as at arming.
+    /// Restarts the law, as when the outputs are switched on (arming).
     fn resume(&mut self);
     /// The law's force at the penetration `e`; `at_change` is the penetration when the force changed, if it was measured.
     fn law(&mut self, e: i32, at_change: Option<i32>) -> i32;
@@ -68,11 +71,11 @@ pub trait Parts {
     fn commanded(&mut self, force: i32);
     /// Reports to the law that the force is switched off.
     fn switched_off(&mut self);
-    /// Whether the law's guard has switched the force off because of over-speed.
+    /// Whether the law's guard has switched the force off because of overspeed.
     fn is_tripped(&mut self) -> bool;
     /// Whether a position is so deep inside the wall, near the end of the range of positions, that the guard allows no force.
     fn is_beyond_reach(&mut self, e: i32) -> bool;
-    /// Force from which on a tick is reported as being at the force limit.
+    /// Force from which on a tick counts as being at the force limit.
     fn force_limit(&self) -> i32;
     /// Growth per tick of the fraction of the torque that is commanded while the force fades in.
     fn fade_step(&self) -> u32;

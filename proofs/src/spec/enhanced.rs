@@ -1,102 +1,106 @@
-//! Specification tick of the enhanced SFA law (thesis Algorithm 3.1 and Fig. 3.18; the virtual mass of §3.5 by backward Euler).
+//! Specification of a tick of the enhanced law, successive force augmentation with a virtual mass (thesis Algorithm 3.1; the
+//! virtual mass of §3.5 by backward Euler).
 
 use super::tdpa::passive;
 use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, towards_zero};
 
-/// The law's coefficients, in quanta.
+/// The enhanced law's coefficients, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
-    /// `k_de`: stiffness that the wall should show, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Stiffness towards which the offset regulates, in the format of gains.
+    /// Stiffness that the law reaches by changing the offset, in the number format of stiffnesses.
     pub target: Int,
-    /// `B/T`: damping per tick of the damper beside the wall, in the format of gains.
+    /// Damping over the control period of the damper whose force is added to the wall's, in the number format of stiffnesses.
     pub damper: Int,
-    /// `k_v`: stiffness of the virtual spring, in the format of gains.
+    /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
-    /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
+    /// Compliance of the soft virtual spring, in the number format of ratios.
     pub compliance: Int,
-    /// Fraction of the ideal step of the offset (thesis 3.7, 3.8), in the format of ratios.
+    /// Gain of the offset's ideal step from the error of the force (thesis 3.7, 3.8), in the number format of ratios.
     pub of_ideal: Int,
-    /// `b/k_v`: largest step of the offset per force (thesis 3.9), in the format of ratios.
+    /// Largest step of the offset for each unit of force (thesis 3.9), in the number format of ratios.
     pub of_force: Int,
-    /// `a`: largest step of the offset per penetration (thesis 3.11), in the format of ratios.
+    /// Largest step of the offset for each unit of penetration (thesis 3.11), in the number format of ratios.
     pub of_penetration: Int,
-    /// Whether the law regulates the stiffness at the HIP instead of that at the virtual mass.
+    /// Whether the law regulates the stiffness at the hand's point (HIP) instead of that at the virtual mass.
     pub at_hip: bool,
     /// Whether the offset changes at every tick, not only while the virtual mass moves inward.
     pub every_tick: bool,
-    /// Whether the energy counts the next displacement of the virtual mass instead of its last one.
+    /// Whether the stored energy counts the next displacement of the virtual mass (exact observer) instead of its last one
+    /// (thesis).
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
-    /// `m/T²`: inertia of the virtual mass per tick², in the format of gains.
+    /// Inertia of the virtual mass over the control period squared, in the number format of stiffnesses.
     pub inertia: Int,
-    /// `k_f`: stiffness of the coupling between HIP and virtual mass, in the format of gains.
+    /// Stiffness of the coupling between hand's point (HIP) and virtual mass, in the number format of stiffnesses.
     pub coupling: Int,
-    /// `c_f/T`: damping of the coupling, in the format of gains.
+    /// Damping of the coupling over the control period, in the number format of stiffnesses.
     pub damping: Int,
-    /// `m/T² + k_f + c_f/T + c_env/T`: the sum that multiplies the displacement of the virtual mass, in the format of gains.
+    /// Sum of the virtual mass' inertia, coupling stiffness, coupling damping and ground damping per tick, in the number format of
+    /// stiffnesses. The driving force divided by it is the mass' displacement.
     pub total: Int,
-    /// `k_f + k_v`: coupling and virtual spring together, in the format of gains.
+    /// Sum of coupling stiffness and soft stiffness, in the number format of stiffnesses.
     pub series: Int,
-    /// Energy lent to each contact, in quanta.
+    /// Energy lent to each contact, in steps of the energy format.
     pub credit: Int,
-    /// Most energy that the law stores, in quanta.
+    /// Most energy that the law stores, in steps of the energy format.
     pub energy_cap: Int,
-    /// Largest force, in quanta.
+    /// Largest force, in steps of the force format.
     pub limit: Int,
 }
 
-/// Phase of the contact between HIP and wall.
+/// Phase of the contact between hand and wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
-    /// The HIP is outside the wall.
+    /// The hand's point (HIP) is outside the wall.
     #[default]
     Free,
-    /// The phase of contact up to the first reversal of the motion.
+    /// The contact before the first reversal of the motion.
     First,
-    /// The phase of contact after the first reversal, in which the force is augmented.
+    /// The contact after the first reversal of the motion, in which the force is augmented by an offset.
     Augmenting,
 }
 
-/// The law's memory between ticks.
+/// The enhanced law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,
-    /// Force of the wall at the HIP, without that of the damper beside the wall.
+    /// Force of the wall at the hand's point (HIP), without the force of the damper that is added to it.
     pub force: Int,
-    /// Energy that the law may still give, the loan included.
+    /// Energy that the law may still give, the lent energy included.
     pub energy: Int,
     /// Penetration of the virtual mass.
     pub mass: Int,
     /// Displacement of the virtual mass in the last tick.
     pub mass_moved: Int,
-    /// `O`: offset of the virtual spring's surface.
+    /// Offset: deformation of the soft spring beyond the penetration of the virtual mass.
     pub offset: Int,
     /// Force of the wall on the virtual mass.
     pub at_mass: Int,
 }
 
-/// Outward force that a tension of the coupling gives, rounded down; 0 if the tension points inward.
+/// The force that pushes out of the wall, from an unrounded one; rounded down, and 0 if it would pull.
 fn outward(tension: Int) -> Int {
     (tension.max(0) >> GAIN).min(HIGHEST)
 }
 
-/// Outward force that a tension of the coupling gives, rounded up; 0 if the tension points inward.
+/// The force that pushes out of the wall, from an unrounded one; rounded up, and 0 if it would pull.
 fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// The product of a ratio and a signal (position or force), rounded towards zero.
+/// The product of a ratio and a position or force, rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }
 
-/// The deflection of a spring at a tension, rounded towards zero.
+/// The deflection of a spring under an unrounded force, rounded towards zero.
 fn per(tension: Int, stiffness: Int) -> Int {
     towards_zero(tension, stiffness).clamp(-HIGHEST, HIGHEST)
 }
@@ -106,7 +110,7 @@ fn size(x: Int) -> Int {
 }
 
 impl Enhanced {
-    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns the new memory and the force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let mut m = *memory;
@@ -153,15 +157,14 @@ impl Enhanced {
         )
     }
 
-    /// Adds to a force that of the damper beside the wall. The damper acts on the displacement inside the wall; the sum never pulls
-    /// inward.
+    /// Adds the damper's force to the wall's. The damper acts on the displacement inside the wall; the sum never pulls inward.
     #[must_use]
     pub fn damped(&self, force: Int, e: Int, moved: Int) -> Int {
         let damping = cut(times(self.damper, moved.min(e)), GAIN).clamp(-HIGHEST, HIGHEST);
         signal(force + damping).max(0).min(self.limit)
     }
 
-    /// Ends the first contact phase: the virtual mass takes over, with the energy that is left.
+    /// Ends the first phase of the contact: the virtual mass takes over, with the energy that is left.
     #[must_use]
     pub fn hand_over(&self, m: &Memory) -> Memory {
         let e = m.last;
@@ -192,7 +195,7 @@ impl Enhanced {
         }
     }
 
-    /// The new offset: Algorithm 3.1, lines 7 to 13.
+    /// The new offset of the soft spring: thesis Algorithm 3.1, lines 7 to 13.
     #[must_use]
     pub fn offset(&self, m: &Memory, e: Int) -> Int {
         if !self.every_tick && m.mass_moved <= 0 {
@@ -216,13 +219,14 @@ impl Enhanced {
         signal(changed).max(0)
     }
 
-    /// Displacement of the virtual mass, `d' = (N0 - f)/D`, rounded towards zero and limited to the range of positions.
+    /// Displacement of the virtual mass: driving force less the wall's force, over the sum of coefficients. Rounded towards zero
+    /// and limited to the range of positions.
     fn displacement(&self, from: Int, drive: Int, force: Int) -> Int {
         let step = per(drive - (force << GAIN), self.total);
         signal(signal(from + step) - from)
     }
 
-    /// Drive of the virtual mass without the wall's force: `m d/T² + k_f (e - x) + c_f Δe/T`.
+    /// Force that drives the virtual mass, without the wall's force: inertia, coupling spring and coupling damper.
     #[must_use]
     pub fn drive(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         times(self.inertia, mass_moved)
@@ -230,7 +234,7 @@ impl Enhanced {
             + times(self.damping, moved)
     }
 
-    /// Force of the coupling on the HIP, rounded towards zero.
+    /// Force of the coupling on the hand's point (HIP), rounded towards zero.
     #[must_use]
     pub fn coupled(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let stretch = times(self.coupling, signal(e - mass));
@@ -238,7 +242,7 @@ impl Enhanced {
         cut(tension, GAIN).clamp(-HIGHEST, HIGHEST)
     }
 
-    /// Force on the HIP in the augmenting phase; `None` if the contact has ended.
+    /// Force on the hand's point (HIP) after the first reversal of motion; `None` if the contact has ended.
     fn augmented(&self, m: &mut Memory, e: Int, moved: Int) -> Option<Int> {
         m.offset = self.offset(m, e);
         let wanted = outward(times(self.soft, signal(m.mass + m.offset)));
@@ -283,7 +287,8 @@ impl Enhanced {
         Some(0)
     }
 
-    /// Energy, force and displacement of the virtual mass such that `E' = E + f d' >= 0`.
+    /// Energy, force and displacement of the virtual mass such that the stored energy plus the work of the displacement is not
+    /// negative.
     #[must_use]
     pub fn paid_move(&self, energy: Int, mass: Int, drive: Int, wanted: Int) -> (Int, Int, Int) {
         let step = self.displacement(mass, drive, wanted);

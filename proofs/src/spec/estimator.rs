@@ -1,4 +1,4 @@
-//! Specification tick of the state estimator. Read it beside the equations in the header of `control/src/estimator/mod.rs`.
+//! Specification of a tick of the state estimator. Read it beside the equations in the header of `control/src/estimator/mod.rs`.
 //!
 //! States are displacements with 54 fractional bits. A factor of a state is called its weight. Only the state's leading digits are
 //! multiplied (its *part*): 28 fractional bits of a motion, 24 of a torque. A weight has the fractional bits that are missing to
@@ -10,43 +10,44 @@ use super::{Int, signal};
 pub const RAD: Int = 1 << 54;
 /// Number of binary digits of a motion's state below its part, the digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
-/// Number of binary digits of a state that are too small for a signal (position or force).
+/// Number of binary digits of a state that a position or force does not have.
 const BELOW_SIGNAL: u32 = 54 - 24;
-/// Number of past commands that the estimator keeps.
+/// Number of past commands that the estimator remembers.
 pub const REMEMBERED: usize = 3;
 
-/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the model checker.
+/// Product of a weight (coefficient) and a part (leading digits of a state). When the model checker runs, [`crate::weighed`]
+/// replaces it.
 #[must_use]
 pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part
 }
 
-/// A state of motion: position `x`, displacement per tick `d`, and the hand's push `g`.
+/// The estimated motion: position `x`, displacement per tick `d`, and the hand's push `g`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Motion {
-    /// Position `x`.
+    /// Estimated position.
     pub x: Int,
-    /// Displacement `d` per tick.
+    /// Estimated displacement per tick.
     pub d: Int,
-    /// Push of the hand `g`: the change of the displacement per tick that it causes in a tick.
+    /// Push of the hand: the change of the displacement per tick that it causes in a tick.
     pub g: Int,
 }
 
-/// How a motion evolves over a time, as weights: `V`, `X`, `1 - ρ`, and `q x_i` and `q v_i` of each command.
+/// How a motion evolves over a time, as weights of displacement, push and commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flow<const COMMANDS: usize> {
-    /// `V`: weight of the displacement per tick in the position.
+    /// Weight of the displacement per tick in the position at the end of the time.
     pub reach: Int,
-    /// `X`: weight of the hand's push in the position.
+    /// Weight of the hand's push in the position at the end of the time.
     pub drift: Int,
-    /// `1 - ρ`: fraction of the velocity that damping takes.
+    /// Fraction of the velocity that damping takes over the time.
     pub loss: Int,
-    /// `q x_i` and `q v_i`: weights of each command in position and displacement.
+    /// For each command, its weights in position and in displacement per tick.
     pub commands: [[Int; 2]; COMMANDS],
 }
 
 impl<const COMMANDS: usize> Flow<COMMANDS> {
-    /// Position and displacement at the end of the time: `x + V d + X g - Σ q x_i f_i` and `ρ d + V g - Σ q v_i f_i`.
+    /// Position and displacement per tick at the end of the time, from the motion `from` and the commands `f`.
     #[must_use]
     pub fn end(&self, from: Motion, f: [Int; REMEMBERED]) -> (Int, Int) {
         let (d, g) = (from.d >> BELOW_PART, from.g >> BELOW_PART);
@@ -70,9 +71,9 @@ pub struct Estimator {
     pub tick: Flow<REMEMBERED>,
     /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Correction gains `α`, `β`, `γ`: of position, displacement and push per measured deviation.
+    /// Correction gains of position, displacement and push: change of each per difference of measured and expected position.
     pub correction: [Int; 3],
-    /// Largest command, in quanta of a signal (position or force).
+    /// Largest command, in steps of the force format.
     pub limit: Int,
 }
 
@@ -81,17 +82,17 @@ pub struct Estimator {
 pub struct Memory {
     /// Motion at the last sample; `None` before the first sample.
     pub motion: Option<Motion>,
-    /// The last commands in quanta of a signal (position or force), the latest first.
+    /// The last commands in steps of the force format, the latest first.
     pub commands: [Int; REMEMBERED],
 }
 
-/// A signal (position or force) converted to the 54 fractional bits of a state.
+/// Converts a position or force to the 54 fractional bits of a state.
 #[must_use]
 pub fn state(of: Int) -> Int {
     of << BELOW_SIGNAL
 }
 
-/// The signal (position or force) nearest to a state, halves rounded up, limited to the range of signals.
+/// The position or force nearest to a state, halves rounded up, limited to the range of the format.
 #[must_use]
 pub fn shown(state: Int) -> Int {
     signal((state + (1 << (BELOW_SIGNAL - 1))) >> BELOW_SIGNAL)
@@ -103,8 +104,8 @@ pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
 }
 
-/// The motion after a measured position: `x = x⁻ + α r`, `d = d⁻ + β r`, `g = g + γ r` with `r = e - x⁻`. `None` if no device can
-/// move like that.
+/// The motion after a measured position `e`. Position `x`, displacement `d` and push `g` are corrected by the difference of
+/// measured and expected position times their gains. `None` if no device can move like that.
 #[must_use]
 pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<Motion> {
     let r = state(e) - x;
@@ -150,7 +151,7 @@ impl Estimator {
         (after, shown(x), shown(d))
     }
 
-    /// The memory after a force was commanded.
+    /// The estimator's memory after a force was commanded.
     #[must_use]
     pub fn commanded(&self, memory: &Memory, force: Int) -> Memory {
         let [last, before, _] = memory.commands;

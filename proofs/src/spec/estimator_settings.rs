@@ -1,7 +1,7 @@
-//! The specification of `EstimatorSettings::estimator`. Read it beside the equations in the header of
-//! `control/src/estimator/mod.rs`.
+//! The specification of `EstimatorSettings::estimator`, which computes the estimator's coefficients. Read it beside the equations
+//! in the header of `control/src/estimator/mod.rs`.
 //!
-//! Between setting and weight a number has 56 fractional bits and a range of ±128, and saturates.
+//! Between setting and coefficient a number has 56 fractional bits and a range of ±128, and saturates.
 
 use super::estimator::{Estimator, Flow};
 use super::settings::{MOST, ONE, between, over, signal_fits, signal_of, times};
@@ -17,20 +17,20 @@ const TAU: Int = 452_751_216_129_820_177;
 fn long(x: Int) -> Int {
     x.clamp(-LONG_MOST - 1, LONG_MOST)
 }
-/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
+/// The product `a b` of numbers with 56 fractional bits. When the model checker runs, [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// The quotient `a / b` with 56 fractional bits, and 0 if it does not fit; [`crate::reckoned`] says what replaces it under the
-/// model checker.
+/// The quotient `a / b` with 56 fractional bits, and 0 if it does not fit. When the model checker runs, [`crate::reckoned`]
+/// replaces it.
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// The quotient `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the
-/// model checker.
+/// The quotient `a / b` of two positive settings, with 56 fractional bits. When the model checker runs, [`crate::reckoned`]
+/// replaces it.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -40,8 +40,9 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// How far a device moves in a time `t` from a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and from a push, `X = Σ (-β)^k
-/// t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model checker.
+/// How far a device moves in a time `t` by a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and by a push, `X = Σ (-β)^k
+/// t^(k+2)/(k+2)!`. `β` is the fraction of the velocity that damping takes per tick. When the model checker runs,
+/// [`crate::reckoned`] replaces both.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -67,7 +68,7 @@ pub struct Settings {
     pub delay: Int,
 }
 
-/// The nearest weight with this many fractional bits; `None` if it does not fit a word.
+/// The nearest coefficient with this many fractional bits; `None` if it does not fit a word.
 fn weight(x: Int, fraction: u32) -> Option<Int> {
     let half = 1 << (55 - fraction);
     let nearest = (x + half).min(LONG_MOST) >> (56 - fraction);
@@ -81,12 +82,12 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// Constants of the device: loss of velocity `β`, displacement per torque `q`, and the delay in ticks.
+/// Constants of the device: loss of velocity, displacement per torque, and the delay, all with the tick as the unit of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// Loss of velocity per tick: `β = b T/J`.
+    /// Fraction of the velocity that damping takes per tick: damping times tick over inertia.
     pub loss: Int,
-    /// Displacement per torque: `q = T²/J`.
+    /// Acceleration per tick² for each N·m of torque: tick squared over inertia.
     pub per_torque: Int,
     /// Time until a command begins to act, in ticks.
     pub delay: Int,
@@ -124,8 +125,8 @@ impl Device {
         }
     }
 
-    /// The correction gains `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`. `None`
-    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the model checker.
+    /// The gains that correct position, displacement and push, for three equal poles at `z = exp(-angle)`. `None` if one does not
+    /// fit a word. When the model checker runs, [`crate::reckoned`] replaces them.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -160,26 +161,26 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// Prediction of the motion over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under
-/// the model checker.
+/// Prediction of the motion over a tick; `None` if a weight does not fit a word. When the model checker runs, [`crate::reckoned`]
+/// replaces it.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// Prediction of the motion from a sample to the time when the next command begins to act. [`crate::reckoned`] says what replaces
-/// it under the model checker.
+/// Prediction of the motion from a sample to the time when the next command begins to act. When the model checker runs,
+/// [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
 }
 
-/// The rate `1/T` in Hz; a rate of 0 is replaced by 1 Hz.
+/// The control rate in Hz; a rate of 0 is replaced by 1 Hz.
 fn rate_of(rate: Int) -> Int {
     (rate.max(1) * ONE).min(MOST)
 }
 
-/// Whether `validate` accepts the settings. The bandwidth must be a 500th to a fifth of the rate. The inertia `J/T²` in N·m/rad
-/// must be at least the largest force in N·m and 0.76, and at most 6e7.
+/// Whether `validate` accepts the settings. The bandwidth must be a 500th to a fifth of the rate. The inertia over the squared
+/// tick, in N·m/rad, must be at least the largest force in N·m and at least 0.76, and at most 6e7.
 #[must_use]
 pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
     let each = between(8_589_935, set.bandwidth, 20_000 * ONE)
@@ -199,8 +200,8 @@ pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
         )
 }
 
-/// The estimator of accepted settings, at a rate in Hz and for a largest force. `None` if a weight does not fit, or is beyond what
-/// the harnesses assume.
+/// The estimator of accepted settings, at a rate in Hz and for a largest force. `None` if a coefficient does not fit, or is beyond
+/// what the properties of the estimator assume.
 #[must_use]
 pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     let rate = rate_of(rate);

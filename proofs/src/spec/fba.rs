@@ -1,34 +1,34 @@
-//! Specification tick of the force bounding approach, FBA (thesis 2.6a to 2.10).
+//! Specification of a tick of the force bounding approach, FBA (thesis 2.6a to 2.10).
 
 use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 
-/// The law's coefficients, in quanta.
+/// The coefficients of force bounding, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fba {
-    /// `k_de`: stiffness that the wall should show, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// `c_i/T`: damping of the device per tick, in the format of gains.
+    /// Damping of the device over the control period, in the number format of stiffnesses.
     pub device_damping: Int,
-    /// `sqrt(4 c_i/T)`: factor of the bound on the force, in the format of gains.
+    /// Factor of the bound on the force: root of four times the device's damping per tick, in the number format of stiffnesses.
     pub bound: Int,
-    /// Largest force, in quanta.
+    /// Largest force, in steps of the force format.
     pub limit: Int,
-    /// Most energy that the law stores, in quanta.
+    /// Most energy that the law stores, in steps of the energy format.
     pub energy_cap: Int,
 }
 
-/// The law's memory between ticks.
+/// The force bounding law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law's observer has summed, in quanta.
+    /// Energy that the law has summed, in steps of the energy format.
     pub energy: Int,
-    /// Whether the HIP was in the wall in the last tick.
+    /// Whether the hand's point (HIP) was in the wall in the last tick.
     pub inside: bool,
 }
 
-/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal (position or force) plus 1. It halves an interval, where the
+/// Square root rounded down, 0 for a negative `x`, at most the highest position or force plus 1. It halves an interval, where the
 /// code calculates digit by digit.
 #[must_use]
 pub fn root(x: Int) -> Int {
@@ -48,13 +48,13 @@ pub fn root(x: Int) -> Int {
 }
 
 impl Fba {
-    /// The force bound's factor `sqrt(4 c_i/T)` for the device's damping per tick, rounded down.
+    /// The factor of the force bound for a device's damping per tick: root of four times the damping, rounded down.
     #[must_use]
     pub fn bound_of(device_damping: Int) -> Int {
         root((4 * device_damping) << GAIN)
     }
 
-    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns the new memory and the force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         if e <= 0 {

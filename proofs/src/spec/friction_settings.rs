@@ -7,27 +7,29 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 /// Settings of the friction as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Stiffness, N/m.
+    /// Stiffness of the friction's spring, N/m.
     pub stiffness: Int,
-    /// Coefficient of static friction, `μ_s`.
+    /// Coefficient of static friction.
     pub fixed: Int,
-    /// Coefficient of kinetic friction, `μ_k`.
+    /// Coefficient of kinetic friction.
     pub kinetic: Int,
 }
 
-/// The friction's stiffness as a gain. Also how far it stretches per newton before and while it slides, as ratios.
+/// The friction's coefficients: stiffness of its spring, and how far the spring stretches per newton of normal force before and
+/// while it slides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// Stiffness `k`, in the format of gains.
+    /// Stiffness of the friction's spring, in the number format of stiffnesses.
     pub stiffness: Int,
-    /// Static friction: `μ_s/k`, in the format of ratios.
+    /// Static friction: largest stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
     pub fixed: Int,
-    /// Kinetic friction: `μ_k/k`, in the format of ratios.
+    /// Kinetic friction: stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
     pub kinetic: Int,
 }
 
 /// The friction in a unit of length of which `per_metre` make a metre, for a device with a control rate in Hz and a damping. `None`
-/// unless `0 < k <= 2 b/T`, `0 <= μ_k <= μ_s <= 10` and all coefficients fit.
+/// unless the stiffness is above 0 and at most twice the damping per tick, the coefficients are `0 <= kinetic <= fixed <= 10`, and
+/// all results fit.
 #[must_use]
 pub fn made(set: &Settings, per_metre: Int, rate: Int, damping: Int) -> Option<Friction> {
     let most = times(times(damping, rate * ONE), 2 * ONE);

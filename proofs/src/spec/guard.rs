@@ -1,42 +1,44 @@
-//! Specification tick of the energy guard. Line by line it is the tick of `proofs/coq/Guard.v`, which the guard's theorem is about.
+//! Specification of a tick of the energy guard. Line by line it is the tick of `proofs/coq/Guard.v`, which the guard's theorem is
+//! about.
 
 use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 
-/// The guard's coefficients, in quanta.
+/// The guard's coefficients, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
-    /// `C`: most energy that the account holds.
+    /// Most energy that the account holds.
     pub capacity: Int,
-    /// `P T`: energy added to the account per tick.
+    /// Energy that the refill power adds to the account per tick.
     pub refill: Int,
-    /// `c`: trusted damping per tick, in the format of gains.
+    /// Trusted damping over the control period, in the number format of stiffnesses.
     pub damping: Int,
-    /// The largest measured displacement in a tick that is not over-speed.
+    /// The largest measured displacement in a tick that is not overspeed.
     pub furthest: Int,
-    /// `δ`: encoder count, twice the largest error of a measured position.
+    /// Twice the largest error of a measured position (one encoder count).
     pub count: Int,
-    /// `s`: fraction of a tick after which a force acts, in the format of ratios.
+    /// Fraction of a tick after which a force begins to act, in the number format of ratios.
     pub late: Int,
-    /// `κ`: energy charged per squared change of force, in the format of ratios.
+    /// Energy charged per squared change of force, in the number format of ratios.
     pub stray: Int,
-    /// Half an encoder count plus a bound of the rounding errors.
+    /// Distance charged per change of force: half an encoder count plus a bound of the rounding errors.
     pub slack: Int,
-    /// `1/D`: largest force per free energy, in the format of gains.
+    /// Largest force for each unit of free energy, in the number format of stiffnesses: the inverse of the largest displacement
+    /// plus a count.
     pub per_reach: Int,
-    /// `s d` plus half an encoder count: displacement for which a force in flight still costs energy.
+    /// Largest displacement under a force after the sample that ends it, plus half an encoder count.
     pub in_flight: Int,
-    /// `(1 + s)/4c`: energy charged at an over-speed per squared force, in the format of ratios.
+    /// Energy charged at overspeed per squared force, in the number format of ratios.
     pub overrun: Int,
 }
 
-/// The guard's memory between ticks.
+/// The energy guard's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Energy account: what the hand may still get out.
+    /// Energy account: the energy that the hand may still get out.
     pub account: Int,
     /// Force of the last tick.
     pub force: Int,
-    /// Force of the tick before the last.
+    /// Force of the tick before the last one.
     pub older: Int,
 }
 
@@ -57,13 +59,13 @@ impl Guard {
         times(force.abs(), self.in_flight)
     }
 
-    /// The largest force that a free energy covers for every allowed displacement.
+    /// The largest force that the free energy in the account covers for every allowed displacement.
     #[must_use]
     pub fn largest_force(&self, free: Int) -> Int {
         times(self.per_reach, free >> SIGNAL) >> GAIN
     }
 
-    /// Energy account after a tick, before it is limited to its capacity.
+    /// Energy in the account after a tick, before it is limited to the most that the account holds.
     #[must_use]
     pub fn booked(&self, memory: &Memory, moved: Int, before_change: Int) -> Int {
         let change = memory.force - memory.older;
@@ -82,7 +84,7 @@ impl Guard {
         times(size, (over + 1).min(HIGHEST))
     }
 
-    /// One tick. Returns the memory, and `true` if there was no over-speed.
+    /// One tick of the guard. Returns the new memory, and `true` if there was no overspeed.
     #[must_use]
     pub fn tick(
         &self,
@@ -112,8 +114,8 @@ impl Guard {
         (after, true)
     }
 
-    /// The memory after the force was switched off. If a tick has ended the force, the account is reduced by what the older force
-    /// may still cost. Otherwise the account becomes at most 0.
+    /// The guard's memory after the force was switched off. If a tick has ended the force, the account is reduced by what the older
+    /// force may still cost. Otherwise the account becomes at most 0.
     #[must_use]
     pub fn switched_off(&self, memory: &Memory) -> Memory {
         Memory {
@@ -126,7 +128,7 @@ impl Guard {
         }
     }
 
-    /// The memory after a report of the force that was commanded in the end.
+    /// The guard's memory after a report of the force that was finally commanded.
     #[must_use]
     pub fn commanded(memory: &Memory, told: Int) -> Memory {
         Memory {

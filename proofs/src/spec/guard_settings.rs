@@ -1,5 +1,5 @@
 //! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. The theorems there state that accepted
-//! settings satisfy what the guard's harnesses assume, and cover the given device.
+//! settings satisfy what the guard's properties assume, and what the energy theorem requires for the given device.
 
 use super::guard::Guard;
 use super::settings::{
@@ -11,38 +11,38 @@ use super::{HIGHEST, Int};
 /// Settings of the guard as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Capacity of the energy account, J.
+    /// Most energy that the account holds, J.
     pub capacity: Int,
     /// Power that refills the energy account, W.
     pub refill: Int,
-    /// Trusted fraction (0 to 1) of the damping.
+    /// Fraction (0 to 1) of the damping that is trusted.
     pub share: Int,
     /// Damping of the device without a hand, N·m·s/rad.
     pub damping: Int,
-    /// Speed above which the guard trips, rad/s.
+    /// Speed above which the guard switches the force off, rad/s.
     pub overspeed: Int,
-    /// Delay until a force acts, s.
+    /// Delay from a sample until its force begins to act, s.
     pub delay: Int,
-    /// Lag of the current loop, s.
+    /// Mean lag of the current loop after that delay, s.
     pub lag: Int,
     /// Whether the position is also read when the force changes.
     pub measured: bool,
 }
 
-/// Properties of the device that the guard is given.
+/// Properties of the device that the guard's coefficients depend on, as integers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Told {
     /// Control rate, a whole number of Hz.
     pub rate: Int,
-    /// Force limit, N·m.
+    /// Force limit, N·m, in units of 2^-32.
     pub limit: Int,
-    /// Encoder count, rad.
+    /// Angle of an encoder count, rad, in units of 2^-32.
     pub count: Int,
 }
 
-/// A margin that exceeds the rounding error of a sum of products and quotients, in units of 2^-32.
+/// A margin for bounds, in units of 2^-32. It exceeds the rounding error of a sum of products and quotients.
 const UP: Int = 8;
-/// One quantum of a signal (position or force), in units of 2^-32.
+/// One step of the format of positions and forces, in units of 2^-32.
 const STEP: Int = 1 << 8;
 /// The largest force for which the energy account has room, 31.9 N·m in units of 2^-32.
 const ROOM: Int = 137_009_456_742;
@@ -62,8 +62,8 @@ fn rate(told: &Told) -> Int {
     (told.rate * ONE).min(MOST)
 }
 
-/// The settings with delay and lag limited to one tick, rounded down. Settings within their ranges can exceed that by at most one
-/// last digit.
+/// The settings with the sum of delay and lag limited to one tick, rounded down. Settings within their ranges can exceed a tick by
+/// at most 2^-32 s.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
@@ -71,7 +71,7 @@ fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     Settings { delay, lag, ..*set }
 }
 
-/// Whether `validate` accepts the settings.
+/// Whether `validate` accepts the guard's settings for this device.
 #[must_use]
 pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     let each = between(0, set.capacity, 16 * ONE)
@@ -92,8 +92,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
-/// Warnings for settings within their ranges. First: the account does not cover the largest force over the largest displacement,
-/// with the part after the next sample and half a count. Second: the account is never refilled.
+/// Whether there is each of two warnings for settings within their ranges. First: the account does not cover the largest force over
+/// the largest displacement, with the part after the next sample and half a count. Second: the account is never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let set = within_a_tick(set, told);
@@ -121,8 +121,8 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let reach = plus(distance, told.count);
     let late = times(plus(set.delay, set.lag), rate);
 
-    // The reserve in flight is rounded up by one quantum and a little. Each position that it is measured with is rounded up by one
-    // more.
+    // The energy in flight is rounded up by one step of the number format and a little. Each position that it is measured with is
+    // rounded up by one more step.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
     let per_reach = over(ONE, plus(reach, rounded)).min(over(ROOM, set.capacity));
     let largest_change = (plus(times(set.capacity, per_reach), UP) * 2).min(MOST);
@@ -147,9 +147,9 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
 
     let half_count = told.count >> 1;
     let left_out = plus(plus(largest_change, distance), set.overspeed >> 8);
-    // Half a count plus what rounding leaves out: its whole quanta and the rest, one quantum each.
+    // Half a count, plus what rounding leaves out: one step of the format for every whole unit of `left_out`, and one for the rest.
     let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
-    // The position and the part under the old force are each rounded by one quantum.
+    // The position and the part under the old force are each rounded by one step of the format.
     let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
     let in_flight = if set.delay > 0 || set.lag > 0 {
         plus(plus(times(late, distance), UP), half_count)

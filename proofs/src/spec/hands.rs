@@ -1,5 +1,5 @@
-//! Random guards, hands and laws that compare the guard with its specification: any settings, hostile motions, any force requested
-//! by the law.
+//! Random settings, hands and laws for tests that compare the code with its specification: any settings, hostile motions, any force
+//! requested by the law.
 
 use super::guard::Memory;
 use fixed::types::I8F24;
@@ -90,13 +90,13 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     (settings, device)
 }
 
-/// The signal (position or force) of this many quanta, limited to the range of signals.
+/// The position or force of this many steps of its format, limited to the range of the format.
 #[must_use]
 pub fn bits(x: i64) -> I8F24 {
     I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
 }
 
-/// Displacement of a hand in a tick, by one of several habits.
+/// Displacement of a simulated hand in a tick. The number `habit` selects one of several patterns of motion, some of them hostile.
 pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthest: i64) -> i64 {
     let speed = furthest >> (habit / 8 % 12);
     match habit % 8 {
@@ -131,7 +131,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
     }
 }
 
-/// A random value near a default, or of any size.
+/// A random setting: 0, the default, a multiple of it, or a number of any size.
 fn near(random: &mut Random, default: &str) -> Si {
     let default = Si::from_str(default).expect("a number");
     match random.below(4) {
@@ -190,14 +190,14 @@ pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
     }
 }
 
-/// A hand that makes penetration and displacement of each next tick: a press and its release, trembling at the surface, and jumps.
-/// Now and then the displacement does not match the penetration, as an estimator can give one.
+/// A simulated hand that gives penetration and displacement of each next tick: a press and its release, trembling at the surface,
+/// and jumps. Now and then the displacement does not match the penetration, as an estimator can give one.
 pub struct Hand {
     habit: u64,
     at: i64,
 }
 impl Hand {
-    /// A hand just outside the wall, with a random habit.
+    /// A hand just outside the wall, with a random pattern of motion.
     pub fn any(random: &mut Random) -> Self {
         Self {
             habit: random.any() >> 20,
@@ -205,7 +205,7 @@ impl Hand {
         }
     }
 
-    /// Penetration and displacement of the next tick.
+    /// Penetration and displacement of the next tick, which may depend on the last force.
     pub fn moves(&mut self, random: &mut Random, tick: u64, force: i128) -> (I8F24, I8F24) {
         let before = self.at;
         let speed = 1_i64 << (self.habit / 8 % 22);

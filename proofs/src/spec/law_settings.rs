@@ -11,17 +11,17 @@ use super::sfa::{Sfa, Update};
 use super::tdpa::Tdpa;
 use super::{BITS, Int};
 
-/// Most energy that a law stores: half of the format's largest magnitude.
+/// Most energy that a law stores: half of the largest energy of the format.
 pub const ENERGY_CAP: Int = 1 << (2 * BITS - 2);
 
 /// The stiffness that the enhanced law regulates by changing its offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regulated {
-    /// Force over position of the virtual mass is regulated to `k_de`.
+    /// Force over position of the virtual mass is regulated to the desired stiffness.
     Mass,
-    /// The virtual mass' stiffness is regulated so that the HIP feels `k_de` (thesis 3.5).
+    /// The stiffness at the virtual mass is regulated so that the hand feels the desired stiffness (thesis 3.5).
     MassCompensated,
-    /// Force over position of the HIP is regulated to `k_de` (thesis 3.6).
+    /// Force over position of the hand's point (HIP) is regulated to the desired stiffness (thesis 3.6).
     Hip,
 }
 
@@ -30,39 +30,40 @@ pub enum Regulated {
 pub struct Settings {
     /// Control rate, a whole number of Hz.
     pub rate: Int,
-    /// `k_de`: stiffness that the wall should show, N·m/rad.
+    /// Desired stiffness of the wall, N·m/rad.
     pub desired: Int,
-    /// `k_v`: stiffness of the virtual spring, N·m/rad.
+    /// Stiffness of the soft virtual spring, N·m/rad.
     pub soft: Int,
-    /// `c_i`: damping of the device, N·m·s/rad.
+    /// Damping of the device, N·m·s/rad.
     pub device_damping: Int,
-    /// `b`: virtual damping, N·m·s/rad.
+    /// Virtual damping, N·m·s/rad.
     pub virtual_damping: Int,
-    /// Whether the law counts the port's energy (`f(n-1) Δe`) instead of the thesis' sum (2.1).
+    /// Whether the law counts the true energy, last force times displacement, instead of the thesis' sum (2.1) with the new force.
     pub exact: bool,
-    /// Whether TDPA counts the energy that the device's damping dissipates (thesis 2.6).
+    /// Whether the law TDPA counts the energy that the device's damping dissipates (thesis 2.6).
     pub counts_damping: bool,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
-    /// The stiffness towards which the offset regulates.
+    /// The stiffness that the law reaches by changing the offset.
     pub regulated: Regulated,
-    /// The moments at which the offset of the wall's surface changes.
+    /// The ticks in which the offset of the soft spring changes.
     pub update: Update,
-    /// Whether the ideal step assumes that the hand's force stays (`c/k_de`) instead of its position (`c/k_v`, 3.7).
+    /// Whether the offset's ideal step assumes that the hand's force stays constant, instead of its position (thesis 3.7).
     pub force_stays: bool,
-    /// `c`: fraction of the ideal step of the offset (thesis 3.8), per millisecond.
+    /// Fraction of the offset's ideal step that the law goes per millisecond (thesis 3.8).
     pub step_of_ideal: Int,
-    /// `b`: largest step of the offset per force (thesis 3.9), per millisecond.
+    /// Largest step of the force by the offset, as a fraction of the force per millisecond (thesis 3.9).
     pub limit_of_force: Int,
-    /// `a`: largest step of the offset per penetration (thesis 3.11), per millisecond.
+    /// Largest step of the offset, as a fraction of the penetration per millisecond (thesis 3.11).
     pub limit_of_penetration: Int,
-    /// `m`: virtual mass (an inertia), kg·m².
+    /// Virtual mass (an inertia), kg·m².
     pub mass: Int,
-    /// `k_f`: stiffness of the coupling, N·m/rad.
+    /// Stiffness of the coupling between hand's point and virtual mass, N·m/rad.
     pub coupling: Int,
-    /// `c_f`: damping of the coupling, N·m·s/rad.
+    /// Damping of the coupling between hand's point and virtual mass, N·m·s/rad.
     pub filter_damping: Int,
-    /// `c_env`: damping between virtual mass and ground, N·m·s/rad.
+    /// Damping between virtual mass and ground, N·m·s/rad.
     pub ground_damping: Int,
     /// Energy lent to each contact, J.
     pub credit: Int,
@@ -70,21 +71,21 @@ pub struct Settings {
     pub limit: Int,
 }
 
-/// A spring with damping: `k_de` and `b/T` as gains, and the largest force.
+/// Coefficients of a spring with damping: stiffness, damping per tick, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// `k_de`: stiffness of the wall, in the format of gains.
+    /// Stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// `b/T`: damping per tick, in the format of gains.
+    /// Damping over the control period, in the number format of stiffnesses.
     pub damping: Int,
-    /// Largest force, in quanta.
+    /// Largest force, in steps of the force format.
     pub limit: Int,
 }
 
 fn gain(x: Int) -> Option<Int> {
     gain_fits(x).then(|| gain_of(x))
 }
-/// A setting as a ratio, a compliance or a signal (position or force); `None` if it does not fit.
+/// Converts a setting to a ratio, a compliance, a position or a force; `None` if it does not fit.
 fn signal(x: Int) -> Option<Int> {
     signal_fits(x).then(|| signal_of(x))
 }
@@ -92,21 +93,21 @@ fn signal(x: Int) -> Option<Int> {
 /// Damping and inertia per tick, in units of 2^-32 N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// Critical stiffness `k_c = 2 c_i/T`.
+    /// Critical stiffness, which the device's damping just makes passive: twice the damping over the control period.
     pub critical: Int,
-    /// Inertia of the virtual mass: `m/T²`.
+    /// Inertia of the virtual mass over the control period squared.
     pub inertia: Int,
-    /// Damping of the coupling: `c_f/T`.
+    /// Damping of the coupling over the control period.
     pub filter_damping: Int,
-    /// Damping between virtual mass and ground: `c_env/T`.
+    /// Damping between virtual mass and ground over the control period.
     pub ground_damping: Int,
-    /// Damping of the device: `c_i/T`.
+    /// Damping of the device over the control period.
     pub device_damping: Int,
-    /// Virtual damping: `b/T`.
+    /// Virtual damping over the control period.
     pub virtual_damping: Int,
 }
 
-/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the model checker.
+/// Damping and inertia per tick, computed from several settings. When the model checker runs, [`crate::reckoned`] replaces them.
 #[must_use]
 pub fn derived(of: &Settings) -> Derived {
     let per_tick = |damping| times(damping, (of.rate * ONE).min(MOST));
@@ -120,19 +121,20 @@ pub fn derived(of: &Settings) -> Derived {
     }
 }
 
-/// Which damping a spring has.
+/// Which damping a spring law has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
     /// The spring has no damping.
     Not,
-    /// The configured damping `b`.
+    /// The configured virtual damping.
     Fully,
-    /// Damping `b k_de/k_v`, for the enhanced law with a stiffness `k_de` up to that of its virtual spring, `k_v`.
+    /// The virtual damping times desired over soft stiffness, for the enhanced law with a desired stiffness up to the soft one.
     InProportion,
 }
 
 impl Settings {
-    /// The spring law `f = k_de e + (b/T) Δe` (thesis 1.6); `None` if a coefficient does not fit.
+    /// The coefficients of the spring law (thesis 1.6), stiffness times penetration plus damping per tick times displacement.
+    /// `None` if a coefficient does not fit.
     #[must_use]
     pub fn spring(&self, damped: Damped) -> Option<Spring> {
         let per_tick = derived(self).virtual_damping;
@@ -148,7 +150,7 @@ impl Settings {
         })
     }
 
-    /// The TDPA law (thesis 2.1 to 2.6); `None` if a coefficient does not fit.
+    /// The coefficients of the TDPA law, time-domain passivity (thesis 2.1 to 2.6); `None` if one does not fit.
     #[must_use]
     pub fn tdpa(&self) -> Option<Tdpa> {
         Some(Tdpa {
@@ -164,8 +166,8 @@ impl Settings {
         })
     }
 
-    /// The FBA law (thesis 2.6a to 2.10), with the force bound of the damping as it is stored. `None` if a coefficient
-    /// does not fit.
+    /// The coefficients of the FBA law, force bounding (thesis 2.6a to 2.10). The factor of the force bound follows from the
+    /// damping as it is stored. `None` if a coefficient does not fit.
     #[must_use]
     pub fn fba(&self) -> Option<Fba> {
         let device_damping = gain(derived(self).device_damping)?;
@@ -178,8 +180,9 @@ impl Settings {
         })
     }
 
-    /// The SFA law (thesis 2.14a). The offset's step is `(k_c/k_v - 1) Δe` with `k_c = 2 c_i/T`, and 0 for a device with
-    /// `k_c < k_v`. `None` if a coefficient does not fit.
+    /// The coefficients of the SFA law, successive force augmentation (thesis 2.14a). The offset's step per displacement is
+    /// critical over soft stiffness less 1, and 0 for a device with a smaller critical stiffness. `None` if a coefficient does not
+    /// fit.
     #[must_use]
     pub fn sfa(&self, update: Update) -> Option<Sfa> {
         let critical = derived(self).critical;
@@ -194,14 +197,14 @@ impl Settings {
         })
     }
 
-    /// Whether the enhanced law is a plain spring, because the stiffness needs no augmentation (§3.1).
+    /// Whether the enhanced law is a plain spring, because the desired stiffness needs no augmentation (thesis §3.1).
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.desired <= self.soft
     }
 
-    /// The enhanced law: Algorithm 3.1 with the virtual mass of Fig. 3.18. `None` unless twice the sum of the mass' gains fits, its
-    /// coupling is not 0, and the loan is at most the cap.
+    /// The coefficients of the enhanced law (thesis Algorithm 3.1) with its virtual mass. `None` unless twice the sum of the mass'
+    /// gains fits, the coupling is not 0, and the lent energy is at most the energy cap.
     #[must_use]
     pub fn enhanced(&self) -> Option<Enhanced> {
         let derived = derived(self);

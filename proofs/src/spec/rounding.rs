@@ -1,4 +1,4 @@
-//! Rounding and saturation, as all specification ticks use them.
+//! Rounding and saturation as the specifications of all laws use them.
 
 use super::{GAIN, HIGHEST, Int, LOWEST, over, times};
 
@@ -22,13 +22,14 @@ pub fn signal(x: Int) -> Int {
     x.clamp(LOWEST, HIGHEST)
 }
 
-/// The force `k e` of a spring: rounded towards zero and limited to the range of forces.
+/// The force of a spring at a position, rounded towards zero and limited to the range of forces.
 #[must_use]
 pub fn spring(stiffness: Int, position: Int) -> Int {
     cut(times(stiffness, position), GAIN).clamp(-HIGHEST, HIGHEST)
 }
 
-/// `c Δ²`: the energy that a damper dissipates over one displacement, with its force rounded towards zero.
+/// The energy that a damper dissipates over one displacement: damping per tick times the displacement squared, with the force
+/// rounded towards zero.
 #[must_use]
 pub fn damping_loss(damping: Int, moved: Int) -> Int {
     times(spring(damping, moved), moved)

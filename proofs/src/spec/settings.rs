@@ -1,5 +1,5 @@
-//! The arithmetic of settings. A setting is an integer in units of 2^-32 of its SI unit. Products and quotients are rounded down,
-//! and no result exceeds the largest number. All numbers are at least 0, which validation ensures.
+//! The arithmetic of settings in the specification. A setting is an integer in units of 2^-32 of its SI unit. Products and
+//! quotients are rounded down, and no result exceeds the largest number. All numbers are at least 0, which validation ensures.
 
 use super::{HIGHEST, Int};
 
@@ -13,12 +13,13 @@ pub const MOST: Int = i64::MAX as Int;
 pub fn plus(a: Int, b: Int) -> Int {
     (a + b).min(MOST)
 }
-/// The product `a b`; [`crate::reckoned`] says what replaces it under the model checker.
+/// The product `a b` of settings. When the model checker runs, [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the model checker.
+/// The quotient `a / b` of settings, and the largest setting for `b = 0`. When the model checker runs, [`crate::reckoned`] replaces
+/// it.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
@@ -33,12 +34,12 @@ pub fn between(least: Int, x: Int, most: Int) -> bool {
     least <= x && x <= most
 }
 
-/// A setting as a signal (position or force) or a ratio: 24 of its 32 fractional bits are kept.
+/// A setting converted to a position, force or ratio: 24 of its 32 fractional bits are kept.
 #[must_use]
 pub fn signal_of(x: Int) -> Int {
     x >> 8
 }
-/// A setting as a gain: 12 of its 32 fractional bits are kept.
+/// A setting converted to a gain (stiffness): 12 of its 32 fractional bits are kept.
 #[must_use]
 pub fn gain_of(x: Int) -> Int {
     x >> 20
@@ -48,17 +49,17 @@ pub fn gain_of(x: Int) -> Int {
 pub fn energy_of(x: Int) -> Int {
     x << 16
 }
-/// Whether a setting, as a signal (position or force), fits a word.
+/// Whether a setting, converted to a position or force, fits a word.
 #[must_use]
 pub fn signal_fits(x: Int) -> bool {
     signal_of(x) <= HIGHEST
 }
-/// Whether a setting, as a gain, fits a word.
+/// Whether a setting, converted to a gain (stiffness), fits a word.
 #[must_use]
 pub fn gain_fits(x: Int) -> bool {
     gain_of(x) <= HIGHEST
 }
-/// Whether a setting, as an energy, fits a double word.
+/// Whether a setting, converted to an energy, fits a double word.
 #[must_use]
 pub fn energy_fits(x: Int) -> bool {
     x <= MOST >> 16

@@ -1,9 +1,10 @@
-//! Specification ticks of the spring (thesis 1.6, §1.2.6) and of successive force augmentation, SFA (thesis 2.11 to 2.17, 3.2,
+//! Specification of a tick of the spring (thesis 1.6, §1.2.6) and of successive force augmentation, SFA (thesis 2.11 to 2.17, 3.2,
 //! 3.3).
 
 use super::{GAIN, HIGHEST, Int, SIGNAL, cut, signal, spring, times};
 
-/// The spring law `f = k_de e + (b/T) Δe`. The force never pulls inward and is 0 outside the wall; coefficients are in quanta.
+/// The spring law: stiffness times penetration plus damping per tick times displacement. The force never pulls inward and is 0
+/// outside the wall; coefficients are integers in steps of their formats.
 #[must_use]
 pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -> Int {
     if e <= 0 {
@@ -13,55 +14,56 @@ pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -
     cut(tension, GAIN).clamp(0, HIGHEST.min(limit))
 }
 
-/// The moments at which the offset of the wall's surface changes.
+/// The ticks in which the offset of the soft spring changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// The offset changes when the motion turns inward (thesis 2.14).
+    /// In the tick in which the motion turns inward (thesis 2.14).
     TurnInward,
-    /// The offset changes while the motion goes inward (thesis 3.2).
+    /// In every tick in which the motion goes inward (thesis 3.2).
     Inward,
-    /// The offset changes at every tick.
+    /// In every tick of contact.
     EveryTick,
 }
 
-/// The law's coefficients, in quanta.
+/// The coefficients of successive force augmentation, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
-    /// `k_de`: stiffness that the wall should show, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// `k_v`: stiffness of the virtual spring, in the format of gains.
+    /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
-    /// `k_c/k_v - 1`: step of the offset per displacement (thesis 2.14a), in the format of ratios.
+    /// Step of the offset per displacement, critical over soft stiffness less 1 (thesis 2.14a), in the number format of ratios.
     pub gain: Int,
-    /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
+    /// Compliance of the soft virtual spring, in the number format of ratios.
     pub compliance: Int,
-    /// The moments at which the offset of the wall's surface changes.
+    /// The ticks in which the offset of the soft spring changes.
     pub update: Update,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
-    /// Largest force, in quanta.
+    /// Largest force, in steps of the force format.
     pub limit: Int,
 }
 
-/// The law's memory between ticks.
+/// The memory of successive force augmentation between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Whether the HIP is in contact, from the first tick inside the wall on.
+    /// Whether there is contact, from the first tick inside the wall on.
     pub inside: bool,
     /// Whether the motion has reversed once since the contact began.
     pub augmenting: bool,
     /// Penetration of the last tick.
     pub last: Int,
-    /// Penetration of the tick before the last.
+    /// Penetration of the tick before the last one.
     pub before_last: Int,
-    /// `O`: offset of the wall's surface.
+    /// Offset: deformation of the soft spring beyond the penetration.
     pub offset: Int,
     /// Force of the last tick.
     pub force: Int,
 }
 
 impl Sfa {
-    /// Step of the offset in a tick (thesis 2.14 and 3.2).
+    /// Step of the soft spring's offset in a tick (thesis 2.14 and 3.2).
     fn step(&self, m: &Memory, moved: Int) -> Int {
         let due = match self.update {
             Update::TurnInward => moved > 0 && m.last <= m.before_last,
@@ -81,7 +83,7 @@ impl Sfa {
         }
     }
 
-    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns the new memory and the force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let m = memory;

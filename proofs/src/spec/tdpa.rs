@@ -1,35 +1,35 @@
-//! Specification tick of the time-domain passivity approach, TDPA (thesis 1.6, 2.1 to 2.6).
+//! Specification of a tick of the time-domain passivity approach, TDPA (thesis 1.6, 2.1 to 2.6).
 
 use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, times};
 
-/// The law's coefficients, in quanta.
+/// The coefficients of time-domain passivity control, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
-    /// `k_de`: stiffness that the wall should show, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
+    /// Whether the law counts the true energy, last force times displacement, instead of new force times displacement (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T`: damping of the device per tick (thesis 2.6), in the format of gains.
+    /// Damping of the device over the control period (thesis 2.6), in the number format of stiffnesses.
     pub device_damping: Int,
-    /// Largest force, in quanta.
+    /// Largest force, in steps of the force format.
     pub limit: Int,
-    /// Most energy that the law stores, in quanta.
+    /// Most energy that the law stores, in steps of the energy format.
     pub energy_cap: Int,
 }
 
-/// The law's memory between ticks.
+/// The memory of time-domain passivity control between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law's observer has summed, in quanta.
+    /// Energy that the law's observer has summed, in steps of the energy format.
     pub energy: Int,
-    /// Whether the HIP was in the wall in the last tick.
+    /// Whether the hand's point (HIP) was in the wall in the last tick.
     pub inside: bool,
 }
 
 impl Tdpa {
-    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns the new memory and the force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         if e <= 0 {
@@ -54,8 +54,8 @@ impl Tdpa {
         )
     }
 
-    /// Energy and force of the exact observer. `E(n) = E(n-1) + f(n-1) Δe`, and `f(n)` is such that a next displacement equal to
-    /// the last one leaves no deficit.
+    /// Energy and force with the exact observer. The energy grows by last force times displacement. The new force is such that a
+    /// next displacement equal to the last one leaves no deficit.
     fn exact(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
         let lowest = |energy: Int| energy.max(LOWEST_ENERGY);
         let energy =
@@ -74,8 +74,8 @@ impl Tdpa {
     }
 }
 
-/// Energy and force of the passivity controller (thesis 2.1 to 2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not
-/// negative.
+/// Energy and force of the thesis' passivity controller (2.1 to 2.4). The energy grows by new force times displacement, up to the
+/// cap, and the force is such that the energy does not become negative.
 #[must_use]
 pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
     let after = energy + times(wanted, moved);

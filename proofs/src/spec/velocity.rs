@@ -1,18 +1,18 @@
-//! Specification ticks of the velocity filters of a spring-damper, in whole numbers. Read them beside the headers of
+//! Specification of a tick of the velocity filters of a spring-damper, in integers. Read it beside the headers of
 //! `control/src/velocity/`.
 //!
-//! A motion is one of [`super::estimator`]: its displacements have 54 fractional bits, and a weight has the fractional bits that a
-//! product needs for 54.
+//! A motion is one of [`super::estimator`]: its displacements have 54 fractional bits, and a weight (coefficient) has the
+//! fractional bits that a product needs for 54.
 
 use super::Int;
 use super::estimator::{Flow, Motion, REMEMBERED, corrected, shown, state, weighed, within};
 pub use super::window::{LONGEST, window};
 
-/// Number of binary digits of a state below its part, the digits that are multiplied.
+/// Number of binary digits of a state below its part, the leading digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
 
-/// First-order filter of the velocity: `v = v + a (x - x' - v)`, with the weight `a`, the position `x` and the last one `x'`.
-/// `None` if the motion is impossible.
+/// First-order filter of the velocity: `v = v + a (x - x' - v)`, with the gain `a`, the position `x` and the last one `x'`. `None`
+/// if no device can move like that.
 #[must_use]
 pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
     let news = state(at) - before.x - before.d;
@@ -28,7 +28,7 @@ pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
 }
 
 /// A Kalman filter in its steady state: the estimator's correction for a device that keeps its acceleration and gets no commands.
-/// `None` if the motion is impossible.
+/// `None` if no device can move like that.
 #[must_use]
 pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int) -> Option<Motion> {
     let free = Flow {
@@ -40,8 +40,8 @@ pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int)
     corrected(gains, free.end(before, [0; REMEMBERED]), before.g, at)
 }
 
-/// The memory after a measured position, and the velocity. After an impossible motion (`None`) the device is assumed to stand
-/// still.
+/// The filter's memory after a measured position, and the velocity. If no device can move like that (`None`), the device is assumed
+/// to stand still.
 #[must_use]
 pub fn told(after: Option<Motion>, at: Int) -> (Motion, Int) {
     let motion = after.unwrap_or(Motion {

@@ -1,9 +1,9 @@
-//! Specification of the velocity window: first-order adaptive windowing of Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003,
+//! Specification of a velocity filter: first-order adaptive windowing of Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003,
 //! 2000, with the line through both ends of the window.
 
 use super::{HIGHEST, Int, SIGNAL, signal, times};
 
-/// Largest number of past positions in a window.
+/// Most past positions in a window of the velocity filter.
 pub const LONGEST: usize = 16;
 
 /// A bound on a slope: a distance and the number of ticks by which it is divided; `None` if there is no bound.

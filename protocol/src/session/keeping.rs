@@ -10,7 +10,8 @@ use crate::settings::kept::{self, KeptAlignment, KeptStart, MeasuredWith, Unkept
 use crate::telemetry::Phase;
 
 impl Session {
-    /// Stores or discards the cogging map, or adds a cogging sweep to the next calibration. Not while calibrating or armed.
+    /// Stores or discards the map of the motor's cogging torque, or has the next calibration turn the shaft slowly to measure it.
+    /// Not while calibrating or armed.
     #[inline(never)]
     pub(super) fn keep_cogging(
         &mut self,
@@ -94,8 +95,8 @@ impl Session {
         Ok(())
     }
 
-    /// Replaces the environment (walls, end stops, detents), in every state but the calibration, in which the motor's field turns
-    /// the shaft.
+    /// Replaces the environment (walls, end stops, detents). Allowed in every state but the calibration, which itself turns the
+    /// shaft.
     #[inline(never)]
     pub(super) fn surround(
         &mut self,

@@ -5,7 +5,8 @@ use miniconf::{ConstPathIter, SerdeError, postcard as leaf};
 use postcard::{de_flavors, ser_flavors};
 use serde::{Deserialize, Serialize};
 
-/// Longest value of a single setting on the wire, in bytes: postcard's encoding of a 64-bit number has up to ten.
+/// Longest value of a single setting on the serial link, in bytes: the serialiser postcard needs up to ten bytes for a 64-bit
+/// number.
 pub const VALUE_MAX: usize = 10;
 
 /// Why a setting could not be read or written.
@@ -29,7 +30,7 @@ fn why(error: SerdeError<postcard::Error>) -> KeyError {
 }
 
 impl DeviceSettings {
-    /// Writes the setting's value into `buffer` in postcard's encoding; [`VALUE_MAX`] bytes are always enough.
+    /// Writes the setting's value into `buffer`, encoded by the serialiser postcard; [`VALUE_MAX`] bytes are always enough.
     ///
     /// # Errors
     /// No setting has this path, or the buffer is too small.
@@ -39,7 +40,8 @@ impl DeviceSettings {
             .map_err(why)
     }
 
-    /// Changes one setting to a value in postcard's encoding. Does not validate: the caller validates all settings together.
+    /// Changes one setting to a value that is encoded by the serialiser postcard. Does not validate: the caller validates all
+    /// settings together.
     ///
     /// # Errors
     /// No setting has this path, or the value is not valid for it. The settings are then unchanged.

@@ -1,5 +1,5 @@
-//! The map of a motor's cogging that a board stores: the current that holds the shaft against the cogging torque, as a function of
-//! the encoder's own angle, as a few harmonics of a turn.
+//! The map of a motor's cogging torque that a board stores. It gives the current that holds the shaft against the cogging torque,
+//! as a function of the encoder's own angle, as a few harmonics of a turn.
 //!
 //! Why harmonics and not a table: cogging has few of them (multiples of the least common multiple of slots and poles; where slots
 //! or magnets differ, also multiples of the number of slots or of poles). They take about a hundred bytes, and their mean over a
@@ -12,26 +12,26 @@ use crate::Board;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of harmonics in a map.
+/// Largest number of harmonics in a cogging map.
 pub const HARMONICS: usize = 12;
-/// Fractional bits of a harmonic's current: the current has steps of 0.12 mA and is at most 4 A.
+/// Fractional bits of a harmonic's current in amperes: the current has steps of 0.12 mA and is at most 4 A.
 pub const CURRENT_BITS: u32 = 13;
 /// Most bytes that a [`KeptCogging`] takes in flash (a test checks it).
 pub const COGGING_MAX: usize = 120;
 
-/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)`. The angle `θ` is measured from the encoder's own zero in the
-/// direction of rising counts.
+/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)` with its order `n`. The angle `θ` of the shaft is measured from the
+/// encoder's own zero in the direction of rising counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingHarmonic {
     /// Order `n` of the harmonic: its number of periods in a turn, 1 or more.
     pub order: u8,
-    /// Factor of the cosine, in units of 2^-13 A; positive pushes in the direction of rising counts.
+    /// Factor of the cosine, in units of 2^-13 A; a positive current pushes in the direction of rising counts.
     pub cos: i16,
     /// Factor of the sine, in units of 2^-13 A.
     pub sin: i16,
 }
 
-/// The current that holds the shaft against the cogging torque.
+/// The map of a motor's cogging torque: the current that holds the shaft against that torque, over a turn.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CoggingMap {
     /// The harmonics whose sum is the current.
@@ -57,13 +57,13 @@ impl KeptCogging {
     }
 }
 
-/// The cogging sweep that the next calibration includes.
+/// Whether and how the next calibration turns the shaft slowly both ways, to measure the cogging.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sweep {
-    /// The calibration includes no sweep.
+    /// The calibration does not turn the shaft to measure the cogging.
     #[default]
     None,
-    /// The shaft is turned slowly both ways, without compensation even if a map is stored.
+    /// The shaft is turned slowly both ways. A stored cogging map does not compensate meanwhile.
     Bare,
     /// The shaft is turned slowly both ways while the stored map compensates the cogging.
     Compensated,

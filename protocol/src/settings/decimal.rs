@@ -1,4 +1,4 @@
-//! An exact fixed-point value in SI units: 64 bits on the wire, a decimal number for people.
+//! An exact fixed-point value in SI units: 64 bits on the serial link, a decimal number for people.
 
 use core::fmt;
 use core::str::FromStr;
@@ -9,12 +9,13 @@ use touchstone_control::Si;
 
 /// A value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
 ///
-/// Formats that people read get it as decimal text, which reads back as the same bits. Postcard gets the bits.
+/// Serialised for people, it is a decimal text, which reads back as the same bits. Serialised for the wire (postcard), it is its
+/// bits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Decimal(pub Si);
 
 impl Decimal {
-    /// The value of a decimal text, at compile time.
+    /// Makes the value from a decimal text, at compile time.
     ///
     /// # Panics
     /// The text is no number, or it is outside the format's range.
@@ -23,7 +24,7 @@ impl Decimal {
         Self(Si::lit(text))
     }
 
-    /// The nearest value of the format; the end of its range for values outside.
+    /// The value of the format that is nearest to a number; the end of the range for a number outside.
     #[must_use]
     pub fn from_num(value: impl ToFixed) -> Self {
         Self(Si::saturating_from_num(value))

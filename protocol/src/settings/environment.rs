@@ -15,27 +15,28 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
+/// Longest environment (walls, end stops, detents) on the serial link, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 496;
 
-/// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
+/// The environment: whether the wall in the device's settings is rendered, and which walls, detents and profile are rendered beside
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Surround {
     /// Whether the wall of the device's settings is rendered.
     pub first_wall: bool,
-    /// The second, third and fourth wall, as far as there are any.
+    /// The second, third and fourth wall, if they exist.
     pub further: [Option<WallBeside>; 3],
-    /// Walls at both ends of the travel.
+    /// Walls at both ends of the knob's travel.
     pub endstops: Option<TravelEnds>,
     /// Positions to which a torque draws the knob, evenly around a turn.
     pub detents: Option<DetentsBeside>,
     /// How fast the force changes to that of a new environment while the knob is armed, N·m/s.
     pub change_n_m_per_s: Decimal,
-    /// A torque drawn over the angle.
+    /// A torque profile: a torque drawn over the angle.
     pub profile: Option<ProfileBeside>,
 }
 
-/// A [`Surround`] as devices stored it before there were profiles.
+/// The environment ([`Surround`]) as it was stored before torque profiles existed, to read old flash images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WithoutProfile {
     first_wall: bool,
@@ -76,7 +77,7 @@ pub struct WallBeside {
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
-/// Walls at both ends of the travel.
+/// Walls at both ends of the knob's travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TravelEnds {
     /// Position of the lower end, rad; the wall is solid below it.
@@ -90,7 +91,7 @@ pub struct TravelEnds {
 /// Detents: positions at equal distances to which a torque draws the knob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DetentsBeside {
-    /// Number of detents in a turn; 0: detents are `pitch_rad` apart.
+    /// Number of detents in a turn. If it is 0, `pitch_rad` gives the distance of the detents.
     pub per_rev: u16,
     /// Distance between two detents if `per_rev` is 0, rad.
     pub pitch_rad: Decimal,
@@ -100,22 +101,22 @@ pub struct DetentsBeside {
     pub centre_rad: Decimal,
 }
 
-/// A torque drawn over the angle.
+/// A torque profile: a torque drawn over the angle, with straight lines between points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProfileBeside {
-    /// Copies in a turn; 0: once, from `start_rad` to `end_rad`.
+    /// Number of copies of the profile in a turn. If it is 0, the profile exists once, from `start_rad` to `end_rad`.
     pub per_rev: u16,
     /// Position of the first point, rad.
     pub start_rad: Decimal,
-    /// Position of the last point of a profile that is there once, rad.
+    /// Position of the last point, rad, for a profile that exists once.
     pub end_rad: Decimal,
-    /// The torque of a point of 1, N·m.
+    /// The torque of a point with the largest value, N·m.
     pub strength_n_m: Decimal,
-    /// The points.
+    /// The points of the profile, as fractions of the largest torque.
     pub shape: Points,
 }
 
-/// The points of a profile: on the wire a sequence of 2 to 96 numbers from -10,000 to 10,000.
+/// The points of a torque profile: on the wire a sequence of 2 to 96 numbers from -10,000 to 10,000.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Points(pub Shape);
 
@@ -151,7 +152,7 @@ impl ProfileBeside {
 /// The time from which an accepted environment (walls, end stops, detents) applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
-    /// The device is armed, so it applies from the next control tick.
+    /// The environment applies from the next control tick, because the device is armed.
     NextTick,
     /// The environment applies from the next time the device is armed.
     Arming,
@@ -188,7 +189,8 @@ const STRENGTH: &str = "environment.detents.strength_n_m";
 const PROFILE_STRENGTH: &str = "environment.profile.strength_n_m";
 const PROFILE_END: &str = "environment.profile.end_rad";
 
-/// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest, the largest force fades within some minutes.
+/// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest rate, even the largest force fades within some
+/// minutes.
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {
@@ -206,7 +208,7 @@ impl Default for Surround {
 }
 
 impl Surround {
-    /// Whether the environment has more or less than the single wall in the device's settings.
+    /// Whether the environment differs from the single wall in the device's settings.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         !self.first_wall
@@ -261,7 +263,8 @@ impl Surround {
         self.placed(settings).into_iter().flatten().collect()
     }
 
-    /// Checks the environment together with the device's settings and builds the object that a control tick runs.
+    /// Checks the environment together with the device's settings, and makes the object that calculates the force in each control
+    /// tick.
     ///
     /// # Errors
     /// The first setting that is refused.
@@ -369,13 +372,14 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
         Refused::ProfileStrength { strength, .. } => limit(PROFILE_STRENGTH, *strength),
         Refused::Length(length) => limit(PROFILE_END, *length),
-        // Those of detents have been looked at.
+        // Only the profile's number per turn can be refused here; that of the detents was checked above.
         Refused::PerTurn(per_turn) => limit(
             "environment.profile.per_rev",
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh wall, and points are looked at when they are read.
+        // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
+        // here.
         Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
             limit("environment", Si::ZERO)
         }

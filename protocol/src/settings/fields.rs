@@ -24,7 +24,7 @@ pub enum Kind {
         /// Largest allowed value.
         most: u32,
     },
-    /// One of these texts.
+    /// A text, one of the given ones.
     Choice(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
@@ -89,7 +89,7 @@ pub const fn range(path: &str) -> (Si, Si) {
     panic!("no number has this path")
 }
 
-/// Makes the table for people and the check of the numbers from the table of the device's settings and that of the control law.
+/// Generates the table for people and the check of the numbers, from the tables of the device's settings and of the control law's.
 /// Firmware contains the check only, because the compiler leaves out the texts of an unused `const`.
 macro_rules! fields {
     (
@@ -111,7 +111,7 @@ macro_rules! fields {
     (@rows $settings:ident: $($table:tt $place:tt {
         $($name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
     })+) => {
-        /// All settings, in the order of the tree.
+        /// All settings, in the order in which they stand in [`DeviceSettings`].
         pub const FIELDS: &[Field] = &[$($(Field {
             path: setting_path!($table $name),
             kind: fields!(@kind $kind $range),

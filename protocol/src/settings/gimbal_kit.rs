@@ -22,7 +22,7 @@ macro_rules! set {
 
 pub(super) use set;
 
-/// Sets motor, supply and control law to those of the kit.
+/// Sets motor, supply, limits and control law to those of the motor kit.
 pub(super) fn fit(settings: &mut DeviceSettings) {
     set! { settings:
         motor.resistance_ohm = "6";

@@ -31,7 +31,7 @@ pub struct KeptAlignment {
     pub with: MeasuredWith,
 }
 
-/// The hardware with which data relative to the encoder's own zero were measured. With other hardware such data are not valid.
+/// The hardware with which stored data (alignment or cogging map) were measured. With other hardware these data are not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeasuredWith {
     /// The board. Another shield may connect the motor's phases in another order.
@@ -47,14 +47,15 @@ pub struct MeasuredWith {
     pub pole_pairs: u8,
 }
 
-/// Why data relative to the encoder's own zero cannot be stored, or why stored data cannot be used.
+/// Why an encoder alignment or a cogging map cannot be stored, or why a stored one cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unkept {
     /// The encoder is incremental, so it has no zero of its own.
     Incremental,
     /// The drive is an external amplifier with an analogue command, which needs no alignment.
     NothingToAlign,
-    /// The settings were changed after the last calibration, and the changes apply from the next one.
+    /// The settings were changed after the last calibration. The changes apply from the next calibration, so data measured before
+    /// do not fit.
     SettingsWait,
     /// No data are stored.
     None,
@@ -86,7 +87,7 @@ impl Unkept {
     }
 }
 
-/// How the automatic start went since the board was switched on. The numbers never change.
+/// State of the automatic start since the board was switched on. The numbers never change.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum SelfStart {
@@ -97,13 +98,13 @@ pub enum SelfStart {
     Waiting = 1,
     /// The board checks the stored encoder alignment.
     Checking = 2,
-    /// The board has armed.
+    /// The board has switched its outputs on by itself.
     Started = 3,
-    /// Not started: the reset was not caused by power coming on.
+    /// Not started: the processor was reset, and power did not come on.
     NoPowerOn = 4,
-    /// Not started: the cause of the reset was not power coming on.
+    /// Not started: no stored alignment fits the settings, or the settings request a measurement of the motor.
     NoAlignment = 5,
-    /// Not started: a desktop sent a request first and is in charge.
+    /// Not started: a desktop sent a request before, so the desktop decides when to arm.
     DesktopSpoke = 6,
     /// Not started: the supply did not come into its range in time, or the shaft did not come to rest.
     NotReady = 7,
@@ -161,7 +162,7 @@ pub struct StartReport {
     pub self_start: SelfStart,
 }
 
-/// Checks whether data relative to the encoder's own zero can be stored with these settings.
+/// Checks whether an encoder alignment or a cogging map can be stored with these settings.
 ///
 /// # Errors
 /// The reason for the refusal.
@@ -174,7 +175,7 @@ pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
 }
 
 impl MeasuredWith {
-    /// The hardware as these settings and this board describe it.
+    /// The hardware that these settings and this board describe.
     #[must_use]
     pub const fn new(settings: &DeviceSettings, board: Board) -> Self {
         Self {

@@ -1,5 +1,5 @@
-//! How one setting is encoded on the wire, for `#[serde(with)]` and `#[tree(with)]`: an exact number as its bits, a choice as its
-//! number.
+//! The encoding of one setting on the wire, for `#[serde(with)]` and `#[tree(with)]`. An exact number is its bits, and a choice is
+//! its index in the list of words.
 
 use super::{Decimal, DriveKind, EncoderKind, device_settings};
 use core::any::Any;
@@ -38,7 +38,7 @@ impl Leaf for Si {
     }
 }
 
-/// Implements [`Leaf`] for every setting type in the tables that is a choice between texts.
+/// Implements [`Leaf`] (the encoding on the wire) for the types of settings that are one word of a list.
 macro_rules! words {
     (
         own_wall { $($own_wall:tt)* } own { $($(#[$own_doc:meta])* $own:ident $Own:ident { $($own_rows:tt)* })+ }

@@ -30,7 +30,7 @@ choice! {
         /// The board's three-phase bridge, with the board's current loop.
         #[default]
         ThreePhase = "three-phase",
-        /// An external servo amplifier, which controls the current; the board commands it by a voltage.
+        /// An external servo amplifier, which controls the motor's current. The board gives it the command as an analogue voltage.
         Analogue = "analogue",
     }
 }
@@ -45,7 +45,7 @@ macro_rules! device_settings {
                     "where the surface is, from the zero of the calibration (inside is beyond it)";
             }
             own {
-                /// The rate of the control interrupt.
+                /// Rate of the interrupt that runs the control law.
                 timing TimingSettings {
                     rate_hz: u32(500, 10_000) = 1000, "Hz",
                         "the control rate, a whole fraction of 20000 Hz";

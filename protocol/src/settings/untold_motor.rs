@@ -9,7 +9,7 @@ use super::gimbal_kit::{self, set};
 use super::{DeviceSettings, fields};
 use touchstone_control::Si;
 
-/// The smallest value of a setting's range, which means "not set".
+/// Gives the smallest allowed value of a motor setting, which means "not set".
 macro_rules! untold {
     ($path:literal) => {
         const { fields::range($path).0 }

@@ -53,12 +53,12 @@ pub enum Reason {
     },
     /// The control law's coefficient for this value does not fit the number format.
     OutOfFormat,
-    /// The rate is no whole fraction of this one, Hz.
+    /// The rate is not this base rate in Hz divided by a whole number.
     NoFractionOf(u32),
-    /// The board has no connection for the chosen encoder or drive. The error's value is the number of the choice.
+    /// The board has no connection for the chosen encoder or drive. The error's value is the index of the choice in its list.
     NotOnThisBoard,
-    /// The choice needs the position at the moment when the force changes, which the device does not measure. The error's value is
-    /// the number of the choice.
+    /// The chosen setting needs the position at the moment when the force changes, which the device does not measure. The error's
+    /// value is the index of the choice in its list.
     NotMeasured,
     /// The board has no current sensors, so it cannot measure a motor.
     NoCurrentSensors,
@@ -189,8 +189,8 @@ impl DeviceSettings {
         })
     }
 
-    /// Checks that the motor's drive can give the control law's largest torque. Otherwise the law's energy observer would count
-    /// energy that was not given.
+    /// Checks that the motor's drive can give the largest torque of the control law. Otherwise the law's energy observer would
+    /// count energy of a torque that was never given.
     fn check_force_limit(&self) -> Result<(), SettingsError> {
         const PATH: &str = "law.force_limit_n_m";
         let most = match self.drive.kind {

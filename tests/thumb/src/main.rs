@@ -1,5 +1,5 @@
-//! Runs the test vectors of `tests/vectors` on a Cortex-M4F, and counts the instructions of each tick. `cargo xtask thumb` builds
-//! it, runs it in QEMU and reads its output.
+//! Runs the test vectors of `tests/vectors` on a Cortex-M4F, and counts the instructions of each control period. `cargo xtask
+//! thumb` builds this program, runs it in QEMU and reads its output.
 #![no_std]
 #![no_main]
 
@@ -40,7 +40,7 @@ fn penetration_fixed16(scale: &CountScale, count: i64) -> Position<Fixed16> {
     scale.penetration(count)
 }
 
-/// The enhanced law alone, without `AnyLaw`, so that its code size can be read from the program.
+/// Runs the enhanced control law alone in 32-bit fixed point, so that its code size can be read from the program.
 #[inline(never)]
 fn enhanced_fixed32(
     law: &EnhancedSfa<Fixed32>,
@@ -55,13 +55,13 @@ type Enhanced =
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
 
-/// A whole tick on three axes: surface point, laws, friction and guard.
+/// Runs a whole control period on three axes: surface point, control laws, friction and energy guard.
 #[inline(never)]
 fn tick_space(wall: &mut Wall, at: Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>> {
     wall.tick(at).unwrap_or_default()
 }
 
-/// Runs ticks and conversions in one number format, with the counted instructions of each.
+/// Runs control periods and conversions in one number format, and keeps the counted instructions of each.
 struct Microcontroller<N: Bits> {
     ruler: Ruler,
     tick: fn(&mut Controller<N>, Position<N>) -> Force<N>,
@@ -118,7 +118,7 @@ fn in_format<N: Bits>(
     hprintln!("penetration {} {}", N::NAME, machine.penetrations);
 }
 
-/// Runs the three-axis cases.
+/// Runs the three-axis cases of the test vectors.
 fn in_space(
     ruler: Ruler,
     tick: fn(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,
@@ -144,7 +144,7 @@ fn in_space(
     }
 }
 
-/// Ends the emulator QEMU with an exit status.
+/// Ends the emulator QEMU with this exit status.
 fn stop(status: debug::ExitStatus) -> ! {
     debug::exit(status);
     loop {

@@ -1,4 +1,4 @@
-//! Counts instructions by a clock.
+//! Counts executed instructions by a clock of the emulator.
 //!
 //! QEMU's `-icount shift=10` lets every instruction take 1024 ns, and the board's SysTick counts steps of 40 ns. That is 25.6 steps
 //! per instruction, so the difference of two readings gives the number of instructions exactly. A real microcontroller's clock
@@ -16,12 +16,12 @@ const FULL: u32 = 0x00ff_ffff;
 const NS_PER_COUNT: u32 = 40;
 const NS_PER_INSTRUCTION: u32 = 1024;
 
-/// The running clock.
+/// The running clock, by which instructions are counted.
 #[derive(Clone, Copy)]
 pub struct Ruler;
 
 impl Ruler {
-    /// Starts the clock; `None` if it does not count instructions.
+    /// Starts the clock; returns `None` if it does not count instructions.
     pub fn take() -> Option<Self> {
         let mut clock = Peripherals::take()?.SYST;
         clock.set_clock_source(SystClkSource::Core);
@@ -35,8 +35,8 @@ impl Ruler {
         (1000..=1003).contains(&counted).then_some(Self)
     }
 
-    /// Runs a function; returns its result and the instructions between the two readings of the clock, at most 650,000. They
-    /// include passing the arguments, the call and the return.
+    /// Runs a function; returns its result and the instructions between the two readings of the clock, at most 650,000. The count
+    /// includes passing the arguments, the call and the return.
     #[inline(always)]
     pub fn count<T>(self, something: impl FnOnce() -> T) -> (T, u32) {
         let before = SYST::get_current();
@@ -50,7 +50,7 @@ impl Ruler {
     }
 }
 
-/// Mean and largest number of instructions of many measurements.
+/// Mean and largest number of instructions of many measured calls.
 #[derive(Default)]
 pub struct Tally {
     runs: u32,
@@ -59,7 +59,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds one measurement, in instructions.
+    /// Adds the number of instructions of one measured call.
     pub fn add(&mut self, instructions: u32) {
         self.runs += 1;
         self.sum += u64::from(instructions);
@@ -68,7 +68,7 @@ impl Tally {
 }
 
 impl fmt::Display for Tally {
-    /// Writes the number of measurements, the sum of their instructions, and the largest.
+    /// Writes the number of measured calls, the sum of their instructions, and the largest number.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} {}", self.runs, self.sum, self.worst)
     }

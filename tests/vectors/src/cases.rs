@@ -1,4 +1,4 @@
-//! The cases of the test vectors: every law, with the options that take other paths through its code.
+//! The cases of the test vectors: every control law, with the options that take other paths through its code.
 
 use touchstone_control::settings::{FilterSettings, VelocitySettings};
 use touchstone_control::{
@@ -6,12 +6,12 @@ use touchstone_control::{
     VelocityKind,
 };
 
-/// A test case: a law with its settings.
+/// A test case: a control law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
-    /// Short name without spaces.
+    /// Short name of the case, without spaces.
     pub name: &'static str,
-    /// The default settings with the change that the name states.
+    /// The settings of the control law: the defaults with the change that the case's name states.
     pub settings: Settings,
 }
 

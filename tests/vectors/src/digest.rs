@@ -1,13 +1,13 @@
-//! FNV-1a digest (Fowler, Noll, Vo) with 64 bits, over every bit of the results of a tick.
+//! A 64-bit FNV-1a hash (Fowler, Noll, Vo) over every bit of the results of a control period.
 
 use touchstone_control::law::{Contact, View};
 use touchstone_control::{Energy, Fixed16, Fixed32, Force, Number, Position};
 
-/// A number format whose values can be read as sign-extended bits.
+/// A fixed-point format whose values can be read as sign-extended integers.
 pub trait Bits: Number {
-    /// Bits of a position or force.
+    /// A position or force as a sign-extended integer.
     fn signal_bits(x: Self::Signal) -> i32;
-    /// Bits of an energy.
+    /// An energy as a sign-extended integer.
     fn energy_bits(e: Self::Energy) -> i64;
 }
 
@@ -26,7 +26,7 @@ macro_rules! bits {
 bits!(Fixed32);
 bits!(Fixed16);
 
-/// A digest that grows with each tick.
+/// A hash over the results of all control periods so far.
 #[derive(Debug, Clone, Copy)]
 pub struct Digest(u64);
 
@@ -37,20 +37,20 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// The digest of everything that was added so far.
+    /// The hash of everything that was added so far.
     #[must_use]
     pub fn value(&self) -> u64 {
         self.0
     }
 
-    /// Adds bytes to the digest.
+    /// Adds bytes to the hash.
     pub fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
 
-    /// Adds one tick to the digest: penetration, force, and the law's internal values in its view.
+    /// Adds one control period to the hash: penetration, force, and the law's internal values (`view`).
     pub fn tick<N: Bits>(&mut self, e: Position<N>, force: Force<N>, view: &View<N>) {
         self.signal::<N>(e.0);
         self.signal::<N>(force.0);

@@ -1,19 +1,19 @@
-//! The motion of the test vectors in encoder counts: a hand's motion, an encoder's worst readings, and faults.
+//! The motion of the test vectors in encoder counts. It contains a hand's motion, an encoder's worst readings, and faulty readings.
 
-/// The last encoder count outside the wall, whose surface is at 0.5 rad or 3183.1 counts.
+/// The last encoder count outside the wall. Its surface is at 0.5 rad, which is 3183.1 counts.
 const OUTSIDE: i64 = 3183;
 
-/// A segment of the motion.
+/// A segment of the motion of the test vectors.
 #[derive(Debug)]
 pub struct Segment {
-    /// Short name without spaces.
+    /// Short name of the segment, without spaces.
     pub name: &'static str,
-    /// Duration in ticks.
+    /// Duration of the segment in control periods.
     pub ticks: u32,
     count: fn(&mut Motion, u32) -> i64,
 }
 
-/// The segments of the motion, 20,000 ticks in all.
+/// The segments of the motion, 20,000 control periods in all.
 pub const SEGMENTS: [Segment; 9] = [
     segment("presses", 5000, Motion::presses),
     segment("hold", 2500, Motion::hold),
@@ -48,7 +48,7 @@ impl Default for Motion {
     }
 }
 
-/// A triangle wave from 0 to `height`: up in the first half of the period, down in the second.
+/// A triangle wave in encoder counts from 0 to `height`: up in the first half of the period, down in the second.
 fn triangle(tick: u32, period: u32, height: i64) -> i64 {
     let phase = i64::from(tick % period);
     let half = i64::from(period / 2);
@@ -56,7 +56,7 @@ fn triangle(tick: u32, period: u32, height: i64) -> i64 {
 }
 
 impl Motion {
-    /// The encoder count at a tick of a segment.
+    /// The encoder count at control period `tick` of a segment.
     pub fn count(&mut self, segment: &Segment, tick: u32) -> i64 {
         (segment.count)(self, tick)
     }
@@ -70,8 +70,8 @@ impl Motion {
         (*random >> 33) as i64 % (2 * size + 1) - size
     }
 
-    /// Presses to depths of 1 to 1000 counts from 50 counts outside, with two counts of noise. 1000 counts are 157 mrad, where the
-    /// force is at its limit.
+    /// The encoder count of presses to depths of 1 to 1000 counts from 50 counts outside, with two counts of noise. 1000 counts are
+    /// 157 mrad, where the force is at its limit.
     fn presses(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(500) {
             self.height = 501 + self.whole(500);
@@ -79,35 +79,35 @@ impl Motion {
         OUTSIDE - 50 + triangle(tick, 500, 50 + self.height) + self.whole(2)
     }
 
-    /// Moves in to a depth of 300 counts, holds there with one count of jitter, and moves out.
+    /// The encoder count of a motion in to a depth of 300 counts, a hold there with one count of jitter, and a motion out.
     fn hold(&mut self, tick: u32) -> i64 {
         let way_in = i64::from(tick.min(2499 - tick)).min(300);
         OUTSIDE + way_in + self.whole(1)
     }
 
-    /// Moves by one count in 16 ticks, in and out; in most ticks the position does not change.
+    /// The encoder count of a motion by one count in 16 control periods, in and out. In most periods the position does not change.
     fn creep(&mut self, tick: u32) -> i64 {
         OUTSIDE + triangle(tick, 2000, 1000) / 16
     }
 
-    /// Moves by one count to and fro over the surface.
+    /// The encoder count of a motion by one count to and fro over the wall's surface.
     fn surface(&mut self, _: u32) -> i64 {
         OUTSIDE + (1 + self.whole(1)) / 2 + self.whole(1).max(0)
     }
 
-    /// Touches of a few ticks, a few counts deep.
+    /// The encoder count of touches that last a few control periods and are a few counts deep.
     fn grazing(&mut self, tick: u32) -> i64 {
         let period = 20 + tick / 100;
         OUTSIDE - 8 + triangle(tick, 2 * period, 10) + self.whole(1)
     }
 
-    /// A random walk with steps of up to 60 counts, pushed back towards the surface.
+    /// The encoder count of a random walk with steps of up to 60 counts, which is pushed back towards the wall's surface.
     fn wander(&mut self, _: u32) -> i64 {
         self.depth += self.whole(60) - self.depth / 16;
         OUTSIDE + 100 + self.depth
     }
 
-    /// Moves in by up to 3000 counts in one tick and out in another, as if hit by a hammer.
+    /// The encoder count of a motion in by up to 3000 counts in one control period and out in another, as if hit by a hammer.
     fn taps(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(7) {
             self.height = self.whole(3000);
@@ -115,12 +115,13 @@ impl Motion {
         OUTSIDE + self.height - self.height * i64::from(tick % 7) / 5
     }
 
-    /// Random positions within ±1.3 turns.
+    /// A random encoder count within ±1.3 turns.
     fn jumps(&mut self, _: u32) -> i64 {
         self.whole(52_000)
     }
 
-    /// The ends of the ranges of counts, angles and both number formats, two counts to either side, and the surface in between.
+    /// Extreme encoder counts: the ends of the ranges of counts, angles and both number formats, two counts to either side, and the
+    /// wall's surface in between.
     fn extremes(&mut self, tick: u32) -> i64 {
         const ENDS: [i64; 12] = [
             i64::MAX,

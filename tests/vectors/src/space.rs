@@ -1,5 +1,5 @@
-//! Three axes: a hand in integer coordinates at a ball of 30 mm radius and at a corner, with friction and guard, and a digest of
-//! every force.
+//! Test vectors for three axes: a hand with integer coordinates touches a ball of 30 mm radius and a corner, with friction and
+//! energy guard. A digest (hash) covers every force.
 
 use crate::digest::{Bits, Digest};
 use touchstone_control::settings::FilterSettings;
@@ -13,7 +13,7 @@ use touchstone_control::{
     Settings, Si,
 };
 
-/// The wall of the three-axis cases.
+/// The type of the virtual wall in the three-axis cases.
 pub type Wall = SpaceWall<Fixed32, Shape<Fixed32>, AnyLaw<Fixed32>>;
 
 /// Names of the three-axis cases.
@@ -26,10 +26,10 @@ pub const SPACE_CASES: [&str; 7] = [
     "space-estimated",
     "space-estimated-frictionless",
 ];
-/// Duration of each three-axis case in ticks.
+/// Duration of each three-axis case in control periods.
 pub const SPACE_TICKS: u32 = 4000;
 
-/// A length in centimetres as a setting.
+/// Converts a length in centimetres, given as text, to the value of a setting.
 const fn cm(text: &str) -> Si {
     Si::lit(text)
 }
@@ -38,7 +38,7 @@ fn place(x: Si, y: Si, z: Si) -> Vector<Position<Fixed32>> {
     Vector([x, y, z].map(|x| Position::from_si(x).unwrap_or_default()))
 }
 
-/// Settings of an omega.3 haptic device with the thesis' law: `k_de` 25 N/mm.
+/// Settings of the thesis' control law for an omega.3 (haptic device with three axes), with a desired stiffness of 25 N/mm.
 fn settings() -> Settings {
     Settings {
         law: LawKind::EnhancedSfa,
@@ -57,7 +57,7 @@ fn settings() -> Settings {
     }
 }
 
-/// The wall of a case; `None` if its settings are refused.
+/// The virtual wall of a three-axis case; `None` if its settings are refused.
 #[must_use]
 pub fn space_wall(case: &str) -> Option<Wall> {
     let unit = LengthUnit::Centimetre;
@@ -123,14 +123,14 @@ pub fn space_wall(case: &str) -> Option<Wall> {
     Some(wall)
 }
 
-/// The hand: a press that grows and shrinks, and a walk around, in counts of 10 µm.
+/// A hand whose press grows and shrinks while it walks around, in encoder counts of 10 µm.
 struct Hand {
     seed: u32,
     at: [i32; 3],
 }
 
 impl Hand {
-    /// The hand's position in hundredths of a millimetre, around the point (2, -1, 2) cm of the ball's surface.
+    /// The hand's position in a control period, around the point (2, -1, 2) cm of the ball's surface, rounded to 10 µm.
     fn go(&mut self, tick: u32) -> Vector<Position<Fixed32>> {
         for axis in &mut self.at {
             self.seed = self
@@ -160,8 +160,8 @@ impl Hand {
     }
 }
 
-/// Runs a case, with the caller's function for each tick; returns the digest of all forces. `None` if the wall is refused or hardly
-/// ever pushes.
+/// Runs a three-axis case; `tick` runs each control period. Returns the digest (hash) of all forces. `None` if the wall's settings
+/// are refused or the wall hardly ever pushes.
 pub fn play_space(
     case: &str,
     mut tick: impl FnMut(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,

@@ -1,4 +1,4 @@
-//! The motion of the test vectors reaches the special cases for which it was made, in both number formats.
+//! Tests that the motion of the test vectors reaches the special cases for which it was made, in both number formats.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Position};
 use touchstone_vectors::{Bits, COUNTS_PER_TURN, Case, Machine, SEGMENTS, Segment, cases, play};
 
-/// What occurred in one case.
+/// The special cases that occurred while a test case ran.
 #[derive(Default)]
 struct Seen {
     last: Option<i32>,

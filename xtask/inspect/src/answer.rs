@@ -1,5 +1,5 @@
-//! The result of an inspection: one sentence as the last line of standard output, and an exit code. The launcher `cargo xtask`
-//! reads them.
+//! The result of an inspection of files: one sentence, printed as the last line of standard output, and an exit code. The launcher
+//! `cargo xtask` reads them.
 
 use std::process::ExitCode;
 

@@ -8,7 +8,8 @@ use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Content of one of the two files; each file fills one of the fields.
+/// Content of one of the two lists of wrong changes: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of
+/// the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -28,7 +29,7 @@ struct Mutant {
     /// Name of the proof (harness) that must refute the change; may be empty if a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that must fail with the change, as `package name`; may be empty if a harness is named.
+    /// The test that must fail with the change, as `package name`; may be empty if a proof (harness) is named.
     #[serde(default)]
     test: String,
 }
@@ -41,9 +42,9 @@ struct Sabotage {
     name: String,
     /// Name of the board whose firmware is changed.
     board: String,
-    /// Text for `fil --only` that selects the check which must fail.
+    /// Text for `cargo xtask fil --only` that selects the check which must fail.
     only: String,
-    /// Text that the line with the failed check must contain.
+    /// Text that must stand in the line which reports the failed check.
     says: String,
     change: Vec<Change>,
 }
@@ -56,7 +57,7 @@ struct Change {
     replace: String,
 }
 
-/// Keys and texts of an entry, in the order in which they are printed.
+/// Keys and texts of an entry of a list, in the order in which they are printed.
 type Lines<'l> = Vec<(&'static str, &'l str)>;
 
 impl Mutant {
@@ -88,7 +89,7 @@ impl Sabotage {
     }
 }
 
-/// Prints a list from the text of its TOML file. Errors: the text is no such list.
+/// Prints a list of wrong changes from the text of its TOML file. Errors: the text is no such list.
 pub fn print(text: &str) -> Result<Answer, String> {
     let list: List = toml::from_str(text).map_err(|why| why.to_string())?;
     let sabotages = list.sabotage.iter().map(Sabotage::lines);
@@ -128,7 +129,7 @@ mod tests {
         assert_ne!(find, replace);
     }
 
-    /// Checks that each change can be applied, changes something, and names an existing harness or a test.
+    /// Checks that each mutant (wrong change) fits the sources, changes something, and names an existing proof or a test.
     #[test]
     fn the_mutants_fit_the_sources() {
         let (mutants, locked) = (
@@ -145,7 +146,7 @@ mod tests {
         }
     }
 
-    /// Checks that each sabotage has all fields and can be applied to the sources.
+    /// Checks that each sabotage (removal of a safety function) has all fields and fits the sources.
     #[test]
     fn the_sabotages_fit_the_sources() {
         let sabotages = list("emulator/sabotage.toml").sabotage;

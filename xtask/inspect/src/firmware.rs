@@ -9,7 +9,7 @@ use crate::cortex::{Depths, ProgramCode, is_panic, is_soft_float, word};
 /// Sizes of flash and memory of a board's chip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Room {
-    /// Flash memory for the program in bytes, without the pages that store settings.
+    /// Flash memory for the program in bytes, without the flash pages that store settings.
     flash: u32,
     /// RAM for variables and stack in bytes, without the part that holds the code of the interrupts.
     memory: u32,
@@ -61,11 +61,11 @@ struct Report {
     data: u32,
     /// Bytes of variables without a stored initial value, which are in RAM only.
     bss: u32,
-    /// Largest size of the stack in bytes.
+    /// Largest depth of the stack in bytes, as computed from the program.
     stack: u32,
     /// Bytes of RAM reserved for the stack.
     stack_room: u32,
-    /// Descriptions of the problems found.
+    /// Descriptions of the problems found in the program.
     wrong: Vec<String>,
 }
 
@@ -241,8 +241,8 @@ fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
 /// Part of the name of the firmware's start-up function, which returns before the firmware's own interrupts are enabled.
 const START: &str = "touchstone_firmware3run5start";
 
-/// Computes the largest size of the stack: the thread's part, and above it one handler per priority, each with an exception frame.
-/// During start-up only the drivers' interrupts can occur.
+/// Computes the largest depth of the stack: that of the main thread, and on top one interrupt handler per priority, each with an
+/// exception frame. During start-up only the drivers' interrupts can occur.
 fn stack(program: &ProgramCode, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {

@@ -1,13 +1,13 @@
-//! Checks for `cargo xtask thumb`: compares the digests that this machine and the emulated microcontroller printed. Examines the
-//! code that a control period (tick) can reach in the microcontroller's program.
+//! Checks for `cargo xtask thumb`: compares the digests (hashes of results) that this machine and the emulated microcontroller
+//! printed. Examines the code that a control period (tick) can reach in the microcontroller's program.
 
 use crate::answer::Answer;
 use crate::budgets::{ENHANCED, SPACE};
 use crate::cortex::{ProgramCode, is_panic, is_soft_float};
 use crate::vectors::Report;
 
-/// Compares the lines that this machine (`desktop`) and the microcontroller printed, checks the cost of a tick, and examines its
-/// code.
+/// Compares the lines that this machine (`desktop`) and the microcontroller printed, and checks the cost of a control period and
+/// the code that it can reach.
 pub fn inspect(
     program: &ProgramCode,
     desktop: &str,
@@ -44,7 +44,7 @@ pub fn inspect(
     })
 }
 
-/// Sentence on the cost of the worst tick in instructions.
+/// Returns a sentence on the cost of the most expensive control period, in instructions.
 ///
 /// # Errors
 /// The cost exceeds the budget, or was not counted.
@@ -60,7 +60,8 @@ fn budget(what: &str, worst: u64, most: u64) -> Result<String, String> {
     }
 }
 
-/// Prints the size of the code that each kind of tick can reach; returns the panics, floats and calls to an unknown target in it.
+/// Prints the size of the code that each kind of control period can reach. Returns the panics, float operations and calls to an
+/// unknown target in that code.
 fn examine(program: &ProgramCode) -> Vec<String> {
     let mut wrong = Vec::new();
     println!(
@@ -116,7 +117,7 @@ fn examine(program: &ProgramCode) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Checks the result for a cost at the budget, for a cost above it, and for a missing count.
+    /// Checks the verdict on a cost: at the budget, above the budget, and if no cost was counted.
     #[test]
     fn a_budget_can_be_broken() {
         assert!(budget("tick", 700, 700).is_ok());

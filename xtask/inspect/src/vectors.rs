@@ -1,5 +1,5 @@
-//! Compares the digests that this machine and the emulated microcontroller print for the test vectors, and collects instruction
-//! counts.
+//! Compares the digests (hashes of results) that this machine and the emulated microcontroller print for the test vectors, and
+//! collects instruction counts.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Parses the three words `calls sum worst`.
+    /// Parses the text `calls sum worst`, split into words.
     fn parse(words: &[&str]) -> Option<Self> {
         let [calls, sum, worst] = words else {
             return None;
@@ -38,23 +38,24 @@ impl Cost {
     }
 }
 
-/// Results of one control law in one number format.
+/// Result of one control law in one number format: a row of the table.
 #[derive(Debug, Default)]
 struct Row {
     name: String,
     format: String,
     cost: Cost,
-    /// Name of the segment (part of the test vector) with the most expensive tick.
+    /// Name of the segment (part of the test vector) with the most expensive control period.
     worst_in: String,
-    /// Name of the first segment whose digests differ; `None` if all are equal.
+    /// Name of the first segment (part of the test vector) whose digests differ; `None` if all are equal.
     differs_in: Option<String>,
     segments: usize,
 }
 
-/// Results read from the output of this machine (desktop) and of the microcontroller.
+/// Results of all laws, read from the output of this machine (desktop) and of the microcontroller.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// Digests printed by the desktop, by `law format segment`. Each is removed once the microcontroller has printed the same key.
+    /// Digests printed by the desktop. The key is `law format segment`; an entry is removed once the microcontroller has printed
+    /// the same key.
     desktop: BTreeMap<String, String>,
     rows: Vec<Row>,
     penetration: Vec<(String, Cost)>,
@@ -114,19 +115,19 @@ impl Report {
         }
     }
 
-    /// Number of segments with equal digests, over all laws and formats without a difference.
+    /// Number of segments of test vectors with equal digests, over all laws and formats without a difference.
     pub fn equal(&self) -> usize {
         let equal = self.rows.iter().filter(|row| row.differs_in.is_none());
         equal.map(|row| row.segments).sum()
     }
 
-    /// Instructions of the most expensive tick among the laws whose names begin with `start`, in any format.
+    /// Instructions of the most expensive control period among the laws whose names begin with `start`, in any number format.
     pub fn worst_of(&self, start: &str) -> u64 {
         let rows = self.rows.iter().filter(|row| row.name.starts_with(start));
         rows.map(|row| row.cost.worst).max().unwrap_or(0)
     }
 
-    /// Descriptions of all faults: different or missing digests, unknown lines, an output without its end.
+    /// Descriptions of all problems: different or missing digests, unknown lines, an output that ends too early.
     pub fn differences(&self) -> Vec<String> {
         let mut wrong: Vec<String> = self.odd.clone();
         for row in &self.rows {
@@ -145,7 +146,8 @@ impl Report {
         wrong
     }
 
-    /// Table of the laws in each format: whether their digests are equal, and instructions per tick (mean and worst).
+    /// Table with a row for each law in each format: whether the digests are equal, and instructions per control period (mean and
+    /// worst).
     pub fn table(&self) -> String {
         let mut text = format!(
             "{:<22}{:<9}{:<22}{:>8}{:>8}  {}\n",

@@ -1,4 +1,4 @@
-//! Runs the model checker (Kani) once and collects its report.
+//! Runs the model checker (Kani) once and collects its report. A harness is one proof, as Kani calls it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,39 +11,40 @@ use super::{allocator, solvers};
 use crate::inspect;
 use crate::outcome::Outcome;
 
-/// Most processor time of each process in seconds, set with `ulimit -t`. A process that exceeds it gives no result. The limit is a
-/// little higher than the processor time that the gate in `inspect/` allows all processes of a harness together.
+/// Most processor time of each process that the model checker starts, in seconds (`ulimit -t`). A process that exceeds it gives no
+/// result. It is a little more than the gate in `inspect/` allows all processes of one harness (proof) together.
 const PROCESS_S: u32 = 150;
-/// Wall-clock time in seconds after which the checker aborts a harness. The limit is long because other work may slow the checker
-/// down.
+/// Wall-clock time in seconds after which the model checker aborts a harness (proof). It is long because other work may slow the
+/// checker down.
 const TIMEOUT_S: u32 = 2400;
-/// Most memory of each process that the checker starts, in KiB, set with `ulimit -v`. A process that needs more fails.
+/// Most memory of each process that the model checker starts, in KiB (`ulimit -v`). A process that needs more fails.
 pub const MEMORY_KIB: u64 = 8 << 20;
 
-/// Result files of a finished run of the checker.
+/// Result files of a finished run of the model checker.
 pub struct Left {
     pub report: PathBuf,
-    /// File with one line per harness: name of the file that the tools worked on, memory in KiB, processor time in seconds.
+    /// File with one line per harness (proof): name of the file that the checker's tools worked on, memory in KiB, processor time
+    /// in seconds.
     pub usage: PathBuf,
 }
 
-/// Settings of a run of the checker.
+/// Settings of a run of the model checker.
 #[derive(Debug, Clone, Copy)]
 pub struct How {
-    /// Number of harnesses that run at the same time.
+    /// Number of harnesses (proofs) that run at the same time.
     pub jobs: u32,
     /// Whether progress is printed to standard error.
     pub progress: bool,
 }
 
 impl How {
-    /// Runs one harness after the other without printing progress.
+    /// Runs one harness (proof) after the other without printing progress.
     pub const QUIET: Self = Self {
         jobs: 1,
         progress: false,
     };
 
-    /// Runs `jobs` harnesses at the same time and prints progress.
+    /// Runs `jobs` harnesses (proofs) at the same time and prints progress.
     pub const fn jobs(jobs: u32) -> Self {
         Self {
             jobs,
@@ -52,19 +53,20 @@ impl How {
     }
 }
 
-/// Selects the harnesses to run.
+/// Selects the harnesses (proofs) to run.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
     All,
-    /// The harnesses whose names contain this text.
+    /// The harnesses (proofs) whose names contain this text.
     Containing(&'a str),
-    /// The single harness with this name.
+    /// The single harness (proof) with this name.
     Named(&'a str),
-    /// The harnesses with these names.
+    /// The harnesses (proofs) with these names.
     These(&'a [String]),
 }
 
-/// Runs the checker on harnesses of the sources in `workspace`; it builds and reports in the folder `target`.
+/// Runs the model checker on the selected harnesses (proofs) of the sources in `workspace`. Build results and reports go to the
+/// folder `target`.
 pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Left, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
     let target = target
@@ -137,7 +139,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     Ok(Left { report, usage })
 }
 
-/// Runs the checker to its end. Returns the reason to show if the checker leaves no report.
+/// Runs the model checker to its end. Returns the text to show as the reason if the checker leaves no report.
 fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
     let mut child = command
         .spawn()
@@ -185,8 +187,8 @@ fn reason(errors: &[String]) -> Option<String> {
     (!last.is_empty()).then(|| last.join(" "))
 }
 
-/// File with the checker's list of all harnesses, written below the folder `target`. It is made anew if a source of the proofs is
-/// newer.
+/// Path of the file with the model checker's list of all harnesses (proofs), below the folder `target`. The file is written anew if
+/// a source of the proofs is newer.
 pub fn list(target: &Path) -> Result<PathBuf, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
     let list = target.join("list.json");
@@ -221,7 +223,7 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     Ok(list)
 }
 
-/// Whether the named harness refutes the code in a workspace. Errors: the harness gave neither a proof nor a refutation.
+/// Whether the named harness (proof) refutes the code in a workspace. Errors: the harness gave neither a proof nor a refutation.
 pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, String> {
     let left = run(workspace, target, Which::Named(harness), How::QUIET)?;
     let words = [
@@ -236,7 +238,7 @@ pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, S
     }
 }
 
-/// Prints a line for each harness as it ends, to show the progress; the verdicts are later read from the report.
+/// Prints a line for each harness (proof) as it ends, to show the progress. The verdicts are later read from the report.
 fn show_progress(output: impl BufRead, show: bool) {
     // Several harnesses run at the same time; a line belongs to the thread that was named last.
     let mut thread = String::new();
@@ -275,7 +277,7 @@ fn show_progress(output: impl BufRead, show: bool) {
 mod tests {
     use super::*;
 
-    /// The reason that [`to_end`] returns for a shell script that stands in for the checker and leaves no report.
+    /// For tests: the reason that [`to_end`] returns if a shell script runs in the place of the checker and leaves no report.
     fn said(script: &str) -> String {
         let mut command = Command::new("sh");
         command

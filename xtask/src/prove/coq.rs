@@ -1,5 +1,5 @@
-//! Compiles the theorems over traces in `proofs/coq/` with Coq, checks that they assume nothing, and compares their specification
-//! with the shipped code.
+//! Compiles the theorems about sequences of control periods in `proofs/coq/` with the proof assistant Coq, checks that they assume
+//! nothing, and compares their specification with the shipped code.
 //!
 //! Coq also exits with 0 if a proof was admitted, rests on an axiom, or proves less than intended. So `Theorems.v` lists every
 //! theorem, and makes Coq print its statement and all assumptions. There must be no assumptions, and the statements must equal
@@ -45,7 +45,7 @@ const SAID: &str = "claims.txt";
 /// Start of the Coq definition that combines all theorems, so that one command prints the assumptions of all.
 const TOGETHER: &str = "Definition claims :=";
 const ASKED: &str = "Print Assumptions claims.";
-/// Line that Coq prints if the theorems assume nothing.
+/// Line that Coq prints if theorems rest on no assumption.
 const CLOSED: &str = "Closed under the global context";
 const SOURCES: &str = "proofs/coq";
 const MUTANTS: &str = "proofs/coq/mutants.toml";
@@ -168,7 +168,8 @@ fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
     Ok(claims)
 }
 
-/// The theorems whose statements the file prints. Errors: they are not the theorems whose assumptions it prints.
+/// The names of the theorems whose statements the file makes Coq print. Errors: the file does not print the assumptions of the same
+/// theorems.
 fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     let said: Vec<&str> = text
         .lines()
@@ -190,7 +191,7 @@ fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     Ok(said)
 }
 
-/// Checks that Coq's answers name no assumption.
+/// Checks that no theorem rests on an assumption, from the text that Coq printed.
 fn nothing_assumed(answers: &str) -> Result<(), String> {
     // Coq prints the assumptions after this word.
     if let Some(at) = answers.find("Axioms:") {
@@ -205,7 +206,7 @@ fn nothing_assumed(answers: &str) -> Result<(), String> {
     }
 }
 
-/// Checks that Coq's answers equal the committed ones, apart from line breaks and spaces.
+/// Checks that the statements that Coq printed equal the committed ones, apart from line breaks and spaces.
 fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     let claims = std::fs::read_to_string(folder.join(SAID)).map_err(|why| broken(SAID, why))?;
     let (claimed, said) = (claims.split_whitespace(), answers.split_whitespace());
@@ -230,7 +231,7 @@ fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     ))
 }
 
-/// Runs the shipped code and the extracted specification on the same control periods; returns the comparison's message.
+/// Runs the shipped code and the specification extracted from Coq on the same control periods; returns the comparison's message.
 fn compared(folder: &Path) -> Result<String, String> {
     let mut build = Command::new("ocamlfind");
     let sources = ["specified.mli", "specified.ml", "compare.ml"];
@@ -360,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Checks that each theorem's statement and assumptions are printed, and that the statement is among the committed answers.
+    /// Checks that Coq prints statement and assumptions of each theorem, and that the committed file has each statement.
     #[test]
     fn every_claim_is_in_the_committed_answers() {
         let read = |file| {

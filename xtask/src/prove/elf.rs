@@ -9,7 +9,7 @@ use crate::{firmware, inspect, shell};
 
 /// The board whose firmware is proved if the command names none.
 pub const BOARD: &str = "nucleo-g474re";
-/// Number of control periods (ticks) computed by the Rust code, on which the specification is compared with the Rust code.
+/// Number of control periods (ticks) on which the specification is compared with the Rust code.
 const TICKS: &str = "20000";
 
 /// Proves the control period (tick) functions in a board's machine code whose names contain `part`; with an empty `part`, all of
@@ -25,8 +25,8 @@ pub fn run(board: &str, part: &str) -> Outcome {
     }
 }
 
-/// Runs the tick functions in the machine code on sample inputs, without a proof. It shows that checker, specification and program
-/// still fit together.
+/// Runs the functions of the control period in the machine code on sample inputs, without a proof. It shows that checker,
+/// specification and program still fit together.
 pub fn readings() -> Outcome {
     // A failed build is not reported as an error here: `cargo xtask firmware` does that.
     if firmware::build(BOARD).is_err() {
@@ -38,7 +38,7 @@ pub fn readings() -> Outcome {
     }
 }
 
-/// Mutation test: changes bytes of the program, which the proof must refute.
+/// Mutation test of the proofs: changes bytes of a board's program, and checks that the proof refutes each change.
 pub fn mutants(board: &str, part: &str) -> Outcome {
     match checked(board, &["--mutants", "--only", part]) {
         Ok(Outcome::Ok(_)) => Outcome::Ok(format!(
@@ -79,7 +79,8 @@ fn functions(program: &Path) -> Result<PathBuf, Outcome> {
     Ok(path)
 }
 
-/// Compares the specification of the tick functions with the Rust code. It needs no firmware, and of the Python wheels only z3.
+/// Compares the specification of the control period's functions with the Rust code. It needs no firmware, and of the Python
+/// packages only z3.
 pub fn read(python: &Path) -> Outcome {
     match traced() {
         Ok(trace) => {
@@ -90,7 +91,7 @@ pub fn read(python: &Path) -> Outcome {
     }
 }
 
-/// Records ticks of the Rust code in a file and returns the file's path.
+/// Records control periods computed by the Rust code in a file, and returns the file's path.
 fn traced() -> Result<PathBuf, Outcome> {
     let mut command = shell::cargo_locked("run");
     // Uses the same build profile as `cargo xtask prove --every`, so that the code is compiled only once.

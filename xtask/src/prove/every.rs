@@ -1,13 +1,14 @@
-//! `cargo xtask prove --every [NAME]`: checks properties with few enough inputs by trying all of them (`proofs/examples/every.rs`).
+//! `cargo xtask prove --every [NAME]`: checks proved properties that have few enough inputs by trying all inputs
+//! (`proofs/examples/every.rs`).
 
 use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Message of the outcome if all properties hold for all inputs.
+/// Message of the outcome if every property that has few enough inputs holds for all of them.
 pub const HOLD: &str = "all inputs of the properties that have few enough hold";
-/// A property that takes a second to check; it runs where the model checker is not installed.
+/// A property whose check with all inputs takes a second. It is checked where the model checker is not installed.
 pub const SAMPLE: &str = "space::w8::p4_unit";
 
 /// Tries all inputs of the properties whose names contain `part`.
@@ -15,7 +16,7 @@ pub fn run(part: &str) -> Outcome {
     asked(trials(part), part)
 }
 
-/// Tries all inputs of all properties, at low process priority.
+/// Tries all inputs of all properties that have few enough, at low process priority.
 pub fn run_beside() -> Outcome {
     asked(shell::behind(&trials("")), "")
 }

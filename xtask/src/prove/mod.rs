@@ -1,13 +1,14 @@
 //! `cargo xtask prove`: runs the proofs and checks that each one really proved its statement.
 //!
-//! The model checker also exits with 0 if there was nothing to prove, an assumption was impossible, or a cover was never reached.
-//! So the crate `inspect/` reads the checker's report. Every harness of the committed list must have run and succeeded, no other
-//! may have run, and every cover and every assertion of a property must be reachable. If the checker is not installed, tests on
-//! samples run instead and the outcome is "not run".
+//! A harness is one proof of the model checker, a cover is a statement that must be reachable. The model checker also exits with 0
+//! if there was nothing to prove, an assumption was impossible, or a cover was never reached. So the crate `inspect/` reads the
+//! checker's report. Every harness of the committed list must have run and succeeded, no other may have run, and every cover and
+//! every assertion of a property must be reachable. If the checker is not installed, tests on samples run instead and the outcome
+//! is "not run".
 //!
-//! The theorems over traces ([`coq`]) need Coq instead of the model checker. The integer obligations, on which some harnesses rest,
-//! need two solvers. Properties with few inputs ([`every`]) need neither. The machine code of a board ([`elf`]) has its own
-//! command; without the model checker it is run on samples.
+//! The theorems about sequences of control periods ([`coq`]) need Coq instead of the model checker. The integer obligations, lemmas
+//! on which some harnesses rest, need two solvers. Properties with few inputs ([`every`]) need neither. The machine code of a board
+//! ([`elf`]) has its own command; without the model checker it is run on samples.
 
 pub mod allocator;
 pub mod checker;
@@ -33,11 +34,11 @@ const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--
 /// The crates that the proofs use; only these are copied and built for mutation tests.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
-/// File with the results of earlier runs, in the folder of the report.
+/// File with the results of earlier runs of the proofs, in the folder of the report.
 const MEMO: &str = "proved.tsv";
-/// Number of harnesses after which a resumed run stores its results.
+/// Number of harnesses (proofs) after which a resumed run stores its results.
 const AT_A_TIME: usize = 52;
-/// Number of harnesses that run at the same time if `--jobs` is not given.
+/// Number of harnesses (proofs) that run at the same time if `--jobs` is not given.
 const JOBS: u32 = 2;
 
 /// Runs `cargo xtask prove` with these arguments, from any folder of the workspace.
@@ -122,7 +123,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// Parses `[--board BOARD] [NAME]` and calls `asked` with the board and with the part of the names of the functions to prove.
+/// Parses `[--board BOARD] [NAME]` and calls `asked` with the board and with NAME, a part of the names of the functions to prove.
 fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
     match words {
         [] => asked(elf::BOARD, ""),
@@ -133,7 +134,7 @@ fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
     }
 }
 
-/// Parses `--shard I/N`; without arguments the result is the whole list.
+/// Parses `--shard I/N`, the part I of N parts of a list; without arguments the result is the whole list.
 fn part(words: &[&str]) -> Option<Shard> {
     match words {
         [] => Some(Shard::ALL),
@@ -150,14 +151,14 @@ fn has_checker() -> bool {
     shell::capture(&mut kani_version()).is_some()
 }
 
-/// Combines the outcomes of the harnesses and of the properties with all inputs tried: a failure of the latter, else the harnesses'
-/// outcome.
+/// Combines the outcomes of the harnesses (proofs) and of the properties with all inputs tried. A failure of the latter counts
+/// first, else the harnesses' outcome.
 fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
 }
 
-/// Combines the outcomes of the harnesses and of the integer obligations that some harnesses need. A failure counts first, then
-/// "not run", else the harnesses' outcome.
+/// Combines the outcomes of the harnesses (proofs) and of the integer obligations, lemmas that some harnesses need. A failure
+/// counts first, then "not run", else the harnesses' outcome.
 fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     let said = format!("{}; integer obligations", harnesses.reason());
     match obligations {
@@ -172,8 +173,8 @@ fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     }
 }
 
-/// Combines the outcomes of harnesses and Coq theorems: a failure counts first, then "not run", else the result names both
-/// successes.
+/// Combines the outcomes of the harnesses (proofs) and of the Coq theorems. A failure counts first, then "not run", else the result
+/// names both successes.
 fn with_theorems(theorems: Outcome, harnesses: Outcome) -> Outcome {
     let both = format!("{}; {}", theorems.reason(), harnesses.reason());
     if theorems.is_failure() || harnesses.is_failure() {
@@ -212,7 +213,7 @@ fn target() -> std::path::PathBuf {
     shell::target("kani-gate")
 }
 
-/// Runs the harnesses whose names contain `part`, without a comparison with the committed list.
+/// Runs the harnesses (proofs) whose names contain `part`, without a comparison with the committed list.
 fn some(part: &str, jobs: u32) -> Outcome {
     let which = Which::Containing(part);
     match checker::run(Path::new("."), &target(), which, How::jobs(jobs)) {
@@ -221,9 +222,9 @@ fn some(part: &str, jobs: u32) -> Outcome {
     }
 }
 
-/// Runs all harnesses, checks them against the committed list (lock), and writes the table of results. With `resume`, it runs only
-/// the harnesses that are not yet proved for the present code and statements. `bless` returns whether to write new lines into the
-/// lock.
+/// Runs all harnesses (proofs), checks them against the committed list (lock), and writes the table of results. With `resume`, it
+/// runs only the harnesses that are not yet proved for the present code and statements. `bless` returns whether to write new lines
+/// into the list.
 fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let (machine, begun) = (machine(load()), Instant::now());
     let left = if resume {
@@ -258,8 +259,8 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     gate(&left, &words)
 }
 
-/// Runs the harnesses that are not yet proved, [`AT_A_TIME`] at a time, so that an interruption loses little. Returns the last run
-/// and the file with the list of all harnesses.
+/// Runs the harnesses (proofs) that are not yet proved, [`AT_A_TIME`] at a time, so that an interruption loses little. Returns the
+/// last run and the file with the list of all harnesses.
 fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
     let list = checker::list(&target())?;
     let memo = target().join(MEMO);
@@ -319,7 +320,7 @@ fn machine(load: Option<f64>) -> String {
     }
 }
 
-/// Runs the theorems and tests that need no model checker. They do not replace its proofs.
+/// Runs those theorems and tests that need no model checker. They do not replace its proofs.
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
@@ -357,8 +358,8 @@ fn without_harnesses() -> Outcome {
     }
 }
 
-/// Proves the integer obligations with the Python packages of two solvers. Then compares the specification of the machine code with
-/// the Rust code.
+/// Proves the integer obligations (lemmas on which some harnesses rest) with the Python packages of two solvers. Then compares the
+/// specification of the machine code with the Rust code.
 fn obligations() -> Outcome {
     let python = match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
         Ok(python) => python,
@@ -371,7 +372,7 @@ fn obligations() -> Outcome {
     elf::read(&python)
 }
 
-/// Creates a Python environment below `target/` with the wheels that the file `list` names, unless it exists; returns the path of
+/// Creates a Python environment below `target/` with the packages that the file `list` names, unless it exists; returns the path of
 /// its Python.
 fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
     let folder = shell::target(folder);

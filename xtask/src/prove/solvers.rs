@@ -1,19 +1,20 @@
-//! Shell scripts that run instead of the solvers, with options that suit these proofs.
+//! Shell scripts that the model checker runs in the place of its solvers. They start the solvers with options that suit these
+//! proofs.
 //!
 //! The checker starts the first program with a solver's name in the search path, so a script earlier in the path is started
-//! instead. For a solver that is not installed there is no script; harnesses that need it end without a result.
+//! instead. For a solver that is not installed there is no script; harnesses (proofs) that need it end without a result.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Number of conflicts after which the script stops CaDiCaL and starts kissat; CaDiCaL takes a second or two for them. A limit by
-/// conflicts and not by time makes the same solver answer on every machine.
+/// Number of conflicts after which the script stops the solver CaDiCaL and starts the solver kissat; CaDiCaL takes a second or two
+/// for them. A limit by conflicts and not by time makes the same solver answer on every machine.
 const CONFLICTS: u32 = 10_000;
-/// Number of variables below which kissat runs at once, without CaDiCaL: it solves such small problems as fast.
+/// Number of variables below which the solver kissat runs at once, without CaDiCaL: it solves such small problems as fast.
 ///
-/// The models found first change the harness's last problem. With CaDiCaL first, kissat took 28 s instead of 4 s for one of two
-/// tried harnesses, and 11 s instead of 8 s for the other. Such changes are chance and may differ for other harnesses.
+/// The solutions found first change the last problem of a harness (proof). With CaDiCaL first, kissat took 28 s instead of 4 s for
+/// one of two tried harnesses, and 11 s instead of 8 s for the other. Such changes are chance and may differ for other harnesses.
 const FEW_VARIABLES: u32 = 40_000;
 
 /// Search path in which scripts come before cvc5 and kissat, if these solvers are installed.
@@ -52,7 +53,8 @@ pub fn first(target: &Path, path: OsString) -> Result<OsString, String> {
     before(&folder, &path)
 }
 
-/// Script that makes cvc5 translate bit vectors into integers, which multiplication and division at full width need.
+/// Script for the solver cvc5. It makes cvc5 translate bit vectors into integers, which multiplication and division at full width
+/// need.
 fn with_integers(cvc5: &Path) -> String {
     format!(
         "#!/bin/sh\nexec '{}' --solve-bv-as-int=sum \"$@\"\n",
@@ -60,10 +62,11 @@ fn with_integers(cvc5: &Path) -> String {
     )
 }
 
-/// Script that tries CaDiCaL before kissat.
+/// Script that tries the solver CaDiCaL before the solver kissat.
 ///
-/// For each harness the checker runs the solver once per cover and per assertion that must be reachable, and once for whether any
-/// check fails. The former problems are easy, and CaDiCaL needs a quarter of kissat's time for them. The last problem needs kissat.
+/// For each harness (proof) the checker runs the solver once per cover and per assertion that must be reachable, and once for
+/// whether any check fails. The former problems are easy, and CaDiCaL needs a quarter of kissat's time for them. The last problem
+/// needs kissat.
 fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
     let (cadical, kissat) = (cadical.display(), kissat.display());
     format!(
@@ -86,7 +89,7 @@ pub fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
 mod tests {
     use super::*;
 
-    /// Creates a folder with shell scripts of these names and texts.
+    /// For tests: creates a folder with shell scripts of these names and texts.
     fn programs(folder: &Path, all: &[(&str, &str)]) -> PathBuf {
         let there = folder.join("there");
         let _ = std::fs::remove_dir_all(&there);
@@ -100,7 +103,8 @@ mod tests {
         there
     }
 
-    /// Output and exit code of a shell command whose search path has these stand-in programs, with the solver scripts before them.
+    /// For tests: output and exit code of a shell command. Its search path has the solver scripts first, then these programs in the
+    /// place of solvers.
     fn said(name: &str, all: &[(&str, &str)], command: &str) -> (String, Option<i32>) {
         let folder = crate::shell::target(name);
         let there = programs(&folder, all);

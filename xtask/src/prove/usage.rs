@@ -1,5 +1,5 @@
-//! Measures memory and processor time of each harness, with the kernel's counts for the checker's tools and the solvers that they
-//! start.
+//! Measures memory and processor time of each harness (proof), from the kernel's counts for the checker's tools and the solvers
+//! that they start.
 //!
 //! The checker's tools have the harness's file as an argument, which tells the harness of a process; a solver is recognised by its
 //! parent process. Ten times a second the highest memory so far (`VmHWM`) and the processor time, including ended child processes,
@@ -12,20 +12,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Memory and time of one harness.
+/// Memory and processor time of one harness (proof).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
+    /// Highest total memory of all processes that ran for the harness (proof) at the same time, in KiB.
     pub memory_kib: u64,
-    /// Processor time of all processes of the harness together, in seconds.
+    /// Processor time of all processes of the harness (proof) together, in seconds.
     pub processor_s: f64,
 }
 
-/// Memory and time of each process that was started for a harness, including the processes that it started; by harness file and
-/// process id.
+/// Memory and time of each process that was started for a harness (proof), including the processes that it started. The key is the
+/// harness's file and the process id.
 type Seen = HashMap<(String, u32), Usage>;
 
-/// A thread that measures all processes with a file below one folder among their arguments.
+/// A thread that measures all processes that have a file below a given folder among their arguments.
 pub struct Watch {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Seen>,
@@ -57,7 +57,7 @@ impl Watch {
         Self { stop, thread }
     }
 
-    /// Stops measuring; returns memory and time by the name of the harness's file, without its endings.
+    /// Stops measuring; returns memory and time of each harness (proof), by the name of the harness's file without its endings.
     pub fn finish(self) -> HashMap<String, Usage> {
         self.stop.store(true, Ordering::Relaxed);
         let mut sums = HashMap::<String, Usage>::new();
@@ -102,8 +102,8 @@ fn memory_kib(folder: &Path) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Reads all processes once and updates the values of each harness's process together with its descendants. Ids of the kernel's own
-/// processes are kept in `kernels`, so that these many processes are not read again.
+/// Reads all processes once and updates the values of each harness's (proof's) process together with its descendants. Ids of the
+/// kernel's own processes are kept in `kernels`, so that these many processes are not read again.
 fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     let mut all = HashMap::new();
     let mut of_harness = Vec::new();
@@ -151,8 +151,8 @@ fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     }
 }
 
-/// Name of the harness's file among a process's arguments, without folder and endings. Only files of harnesses have a mangled name
-/// (`__R`).
+/// Name of the harness's file among a process's arguments, without folder and endings. The files of harnesses (proofs) are those
+/// with a mangled name (`__R`).
 fn harness(arguments: &[u8], folder: &str) -> Option<String> {
     let arguments = String::from_utf8_lossy(arguments).into_owned();
     let file = arguments.split('\0').find(|argument| {
@@ -180,8 +180,7 @@ mod tests {
         );
     }
 
-    /// Checks that a process with a harness's file among its arguments is measured together with its child, which works for a
-    /// while.
+    /// Checks that a process with a harness's (proof's) file among its arguments is measured together with its child process.
     #[test]
     #[cfg(target_os = "linux")]
     fn a_running_process_is_measured() {

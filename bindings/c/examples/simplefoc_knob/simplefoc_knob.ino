@@ -1,5 +1,5 @@
-/* A knob with a wall, on SimpleFOC: a gimbal motor with an AS5048A on a three-pin driver. Set pins, pole pairs and the motor's figures to yours.
- * Compiled against declarations of what it uses, `tests/stand_in`; nobody has run it on a board. */
+/* A knob with a virtual wall, on SimpleFOC: a gimbal motor with an encoder AS5048A on a three-pin driver. Change pins, pole pairs and the motor's
+ * figures to yours. Tests compile this file against the declarations in `tests/stand_in`; nobody has run it on a board. */
 #include <SimpleFOC.h>
 #include <touchstone.h>
 
@@ -14,13 +14,13 @@ ts_wall wall;
 ts_settings settings;
 int works = 0;
 
-/* Sets up the wall; the first setting that is refused. */
+/* Sets up the wall. Returns null, or the first setting that is refused. */
 const char *set_up_wall() {
   static const char *const rows[][2] = {
       {"timing.rate_hz", "1000"},
       {"wall.k_desired_n_m_per_rad", "0.5"},
       {"law.force_limit_n_m", "0.06"},
-      /* Of your knob; `touchstone tune` finds the other settings for it. */
+      /* The next values are those of your knob; `touchstone tune` finds the other settings for it. */
       {"law.estimator.inertia_kg_m2", "0.00002"},
       {"law.estimator.damping_n_m_s_per_rad", "0.0001"},
       {"law.guard.damping_n_m_s_per_rad", "0.0001"},
@@ -61,7 +61,7 @@ void loop() {
   if (!works) return;
   int64_t count = (int64_t)(sensor.getAngle() * (COUNTS_PER_REV / 6.2831853f));
   ts_force force;
-  /* Faster than the guard answers for: the force is 0 until somebody resets the board. */
+  /* Any other status, such as a knob that is too fast for the guard: the motor is off until somebody resets the board. */
   if (ts_wall_tick(&wall, ts_penetration(count, COUNTS_PER_REV, TS_SI(0.5)), &force) != TS_OK) {
     motor.disable();
     works = 0;

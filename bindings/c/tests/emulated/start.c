@@ -1,4 +1,4 @@
-/* Starts a C program on QEMU's board mps2-an386, whose output goes to the host by semihosting. */
+/* Start-up code for a C program on QEMU's board mps2-an386. The program's output goes to the host by semihosting. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@ extern int main(void);
 
 static void start(void) {
 #ifdef __ARM_FP
-  *(volatile uint32_t *)0xE000ED88u |= 0xFu << 20; /* CPACR: the unit for floats is on */
+  *(volatile uint32_t *)0xE000ED88u |= 0xFu << 20; /* CPACR: switches the floating-point unit on */
 #endif
   initialise_monitor_handles();
   exit(main());

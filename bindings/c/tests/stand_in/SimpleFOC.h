@@ -1,4 +1,4 @@
-/* What the example uses of SimpleFOC 2.3 and Arduino, declared only. */
+/* Declarations of the parts of SimpleFOC 2.3 and Arduino that the example uses, to compile it without them. */
 #pragma once
 #include <stdint.h>
 struct MagneticSensorSPIConfig_s {};

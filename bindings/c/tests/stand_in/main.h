@@ -1,4 +1,4 @@
-/* What the example uses of ST's HAL, declared only. */
+/* Declarations of the parts of ST's HAL that the example uses, to compile it without the HAL. */
 #include <stdint.h>
 typedef struct { volatile uint32_t CNT; } TIM_TypeDef;
 typedef struct { TIM_TypeDef *Instance; } TIM_HandleTypeDef;

@@ -1,8 +1,8 @@
-"""Hard virtual walls, and an energy guard for any force.
+"""Hard virtual walls for haptic devices, and an energy guard for any force.
 
-``Guard`` bounds the energy that a hand can get out of a device, whatever force is requested. ``Wall`` is a whole wall, run tick by tick, with
-the firmware's results to the last bit. ``run``, ``scorecard``, ``tune`` and ``certify`` run the simulator: the program ``touchstone``, which
-this package contains.
+``Guard`` bounds the energy that a hand can get out of a device, whatever force is requested. ``Wall`` is a virtual wall, computed one control
+period per call, with the firmware's results to the last bit. ``run``, ``scorecard``, ``tune`` and ``certify`` run the simulator: the program
+``touchstone``, which this package contains.
 
     >>> import touchstone
     >>> wall = touchstone.Wall({"wall.k_desired_n_m_per_rad": 5})

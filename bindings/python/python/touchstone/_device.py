@@ -1,4 +1,4 @@
-"""A haptic device with the guard between it and a source of forces: a teleoperator's follower, a simulator or a network."""
+"""A haptic device with the energy guard between its motor and a source of forces: a teleoperator's follower, a simulator or a network."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._native import Guard
 
 
 class GuardedDevice:
-    """Commands requested forces on a device through the guard; a force that is too old counts as 0.
+    """Commands requested forces on a haptic device through the energy guard; a force that is too old counts as 0.
 
     ``read()`` gives the device's position, rad (m); ``write(force)`` commands its motor along the position, N·m (N). ``guard`` takes the keywords of
     ``Guard``. Call ``step`` once every ``1 / rate_hz`` seconds, from one thread. Give the age of a force that comes from another thread or a
@@ -34,7 +34,7 @@ class GuardedDevice:
         self._last: float | None = None
 
     def step(self, wanted: float, age_s: float = 0.0) -> float:
-        """Runs one control period: reads the position, bounds the force and writes it; returns the written force, along the position.
+        """Runs one control period: reads the position, bounds the force ``wanted`` and writes it. Returns the written force along the position, N·m (N).
 
         After an over-speed it writes 0 until ``resume``. If reading or writing fails, it writes 0 to the motor, empties the energy account
         and raises the error again.
@@ -43,7 +43,7 @@ class GuardedDevice:
             position = self._read()
             if not age_s <= self.stale_after_s:
                 wanted, self.stale_steps = 0.0, self.stale_steps + 1
-            # `min` and `max` would make a limit of it.
+            # Checked here, because `min` and `max` would turn it into the force limit.
             if math.isnan(wanted):
                 raise ValueError("wanted is not a number")
             wanted = max(-self.force_limit, min(self.force_limit, wanted))
@@ -63,7 +63,7 @@ class GuardedDevice:
         self._end()
 
     def _end(self) -> None:
-        """Switches the force off at once. How long the last force acted is unknown, so the guard empties its energy account."""
+        """Switches the force off at once. The guard then empties its energy account, because it does not know how long the last force acted."""
         try:
             self._write(0.0)
         finally:
@@ -71,7 +71,7 @@ class GuardedDevice:
             self._last = None
 
     def resume(self) -> None:
-        """Resumes after ``off`` or an over-speed; the energy account keeps its level."""
+        """Lets forces act again after ``off`` or an over-speed; the guard's energy account keeps its level."""
         self.guard.resume()
         self._last = None
 

@@ -1,4 +1,4 @@
-"""The program `touchstone`: the simulator, its verdicts and its measures, as functions."""
+"""Python functions that run the program ``touchstone`` (simulator of haptic devices) and return its results."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ import numpy
 
 from ._text import text
 
-#: A shipped scene's name, a path, or a dict.
+#: A scene (description of a simulation): the name of a shipped scene, the path of a TOML file, or a dict.
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-#: Fields of a scene and their values.
+#: Changes of a scene: paths of its fields, such as "device.inertia_kg_m2", and their new values.
 Changes = Union[Mapping[str, Any], None]
 
 
 class Failed(RuntimeError):
-    """The program ended without a result. ``code`` is its exit code."""
+    """Error: the program ``touchstone`` ended without a result. ``code`` is its exit code."""
 
     def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
@@ -30,11 +30,11 @@ class Failed(RuntimeError):
 
 
 class Mistake(Failed, ValueError):
-    """The call has a mistake in an option, a scene or a file. The message names place, problem and remedy."""
+    """Error: an option, a scene or a file of the call is wrong. The message names place, problem and remedy."""
 
 
 class NotMet(Failed):
-    """The run ended, but a requirement on it (such as ``expect=``) does not hold. ``results`` has the run's results."""
+    """Error: the simulation ended, but a requirement on its result (such as ``expect=``) does not hold. ``results`` has the results."""
 
     def __init__(self, message: str, code: int, results: dict[str, Any]) -> None:
         super().__init__(message, code)
@@ -42,7 +42,7 @@ class NotMet(Failed):
 
 
 def program() -> str:
-    """The path of the program: from ``TOUCHSTONE_PROGRAM``, in this package, or on the PATH, in this order."""
+    """The path of the program ``touchstone``. Looks in the variable ``TOUCHSTONE_PROGRAM``, in this package and on the PATH, in this order."""
     given = os.environ.get("TOUCHSTONE_PROGRAM")
     if given:
         return given
@@ -58,7 +58,7 @@ def program() -> str:
 
 
 def _ask(*words: str) -> dict[str, Any]:
-    """Runs the program with these words; returns the JSON that it prints."""
+    """Runs the program ``touchstone`` with these arguments; returns the JSON that it prints."""
     done = subprocess.run([program(), *words, "--json"], capture_output=True, stdin=subprocess.DEVNULL, encoding="utf-8", check=False)
     said = done.stderr.strip()
     if done.returncode in (0, 3) and done.stdout:
@@ -71,7 +71,7 @@ def _ask(*words: str) -> dict[str, Any]:
 
 
 def _options(options: Mapping[str, Any]) -> list[str]:
-    """Keywords as options of the program: ``k_desired=5`` becomes ``--k-desired 5``, ``quick=True`` becomes ``--quick``."""
+    """Converts keywords to options of the program: ``k_desired=5`` to ``--k-desired 5``, ``quick=True`` to ``--quick``."""
     words: list[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
@@ -92,7 +92,7 @@ def _changes(changes: Changes) -> list[str]:
 
 
 def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
-    """A scene's dict as TOML: tables of tables, texts, numbers, lists."""
+    """Converts a scene's dict to TOML text. The dict may hold tables, texts, numbers and lists."""
     lines, tables = [], []
     for key, value in table.items():
         if isinstance(value, dict):
@@ -106,7 +106,7 @@ def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
 
 
 class _Scene:
-    """A scene as the program takes it: a shipped name, a file, or a dict, which is written to a file."""
+    """A scene as an argument of the program: the name of a shipped scene or a file's path. A dict is written to a temporary file."""
 
     def __init__(self, scene: Scene) -> None:
         self.file: str | None = None
@@ -127,23 +127,23 @@ class _Scene:
 
 
 class Run(dict[str, Any]):
-    """The results of ``run``: a dict with the content of ``results.json``; properties give its measures and traces."""
+    """The results of ``run``: a dict with the content of the program's ``results.json``. ``summary``, ``verdict`` and ``trace`` give parts of it."""
 
     _columns: tuple[list[str], numpy.ndarray] | None = None
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The measures of the run, by name; ``results["units"]`` has their units."""
+        """The measured values of the simulation, by name; the dict's entry ``units`` has their units."""
         summary: dict[str, Any] = self["runs"][0]
         return summary
 
     @property
     def verdict(self) -> str:
-        """The verdict of the run: passive, active, limit-cycle, unstable, not-judged or no-contact."""
+        """The program's verdict on the simulated wall: passive, active, limit-cycle, unstable, not-judged or no-contact."""
         return str(self.summary["verdict"])
 
     def trace(self) -> dict[str, numpy.ndarray]:
-        """The values of every tick: a dict of numpy arrays by column name, which contains the unit."""
+        """The values of every control period: a dict of numpy arrays by column name. A name such as ``angle_rad`` contains the unit."""
         if self._columns is None:
             raise Failed("no trace was kept: run with trace=True", 2)
         names, values = self._columns
@@ -151,9 +151,9 @@ class Run(dict[str, Any]):
 
 
 def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = False, **options: Any) -> Run:
-    """Runs a scene: a shipped name, a path, or a dict. ``changes`` maps fields to values; other keywords are the program's options.
+    """Simulates a scene: the name of a shipped scene, a path, or a dict. ``changes`` maps fields to values; other keywords are the program's options.
 
-    Only scenes of one axis have a trace.
+    ``trace=True`` keeps the values of every control period; only scenes of one axis have them.
     ``run("tap", {"device.inertia_kg_m2": 2e-4}, expect="passive", trace=True)``. Raises ``Mistake`` with place, problem and remedy, and
     ``NotMet`` if a requirement (``expect=``, ``max_penetration=`` …) does not hold.
     """
@@ -173,19 +173,19 @@ def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = 
 
 
 def scorecard(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
-    """Compares laws by what a hand feels of a wall: ``scorecard("thesis-knob", law=["enhanced", "spring"], k_desired=14)``."""
+    """Compares control laws by the wall that a hand feels: ``scorecard("thesis-knob", law=["enhanced", "spring"], k_desired=14)``."""
     with _Scene(scene) as name:
         return _ask("scorecard", name, *_changes(changes), *_options(options))
 
 
 def tune(device: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
-    """Finds settings for a device: ``tune("DEVICE.toml", quick=True, out="tuned.toml")``."""
+    """Searches for the best settings of control law and guard for a device: ``tune("DEVICE.toml", quick=True, out="tuned.toml")``."""
     with _Scene(device) as name:
         return _ask("tune", name, *_changes(changes), *_options(options))
 
 
 def certify(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
-    """Calculates, without a run, whether a wall is stable, for which hands, and with which margins."""
+    """Calculates, without a simulation, whether a virtual wall is stable, for which hands, and with which margins."""
     with _Scene(scene) as name:
         return _ask("certify", name, *_changes(changes), *_options(options))
 

@@ -1,4 +1,4 @@
-"""Sweeps over two settings. The parts of a sweep run on any executor: threads, processes, or the workers of a Dask cluster."""
+"""Sweeps: simulates a scene for every pair of values of two settings. Threads, processes or a Dask cluster compute the parts of a sweep."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Callable, Sequence
 
 from ._program import Changes, Failed, Scene, _ask, _changes, _options, _Scene
 
-#: How often a part is started again whose worker or program was killed.
+#: Number of attempts to compute a part of a sweep whose worker process or program was killed.
 ATTEMPTS = 3
 
 
@@ -27,7 +27,7 @@ def sweep(
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> dict[str, Any]:
-    """Runs a scene once for every pair of values of two settings; returns the results of ``touchstone sweep``, and writes files and maps to ``out``.
+    """Simulates a scene once for every pair of values of two settings. Returns the results of ``touchstone sweep``, and writes files and maps to ``out``.
 
     ``x`` and ``y`` are axes in the program's format: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts. It is any
     executor of ``concurrent.futures``, a Dask ``Client`` or its executor, or a function that makes an executor. The function is called again after
@@ -46,7 +46,7 @@ def sweep(
         with _Scene(scene) as name:
             return _ask("sweep", name, *asked, "--out", os.fspath(out))
     if not measures:
-        # `sweep merge` cannot read parts without one.
+        # `sweep merge` cannot read parts without a measure.
         raise ValueError("measure = (): name at least one measure where an executor computes, such as \"penetration_max\"")
     text = _text_of(scene)
     count = parts or 16
@@ -68,14 +68,14 @@ def sweep(
 def _compute(
     executor: Any, text: str | bytes, asked: list[str], folders: list[Path], progress: Callable[[int, int], object] | None
 ) -> None:
-    """Has the executor compute every part whose folder does not exist yet."""
+    """Lets the executor compute every part of the sweep whose folder does not exist yet."""
     makes = callable(executor) and not hasattr(executor, "submit")
     for attempt in range(ATTEMPTS):
         missing = [part for part, folder in enumerate(folders) if not folder.exists()]
         if not missing:
             return
         pool = executor() if makes else executor
-        # Dask's client has futures of its own; its executor has those of the standard library.
+        # Dask's client has futures of its own type; its executor has those of the standard library.
         pool = pool.get_executor() if hasattr(pool, "get_executor") else pool
         try:
             futures = {pool.submit(_part, text, asked, part + 1, len(folders)): part for part in missing}
@@ -98,7 +98,7 @@ def _compute(
 
 
 def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
-    """Computes one part on the worker that calls it; returns the part's files by name."""
+    """Computes one part of a sweep; runs on a worker of the executor. Returns the part's files by name."""
     with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
         if isinstance(text, str):
             scene = text
@@ -108,18 +108,18 @@ def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[st
         made = Path(folder) / "part"
         for attempt in range(ATTEMPTS):
             try:
-                # The workers are as many as the cores, or more.
+                # One thread, because there are at least as many workers as cores.
                 _ask("sweep", scene, *asked, "--threads", "1", "--shard", f"{part}/{parts}", "--out", str(made))
                 break
             except Failed as failed:
-                # Below 0: killed by a signal. The folder has what was done.
+                # An exit code below 0: a signal killed the program. Its folder keeps the finished runs.
                 if failed.code >= 0 or attempt + 1 == ATTEMPTS:
                     raise
         return {file.name: file.read_bytes() for file in made.iterdir()}
 
 
 def _keep(folder: Path, files: dict[str, bytes]) -> None:
-    """Writes a part's files. The folder appears with all files or not at all."""
+    """Writes the files of a sweep's part. Their folder appears with all files or not at all."""
     written = Path(tempfile.mkdtemp(prefix="part-", dir=folder.parent))
     for name, content in files.items():
         (written / name).write_bytes(content)
@@ -127,6 +127,6 @@ def _keep(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def _text_of(scene: Scene) -> str | bytes:
-    """A shipped scene's name, or the content of a scene file, as a worker may run on another machine."""
+    """The name of a shipped scene, or the content of a scene file, because a worker may run on another machine."""
     with _Scene(scene) as name:
         return Path(name).read_bytes() if Path(name).is_file() else name

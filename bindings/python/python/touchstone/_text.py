@@ -1,10 +1,10 @@
-"""Python values as the text of settings: exact decimals, words, true and false."""
+"""Converts Python values to the text form of settings: exact decimals, words, true and false."""
 
 from decimal import Decimal
 
 
 def text(value: object) -> str:
-    """The text of a setting's value. A float becomes its shortest decimal without an exponent, which scenes and firmware read."""
+    """Converts a setting's value to text. A float becomes its shortest decimal number without an exponent, which scenes and firmware can read."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, str)):

@@ -1,4 +1,4 @@
-"""A wall whose settings are given as a dict."""
+"""The class of virtual walls, with settings from a dict."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ._text import text
 
 
 class Wall(_native.Wall):
-    """A whole wall: estimator, law and guard, in the firmware's fixed-point arithmetic, with results equal to the last bit.
+    """A whole virtual wall: velocity estimator, control law and energy guard, in the firmware's fixed-point arithmetic, with equal results to the last bit.
 
     ``settings`` maps paths of scenes to values: ``{"wall.k_desired_n_m_per_rad": 5, "law.kind": "tdpa"}``; ``touchstone config schema``
     lists them. Settings that are left out are those of the shipped simulated knob: give your own rate, inertia, damping, delay and encoder.
-    ``preset="thesis"`` starts from the settings of the thesis. Raises ``ValueError`` that names the setting and its range.
+    ``preset="thesis"`` starts from the settings in the DLR thesis on displaying high stiffness. Raises ``ValueError`` that names the setting and its range.
     """
 
     def __new__(

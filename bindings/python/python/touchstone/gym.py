@@ -1,8 +1,8 @@
 """Gymnasium environments with a simulated knob: press a wall, find a detent, hold an angle against noise.
 
-The agent is the hand: its action is a torque on the knob. The knob's motor renders Touchstone's wall, or a torque that the guard bounds, at 1 kHz. A
-step of an environment is ten of these ticks. Importing this module registers ``touchstone/Press-v0``, ``touchstone/FindDetent-v0`` and
-``touchstone/Hold-v0``.
+The agent is the hand: its action is a torque on the knob. The knob's motor renders Touchstone's wall, or a torque that the energy guard bounds, at
+1 kHz. A step of an environment is ten control periods (ticks) of 1 ms. Importing this module registers ``touchstone/Press-v0``,
+``touchstone/FindDetent-v0`` and ``touchstone/Hold-v0``.
 
     >>> import gymnasium, touchstone.gym
     >>> press = gymnasium.make("touchstone/Press-v0")
@@ -34,13 +34,13 @@ HAND_TORQUE_N_M = 0.2
 MOTOR_TORQUE_N_M = 0.5
 COUNTS_PER_REV = 40_000
 COUNT_RAD = 2 * math.pi / COUNTS_PER_REV
-#: Largest distance of the knob from angle 0; an episode ends beyond it.
+#: Largest angle of the knob on either side of 0, rad; an episode ends beyond it.
 RANGE_RAD = math.pi
 FASTEST_RAD_PER_S = 100.0
 
 
 class Knob:
-    """A knob with inertia and damping; a tick with constant torque is integrated exactly."""
+    """A simulated knob with inertia and damping. Its motion over 1 ms under a constant torque is calculated exactly."""
 
     def __init__(self, angle_rad: float = 0.0) -> None:
         self.angle_rad, self.speed_rad_per_s = angle_rad, 0.0
@@ -48,7 +48,7 @@ class Knob:
         self._decay = math.exp(-DAMPING_N_M_S_PER_RAD / INERTIA_KG_M2 / RATE_HZ)
 
     def advance(self, torque_n_m: float) -> None:
-        """Moves the knob by one tick under a constant torque, N·m."""
+        """Moves the knob by one control period (1 ms) under a constant torque, N·m."""
         final = torque_n_m / DAMPING_N_M_S_PER_RAD
         before, self.speed_rad_per_s = self.speed_rad_per_s, final + (self.speed_rad_per_s - final) * self._decay
         self.angle_rad += final / RATE_HZ + (before - self.speed_rad_per_s) * INERTIA_KG_M2 / DAMPING_N_M_S_PER_RAD
@@ -75,7 +75,7 @@ def _guard() -> Guard:
 
 
 class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
-    """Base of the environments. An observation is angle (rad), speed (rad/s), the motor's torque (N·m), and the goal."""
+    """Base class of the environments. An observation is the knob's angle (rad) and speed (rad/s), the motor's torque (N·m), and the goal of the task."""
 
     metadata = {"render_modes": []}
 
@@ -115,11 +115,11 @@ class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
 
     @abc.abstractmethod
     def _begin(self) -> float:
-        """Draws a random episode; returns the knob's first angle, rad."""
+        """Draws the random values of an episode; returns the knob's first angle, rad."""
 
     @abc.abstractmethod
     def _motor(self) -> float:
-        """The motor's torque in this tick, N·m."""
+        """The motor's torque in the coming control period, N·m."""
 
     @abc.abstractmethod
     def _goal(self) -> float:
@@ -127,15 +127,15 @@ class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
 
     @abc.abstractmethod
     def _error(self) -> float:
-        """Distance from the goal, in tolerances of the task."""
+        """Distance from the goal, divided by the tolerance of the task."""
 
     @abc.abstractmethod
     def _account_j(self) -> float | None:
-        """Energy that the hand may still get out, J; None without a guard."""
+        """Energy in the guard's account, which the hand may still get out, J; None without a guard."""
 
 
 class Press(_AtTheKnob):
-    """Press a virtual wall with a given torque. The error is the motor's resisting torque minus the given one, in tenths of the given one."""
+    """Task: press a virtual wall with a given torque. The error is the motor's resisting torque minus the given torque, in tenths of the given torque."""
 
     def __init__(self, stiffness_n_m_per_rad: float = 1.0) -> None:
         super().__init__()
@@ -165,7 +165,7 @@ class Press(_AtTheKnob):
 
 
 class _Guarded(_AtTheKnob):
-    """Base of the environments in which the guard bounds the motor's requested torque."""
+    """Base class of the environments in which the energy guard bounds the motor's requested torque."""
 
     def _begin(self) -> float:
         self._behind = _guard()
@@ -173,7 +173,7 @@ class _Guarded(_AtTheKnob):
 
     @abc.abstractmethod
     def _wanted(self) -> float:
-        """The torque that is requested before the guard, N·m."""
+        """The torque that the environment requests from the guard, N·m."""
 
     def _motor(self) -> float:
         wanted = self._wanted()
@@ -185,7 +185,7 @@ class _Guarded(_AtTheKnob):
 
 
 class FindDetent(_Guarded):
-    """Come to rest in the one deep detent among shallow ones. The goal gives only its torque: where it is, the agent must feel."""
+    """Task: come to rest in the one deep detent among shallow ones. The goal is the deep detent's torque; the agent must find its angle by feel."""
 
     WIDTH_RAD = 0.2
     DEEP_N_M, SHALLOW_N_M = 0.1, 0.02
@@ -208,7 +208,7 @@ class FindDetent(_Guarded):
 
 
 class Hold(_Guarded):
-    """Hold an angle while the motor gives random torques of 30 mN·m rms through the guard. The error is in hundredths of a radian."""
+    """Task: hold an angle while the motor gives random torques of 30 mN·m rms through the guard. The error is in hundredths of a radian."""
 
     NOISE_N_M = 0.03
 

@@ -1,12 +1,12 @@
-//! A box along the axes.
+//! A box with faces perpendicular to the coordinate axes.
 
 use super::{Nearest, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box along the axes. The depth that it reports is exact for a HIP inside; for one outside the error is less than one step of
-/// the format.
+/// A box with faces perpendicular to the coordinate axes. The depth that it reports is exact for a point inside; for one outside
+/// the error is less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.
@@ -33,7 +33,7 @@ impl<N: Spatial> Surface<N> for Cuboid<N> {
         let sides = from.0.into_iter().zip(side.0);
         for (axis, (gap, (x, side))) in gaps.into_iter().zip(sides).enumerate() {
             if gap < nearest.depth {
-                // In the middle, the side that it was.
+                // In the middle of the box the side of the last tick stays.
                 let x = if x == Position::zero() {
                     Position(side)
                 } else {

@@ -1,4 +1,4 @@
-//! A cylinder along an axis.
+//! A cylinder along a coordinate axis.
 
 use super::sphere::chord;
 use super::{Nearest, Surface, slanted};
@@ -6,8 +6,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A cylinder with flat ends. The error of the depth that it reports is less than one step of the format, and less than four at the
-/// rim.
+/// A cylinder with flat ends. The error of the depth that it reports is less than one step of the number format, and less than four
+/// at the rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
     /// Centre of the cylinder.
@@ -16,7 +16,7 @@ pub struct Cylinder<N: Spatial> {
     pub radius: Position<N>,
     /// Distance from the centre to each end.
     pub half: Position<N>,
-    /// The axis along which the cylinder lies, 0 to 2; other numbers mean z.
+    /// The coordinate axis along which the cylinder lies, 0 to 2 for x, y, z; larger numbers mean z.
     pub axis: usize,
 }
 
@@ -39,7 +39,7 @@ impl<N: Spatial> Surface<N> for Cylinder<N> {
         let around = || {
             let (was, _) = self.split(Vector(side.0.map(Position)));
             let any = Direction::along(if self.axis == 0 { 1 } else { 0 }, false);
-            // On the axis all points around are as close: the one that was.
+            // On the axis all points of the wall are equally close: the direction of the last tick stays.
             Direction::of(radial).or(Direction::of(was)).unwrap_or(any)
         };
         let end = Direction::along(self.axis, along < Position::zero());

@@ -1,12 +1,13 @@
-//! A convex body that is bounded by many planes.
+//! A virtual object: a convex body that is bounded by many planes.
 
 use super::{Nearest, Plane, Surface};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// The body that lies below all of its planes. Inside, the depth is right within a quantum. Outside, it is the depth below the
-/// furthest plane; at an edge that is less than the distance. Planes may coincide, and a plane without a direction is ignored.
+/// The body that lies below all of its planes. Inside, the depth is right within a step of the number format. Outside, it is the
+/// depth below the furthest plane; at an edge that is less than the distance. Planes may coincide, and a plane without a direction
+/// is ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facets<'a, N: Spatial> {
     /// The planes that bound the body.
@@ -27,7 +28,7 @@ impl<N: Spatial> Surface<N> for Facets<'_, N> {
         let mut nearest: Option<Nearest<N>> = None;
         for plane in self.real() {
             let here = plane.nearest(at, side);
-            // Of planes as close, the one that was.
+            // Of equally close planes, the plane of the last tick counts.
             let closer = nearest.is_none_or(|nearest| {
                 here.depth < nearest.depth || here.depth == nearest.depth && here.normal == *side
             });

@@ -1,9 +1,9 @@
 //! Virtual objects. Each gives its closest surface point, and the distance to its surface along a direction.
 //!
 //! Each request passes the outward direction to the surface point of the last tick. That direction decides where several points are
-//! equally close (the centre of a sphere, the diagonal of a box), and from which side of a thin plate the HIP came. Distances are
-//! right to a few quanta of the number format; each object's documentation gives its error. Lengths are in the device's
-//! [unit](super::LengthUnit), and coordinates are at most a quarter of the format's range.
+//! equally close (the centre of a sphere, the diagonal of a box). It also says from which side of a thin plate the hand's point
+//! (HIP) came. Distances are right to a few steps of the number format; each object's documentation gives its error. Lengths are in
+//! the device's [unit](super::LengthUnit), and coordinates are at most a quarter of the format's range.
 
 mod cuboid;
 mod cylinder;
@@ -25,21 +25,21 @@ use super::number::Spatial;
 use super::vector::{Direction, Vector};
 use crate::Position;
 
-/// Direction and depth of the closest surface point, as seen from the HIP.
+/// Direction and depth of the surface point that is closest to the hand's point (HIP).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest<N: Spatial> {
     /// The direction out of the object.
     pub normal: Direction<N>,
-    /// Depth of the HIP below the surface point, positive inside.
+    /// Depth of the hand's point (HIP) below the surface point, positive inside.
     pub depth: Position<N>,
 }
 
 /// The surface of a virtual object.
 pub trait Surface<N: Spatial> {
-    /// The closest surface point. `side` is the outward direction of the last tick.
+    /// The surface point closest to the position `at`. `side` is the outward direction of the last tick.
     fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N>;
 
-    /// Distance from a point inside to the surface in a direction; `None` where that direction does not lead out.
+    /// Distance from a point inside to the surface along a direction; `None` where that direction does not lead out of the object.
     fn exit(
         &self,
         at: Vector<Position<N>>,
@@ -47,37 +47,37 @@ pub trait Surface<N: Spatial> {
         side: &Direction<N>,
     ) -> Option<Position<N>>;
 
-    /// Calls `visit` with the directions in which surface points can be closest, except that of the closest one.
+    /// Calls `visit` with each direction in which a surface point can be closest, except for the one in which it is.
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>));
 
-    /// Whether from any point inside, directions nearer to that of the closest point always lead to a shorter way out. Then only
-    /// the direction towards the closest point needs to be tried.
+    /// Whether, from any point inside, a direction nearer to that of the closest surface point always is a shorter way out. Then
+    /// only the direction to the closest point needs to be tried.
     fn is_round(&self) -> bool {
         false
     }
 }
 
-/// Distance along a slanted direction, `length / cosine`; `None` where the direction does not lead out.
+/// Distance to a plane along a slanted direction, `length / cosine`; `None` where the direction does not lead out.
 fn slanted<N: Spatial>(length: Position<N>, cosine: N::Signal) -> Option<Position<N>> {
     (Position::<N>(cosine) > Position::zero()).then(|| Position(N::share(length.0, N::ONE, cosine)))
 }
 
-/// An object chosen at run time.
+/// A virtual object whose shape is chosen at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape<N: Spatial> {
-    /// A half-space.
+    /// A half-space: everything below a plane.
     Plane(Plane<N>),
     /// A ball.
     Sphere(Sphere<N>),
-    /// A box along the axes.
+    /// A box with faces perpendicular to the coordinate axes.
     Cuboid(Cuboid<N>),
-    /// A cylinder along an axis.
+    /// A cylinder along a coordinate axis.
     Cylinder(Cylinder<N>),
-    /// A thin plate.
+    /// A thin plate that holds the hand's point on the side from which it came.
     Plate(Plate<N>),
-    /// The body below both of two planes.
+    /// A convex edge: the body that lies below both of two planes.
     Edge(Edge<N>),
-    /// The body below at least one of two planes.
+    /// A concave corner: the body that lies below at least one of two planes.
     Corner(Corner<N>),
 }
 

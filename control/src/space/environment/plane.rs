@@ -1,15 +1,15 @@
-//! A half-space.
+//! A half-space: everything below a plane.
 
 use super::{Nearest, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// The half-space below a plane. The depth that it reports is right within one step of the format, and exact where the normal is an
-/// axis.
+/// The half-space below a plane. The depth that it reports is right within one step of the number format, and exact where the
+/// normal is a coordinate axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
-    /// The direction out of the object.
+    /// The normal of the plane, out of the object.
     pub normal: Direction<N>,
     /// Height of the plane over the origin, along the normal.
     pub height: Position<N>,

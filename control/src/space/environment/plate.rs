@@ -1,22 +1,23 @@
-//! A thin plate, thinner than the depth of a press.
+//! A plate that may be thinner than the depth to which a hand presses.
 
 use super::{Cuboid, Nearest, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A plate across an axis that keeps the HIP on the side from which it came, for any depth of a press and any displacement per
-/// tick. The HIP reaches the other side only around the plate's rim.
+/// A plate perpendicular to a coordinate axis. It keeps the hand's point (HIP) on the side from which it came, for any depth of a
+/// press and any displacement per tick. The HIP reaches the other side only around the plate's rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate<N: Spatial> {
     /// The body of the plate.
     pub body: Cuboid<N>,
-    /// The axis perpendicular to the plate, 0 to 2; other numbers mean z.
+    /// The coordinate axis perpendicular to the plate, 0 to 2 for x, y, z; larger numbers mean z.
     pub axis: usize,
 }
 
 impl<N: Spatial> Plate<N> {
-    /// While the HIP is over the plate: depth below the face from which the HIP came, and that face's normal. Else `None`.
+    /// While the hand's point (HIP) is over the plate: depth below the face from which the HIP came, and that face's normal. Else
+    /// `None`.
     fn kept(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Option<Nearest<N>> {
         let from = at - self.body.centre;
         let axes = from.0.into_iter().zip(self.body.half.0).zip(side.0);
@@ -29,7 +30,7 @@ impl<N: Spatial> Plate<N> {
                 continue;
             }
             let side = Position::<N>(side);
-            // Around the rim there is no side yet: that on which the HIP is.
+            // If the last tick gives no side (around the rim), the side is that on which the hand's point is.
             let side = if side == Position::zero() { x } else { side };
             let against = side < Position::zero();
             kept = Some(Nearest {

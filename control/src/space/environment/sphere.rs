@@ -1,11 +1,11 @@
-//! A ball.
+//! A virtual object: a ball.
 
 use super::{Nearest, Surface};
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 use crate::{Energy, Force, Position};
 
-/// A ball. The depth of the HIP that it reports is too large by less than one step of the number format.
+/// A ball. The depth that it reports for the hand's point is too large by less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<N: Spatial> {
     /// Centre of the sphere.
@@ -37,7 +37,8 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
     }
 }
 
-/// The direction at the centre, where all surface points are equally close: that of the last tick, or up if there was none.
+/// The outward direction for a point at the ball's centre, where all surface points are equally close: that of the last tick, or up
+/// if there was none.
 #[cold]
 fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     if side.0 == [N::Signal::default(); 3] {
@@ -47,8 +48,8 @@ fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     }
 }
 
-/// Distance from a point inside a circle or ball to its surface along a direction, with the point given from the centre: `sqrt(b² +
-/// R² - |v|²) - b`, where `b` is the point's component along the direction.
+/// Distance from a point `v` inside a circle or ball to its surface along a direction. `v` is given from the centre. For the radius
+/// `R` it is `sqrt(b² + R² - |v|²) - b`, where `b` is the component of `v` along the direction.
 pub(super) fn chord<N: Spatial>(
     radius: Position<N>,
     from: Vector<Position<N>>,
@@ -56,7 +57,7 @@ pub(super) fn chord<N: Spatial>(
 ) -> Position<N> {
     let along = direction.component(from);
     let square = |a: Position<N>| Force::<N>(a.0) * a;
-    // Coordinates are at most a quarter of the format: the sums fit.
+    // Coordinates are at most a quarter of the format's range, so the sums fit.
     let inside = square(radius) - from.map(|x| Force(x.0)).work(from);
     let sum = square(along) + inside.max(Energy::zero());
     Position(N::root_of_squares(sum.0)) - along

@@ -9,15 +9,15 @@ use crate::space::vector::{Direction, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge<N: Spatial> {
     planes: [Plane<N>; 2],
-    /// Cosine of the angle between the planes' normals: `n₁·n₂`.
+    /// Cosine of the angle between the two planes' normals (their scalar product).
     cosine: N::Signal,
-    /// Square of the sine of the angle between the planes' normals: `1 - (n₁·n₂)²`.
+    /// Square of the sine of the angle between the two planes' normals.
     sine_squared: N::Signal,
 }
 
 impl<N: Spatial> Edge<N> {
-    /// The edge of two planes. The smaller the angle between them, the larger is the error of depths around the edge: a few quanta
-    /// divided by the square of the angle's sine.
+    /// The edge of two planes. The smaller the angle between the normals, the larger is the error of depths around the edge: a few
+    /// steps of the number format divided by the square of the angle's sine.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         let [one, other] = &planes;
@@ -29,7 +29,8 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// The height over one plane that is left after a distance towards the other plane.
+    /// The height over one plane after moving towards the other plane by a distance. `height` is the height over the one plane
+    /// before.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }
@@ -59,7 +60,7 @@ impl<N: Spatial> Surface<N> for Edge<N> {
         if second > zero && self.beyond(first, second) <= zero {
             return of(other, second);
         }
-        // The edge itself: the vector across it whose heights over both planes are these.
+        // The edge itself is closest. The vector from the edge is perpendicular to it and has these heights over both planes.
         let part = |height, way| {
             Position(N::share(
                 self.beyond(height, way).0,
@@ -91,11 +92,11 @@ impl<N: Spatial> Surface<N> for Edge<N> {
     }
 }
 
-/// A concave corner: the body that lies below at least one of two planes. If the HIP is pressed into it, it is held on the crease,
-/// and the force lies in the plane of both normals.
+/// A concave corner: the body that lies below at least one of two planes. If the hand's point (HIP) is pressed into it, it is held
+/// on the crease, and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
-    /// The free space above both planes, treated as an object of its own.
+    /// The free space above both planes, treated as an edge: the corner's surface is the edge's, seen from the other side.
     free: Edge<N>,
 }
 
@@ -123,7 +124,8 @@ impl<N: Spatial> Surface<N> for Corner<N> {
         along: &Direction<N>,
         _: &Direction<N>,
     ) -> Option<Position<N>> {
-        // Into the free space: above both planes, so the longer of two ways; and where one plane is above already, it must stay so.
+        // The free space is above both planes, so the longer of the two ways leads there. Where the point is above one plane
+        // already, it must stay above.
         let mut longest = Position::zero();
         for plane in &self.free.planes {
             let below = plane.above(at);

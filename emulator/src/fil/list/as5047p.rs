@@ -10,11 +10,11 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Injections on a NUCLEO-G474RE with an AS5047P on the SPI bus.
+/// Injections into the encoder AS5047P, on a NUCLEO-G474RE.
 pub const WITH_AS5047P: &[Injection] = &[
-    // An answer of all zeros has the right parity. As the field's answer it confirms no valid magnet; as the angle's answer it is an
-    // angle far from the last one. Which of the two frames meets the fault first decides the fault code. So the fault begins at the
-    // control tick and not at a fixed time, because programs read the encoder at different times in the tick.
+    // An answer of all zeros has the right parity. As the field's answer it confirms no valid magnet; as the angle's answer it is
+    // an angle far from the last one. Which of the two frames meets the fault first decides the fault code. So the fault begins at
+    // the control tick and not at a fixed time, because programs read the encoder at different times in the tick.
     row(
         "encoder's line low",
         Pressed,

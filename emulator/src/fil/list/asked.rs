@@ -1,5 +1,5 @@
-//! Fault injections that were added because of sabotaged firmware (`cargo xtask fil --sabotage`). Without them the tests would not
-//! notice that parts of the firmware's safety functions are missing.
+//! Fault injections that detect sabotaged firmware (`cargo xtask fil --sabotage`): programs in which a part of a safety function
+//! was removed. Without these injections no test would notice that it is missing.
 //!
 //! Clearing an enable bit of the interrupt controller is the mildest way to stop a part of the program: nothing hangs, and a
 //! watchdog that any running code refreshes does not act. A break during the current loop must not be undone by a decision that the
@@ -16,11 +16,11 @@ const ADC1_2: u32 = 18;
 const LPUART1: u32 = 91;
 const TIM5: u32 = 50;
 
-/// Limit in microseconds for a stopped link task. The task is missed when its send buffer of 768 bytes is full and it waits: after
-/// 32 ms, with one telemetry record per ms of at least 24 bytes.
+/// Time limit in microseconds for detecting that the serial port's task has stopped. The task counts as missed once its send buffer
+/// of 768 bytes is full and it waits: after 32 ms, with one telemetry record of at least 24 bytes per ms.
 const LINK: u64 = WATCHDOG + 768 / 24 * 1_000;
 
-/// Injections on a NUCLEO-G474RE with an AS5047P on the SPI bus.
+/// Injections that detect sabotaged firmware, on a NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const ASKED_FOR: &[Injection] = &[
     row(
         "current loop comes no more",

@@ -1,4 +1,4 @@
-//! Tests that concern neither a sensor nor the processor: a person presses the stop button or flicks the knob.
+//! Injections that concern neither a sensor nor the processor: a person presses the stop button or turns the knob quickly.
 
 use super::Expect::{GoesOn, Off};
 use super::When::{Calibrating, Free, Pressed, Ready};

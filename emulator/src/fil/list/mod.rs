@@ -33,7 +33,7 @@ pub use simplefoc_mini::ON_SIMPLEFOC_MINI;
 pub enum When {
     /// The device is calibrated and its outputs are off.
     Ready,
-    /// The device is stopped; a calibration is requested after the fault has happened.
+    /// The device is stopped. The fault happens, and then a calibration is requested.
     Starting,
     /// The device measures the offsets of its current sensors without current, with its outputs off.
     Measuring,
@@ -46,7 +46,7 @@ pub enum When {
 }
 
 impl When {
-    /// Whether the motor outputs are on in this state.
+    /// Whether the motor's outputs are on in this state.
     #[must_use]
     pub const fn is_on(self) -> bool {
         !matches!(self, Self::Ready | Self::Starting | Self::Measuring)
@@ -58,13 +58,13 @@ impl When {
 pub enum Expect {
     /// The outputs are off within this many microseconds, and one of these fault codes is latched.
     Off(u64, &'static [Code]),
-    /// Within this many microseconds the outputs are off and stay off; before that they may switch. One of these fault codes is
-    /// latched.
+    /// Within this many microseconds the outputs are off and stay off; before the end of that time they may switch. One of these
+    /// fault codes is latched.
     OffAtLast(u64, &'static [Code]),
     /// The chip resets: the outputs are off within this many microseconds, then the device is in `Boot`, or in `Fault` with one of
     /// these codes.
     Reset(u64, &'static [Code]),
-    /// The device goes on undisturbed.
+    /// The fault does not disturb the device.
     GoesOn,
 }
 
@@ -75,26 +75,28 @@ pub struct Injection {
     pub name: &'static str,
     /// The state of the device in which the fault happens.
     pub when: When,
-    /// Microseconds later than a round time: the moment within the PWM and the control period.
+    /// Delay of the injection in microseconds after the device has reached its state. It varies the moment within the PWM period
+    /// and the control period.
     pub moment_us: u64,
     /// The fault that is injected.
     pub fault: Fault,
-    /// The expected result.
+    /// The expected result of the injection.
     pub expect: Expect,
     /// A second fault, injected while the first is latched; it must change nothing.
     pub then: Option<Fault>,
-    /// Once its cause is gone and it was left by `Stop`, the device calibrates and arms as if nothing had been.
+    /// Whether to check that the device calibrates and arms as before, once the fault's cause is gone and `Stop` has cleared the
+    /// fault.
     pub again: bool,
 }
 
 impl Injection {
-    /// Description of the device's state, for reports.
+    /// Name of the device's state in which the fault happens, for reports.
     #[must_use]
     pub fn state(&self) -> String {
         format!("{:?}", self.when).to_lowercase()
     }
 
-    /// Name and state: what `--only` and the list of sabotages ask for.
+    /// Name and state of the injection, the text that `--only` and the list of sabotages select.
     #[must_use]
     pub fn title(&self) -> String {
         format!("{}, {}", self.name, self.state())
@@ -129,25 +131,30 @@ const fn row(
     }
 }
 
-/// One control tick at 1 kHz, and the time of a PWM period until the next sample, us.
+/// Time limit in µs for a reaction in the next control period at 1 kHz: that period, and a PWM period until the next sample.
 const TICK: u64 = 1_050;
-/// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
+/// Time limit in µs for bad encoder readings, one control period: the outputs are off from the first bad reading on. The third one
+/// is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
-/// Limit for a seventh of the frames bad, two to four of them in a tick. Each bad reading adds 50, each good one takes
-/// 1 away, and 1,000 are too many (`drive/src/supervisor/share.rs`). At two frames in a tick that takes 75 ticks;
-/// nearly twice that, us.
+/// Time limit in µs if a seventh of the encoder's frames are bad, with two to four frames in a control period. Each bad reading
+/// adds 50 to a sum, each good one takes 1 away, and 1,000 is a fault (`drive/src/supervisor/share.rs`). With two frames in a
+/// period the fault comes after 75 periods; the limit is nearly twice that.
 const OFF_AT_SHARE: u64 = 150_000;
-/// Limit for windings that answer the voltage otherwise than the motor's model, us (`docs/faults/25-motor-model.md`).
+/// Time limit in µs for windings whose current does not match the voltage by the motor's model (`docs/faults/25-motor-model.md`).
 const OFF_AT_MODEL: u64 = 50_000;
-/// Two control ticks: one requests the AS5047P's field, the next gets the answer.
+/// Time limit in µs for a wrong field of the AS5047P's magnet, two control periods: one requests the register, the next gets the
+/// answer.
 const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
-/// A shaft at 150 rad/s makes 391 counts in a control period, and 265 are too many: a first reading may see 0.68 of a period and
-/// not be enough, the one after it is. And the PWM period in which its tick switches off, us.
+/// Time limit in µs for a shaft that turns too fast, at 150 rad/s. That is 391 counts in a control period, where 265 are allowed.
+/// The first reading may come after less than 0.68 of a period at this speed, so only the next reading must detect it. A PWM period
+/// is added until the outputs are off.
 const FAST_SHAFT: u64 = 1_740;
-/// Limit for a lockup, which pulls the break in hardware well before the window watchdog would end it as well. When the
-/// stack is full, the next interrupt causes the lockup, at most a PWM period later.
+/// Time limit in µs for a processor lockup, which pulls the break in hardware well before the window watchdog would end it. When
+/// the stack is full, the next interrupt causes the lockup, at most a PWM period later.
 const LOCKUP: u64 = 60;
-/// The window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since the last refresh, us.
+/// Time limit in µs for a reset by the window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since
+/// the last refresh.
 const WINDOW_WATCHDOG: u64 = 270;
-/// The independent watchdog at its slowest, and the longest time without a feeding before it counts (docs/firmware.md).
+/// Time limit in µs for a reset by the independent watchdog with its slowest clock, and the longest time before the missing
+/// feedings begin (docs/firmware.md).
 const WATCHDOG: u64 = 112_000;

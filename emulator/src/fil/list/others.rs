@@ -74,7 +74,7 @@ pub const WITH_MT6701: &[Injection] = &[
     ),
 ];
 
-/// Injections with an incremental encoder at the timer.
+/// Injections with an incremental encoder, whose edges a timer counts.
 pub const WITH_TRACKS: &[Injection] = &[
     row(
         "encoder held",

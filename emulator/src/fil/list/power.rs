@@ -6,7 +6,7 @@ use super::{Injection, TICK, row};
 use crate::fil::fault::Fault;
 use touchstone_protocol::FaultCode::*;
 
-/// Injections on the NUCLEO-G474RE with an AS5047P on the SPI bus.
+/// Injections into currents, bus voltage, temperature and break, on the NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const POWER: &[Injection] = &[
     row(
         "phase A reads +8 A",

@@ -8,7 +8,7 @@ use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use touchstone_protocol::FaultCode::*;
 
-/// Injections on the NUCLEO-G474RE with an AS5047P on the SPI bus.
+/// Injections into processor, program and supply, on the NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const PROCESSOR: &[Injection] = &[
     row(
         "processor 25 times slower",

@@ -11,7 +11,7 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Limit in microseconds for a fault at which the driver switches itself off. Its fault line acts in the same PWM period.
+/// Time limit in microseconds for a fault at which the driver switches itself off. Its fault line acts in the same PWM period.
 const BY_ITSELF: u64 = 60;
 
 /// Injections with nFAULT at PB12 (the break input) and an AS5047P on the SPI bus.

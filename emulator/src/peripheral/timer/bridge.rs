@@ -14,12 +14,12 @@ const BKP: u32 = 1 << 13;
 const BKE: u32 = 1 << 12;
 const OSSR: u32 = 1 << 11;
 const OSSI: u32 = 1 << 10;
-/// Bits of BDTR that LOCK level 1 protects: dead time, break enable, break polarity, break filter, AOE. The level also protects the
-/// idle levels in CR2.
+/// Bits of the register BDTR that LOCK level 1 protects: dead time, break enable, break polarity, break filter, AOE (automatic
+/// output enable). The level also protects the idle levels in CR2.
 const LOCKED: u32 = 0xff | BKE | BKP | AOE | 0xf << 16;
 const IDLE_LEVELS: u32 = 0x3f << 8;
-/// Further bits of BDTR that LOCK level 2 protects: the behaviour of idle outputs. The level also protects the output polarities in
-/// CCER.
+/// Further bits of the register BDTR that LOCK level 2 protects: the behaviour of idle outputs. The level also protects the output
+/// polarities in CCER.
 const LOCKED_2: u32 = OSSI | OSSR;
 const POLARITY: u32 = 0xaaa;
 const BIF: u32 = 1 << 7;
@@ -58,14 +58,14 @@ fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
     every * samples * division
 }
 
-/// An event within a PWM period.
+/// An event of the timer within a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
     /// The counter reaches its top.
     Top,
     /// The counter reaches 0.
     Bottom,
-    /// The trigger TRGO2 rises.
+    /// The trigger TRGO2, which starts the converters, rises.
     Trigger,
 }
 
@@ -89,7 +89,7 @@ pub struct BridgeTimer {
     comparators: u32,
     /// Time in processor cycles since which the break input has been active without a gap; `None` while it is inactive.
     active_since: Option<u64>,
-    /// Whether a source inside the chip holds the system break: low supply, processor lockup, or an error in flash.
+    /// Whether a source inside the chip raises the system break: low supply, processor lockup, or an error in flash.
     system: bool,
     /// The gate drivers that the timer's outputs control.
     pub gates: GateDriver,
@@ -112,7 +112,7 @@ impl Default for BridgeTimer {
             main_output: false,
             bottom: 0,
             done: 0,
-            // Pulled up: the break input is active low on the boards that use it.
+            // The break input's pin is high (pulled up), because the input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
             active_since: None,
@@ -168,7 +168,7 @@ impl BridgeTimer {
         if self.main_output {
             match outputs & 5 {
                 5 => Some((reference != inactive.0, reference == inactive.1)),
-                // Off by its enable bit, and held at its inactive level.
+                // Only one output of the pair is enabled. With OSSR the other one is held at its inactive level.
                 1 if bdtr & OSSR != 0 => Some((reference != inactive.0, inactive.1)),
                 4 if bdtr & OSSR != 0 => Some((inactive.0, reference != inactive.1)),
                 _ => None,
@@ -203,7 +203,7 @@ impl BridgeTimer {
         self.note(now);
     }
 
-    /// Sets whether a source inside the chip holds the system break, as enabled in SYSCFG_CFGR2. The system break depends neither
+    /// Sets whether a source inside the chip raises the system break, as enabled in SYSCFG_CFGR2. The system break depends neither
     /// on the enable bit BKE nor on a polarity (RM0440, "Using the break function").
     pub fn set_system_break(&mut self, active: bool, now: u64) {
         self.system = active;
@@ -249,7 +249,8 @@ impl BridgeTimer {
         }
     }
 
-    /// Whether the timer accepts a write of 1 to MOE (main output enable): no break is active and SBIF is clear.
+    /// Whether the timer accepts a write of 1 to MOE (main output enable): no break is active, and SBIF, the flag of the system
+    /// break, is clear.
     fn may_start(&self, now: u64) -> bool {
         let is_pulled = self.passes_at().is_some_and(|at| at <= now);
         !is_pulled && !self.system && self.status & SBIF == 0
@@ -260,7 +261,7 @@ impl BridgeTimer {
         self.note(now);
     }
 
-    /// Records the time if the bridge has gone on or off.
+    /// Adds an entry to `changes` if the bridge has gone on or off.
     fn note(&mut self, now: u64) {
         let on = self.duty().iter().any(Option::is_some);
         if on != self.is_on {
@@ -269,7 +270,7 @@ impl BridgeTimer {
         }
     }
 
-    /// The value that a register gets by a write of `value`, given the bits that the LOCK level protects.
+    /// The value that a register gets by a write of `value`: bits that the timer's LOCK level protects keep their old value.
     fn unlocked(&self, offset: u32, value: u32) -> u32 {
         let level = self.registers.get(BDTR) >> 8 & 3;
         let kept = match (offset, level) {
@@ -285,7 +286,7 @@ impl BridgeTimer {
 
     fn update(&mut self) {
         for (channel, compare) in self.compare.iter_mut().enumerate() {
-            // CCR5 and CCR6 are elsewhere and not used.
+            // CCR5 and CCR6 are at other addresses and are not used.
             *compare = self.registers.get(CCR1 + 4 * channel as u32) & 0xffff;
         }
         self.reload = u64::from(self.registers.get(ARR) & 0xffff);
@@ -320,7 +321,7 @@ impl BridgeTimer {
         let compare = u64::from(self.compare[channel as usize]);
         let top = self.reload.max(1);
         let count = match self.mode(channel) {
-            // PWM mode 1 rises on the way down, mode 2 on the way up.
+            // The reference signal rises while the counter counts down in PWM mode 1, and while it counts up in mode 2.
             6 if compare < top => 2 * top - compare,
             7 if compare < top => compare,
             _ => return None,
@@ -368,7 +369,7 @@ impl BridgeTimer {
         Some((time, edge))
     }
 
-    /// Processor cycles since the counter was last at 0.
+    /// Processor cycles since the timer's counter was last at 0.
     fn position(&self, now: u64) -> u64 {
         if self.runs() {
             (now - self.bottom) % self.period()
@@ -462,7 +463,7 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether a break raises an interrupt. One enable bit serves the flags BIF, B2IF and SBIF.
+    /// Whether a break now raises an interrupt: one of the flags BIF, B2IF and SBIF is set, and their common enable bit.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }

@@ -56,8 +56,9 @@ impl GateDriver {
         }
     }
 
-    /// Fraction of the time for which a phase is connected to the bus voltage. The phase is in state `first` for the fraction `share`, and
-    /// in state `second` for the rest. `None` where a state is open; a phase that is driven for part of the time is not modelled.
+    /// Fraction (0 to 1) of the time for which a phase is connected to the bus voltage. The phase is in state `first` for the
+    /// fraction `share`, and in state `second` for the rest. `None` where a state is open; a phase that is driven for part of the
+    /// time is not modelled.
     #[must_use]
     pub fn share(first: Leg, second: Leg, share: f64) -> Option<f64> {
         match (first, second) {

@@ -16,7 +16,7 @@ pub struct Timer {
     /// Time in processor cycles at which the counter had the value `count`.
     since: u64,
     status: u32,
-    /// Last count of the encoder. The counter follows its changes.
+    /// Last count of the encoder. If the timer follows the encoder, its counter moves by the same differences.
     encoder: i64,
 }
 
@@ -49,7 +49,7 @@ impl Timer {
         u64::from(self.registers.get(ARR) & self.mask) + 1
     }
 
-    /// Takes over a new encoder count; the counter moves by the difference if it follows the encoder.
+    /// Sets a new encoder count. If the timer follows the encoder, its counter moves by the difference.
     pub fn set_encoder(&mut self, count: i64) {
         let moved = count - self.encoder;
         self.encoder = count;

@@ -1,5 +1,5 @@
-//! The device's side of the page: reads the device's records, runs the simulated copy beside them, and connects again after a lost
-//! connection.
+//! The device's side of the page that shows a board: reads the device's records, runs a simulated copy of the device beside them,
+//! and connects again after a lost connection.
 
 use crate::config;
 use crate::device::status_of;
@@ -18,7 +18,7 @@ use touchstone_sim::error::{Error, Result};
 
 /// Time between two attempts to connect again after the connection to the device was lost.
 const AGAIN: Duration = Duration::from_secs(1);
-/// Change that one turn of the loop noticed about the device.
+/// What changed about the device in one pass of the loop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum News {
     /// Nothing changed, except that a record may have come.
@@ -27,7 +27,7 @@ pub enum News {
     State,
     /// The connection was lost; holds the reason.
     Lost(String),
-    /// The connection is restored; holds what was done to switch the device off, if anything was done.
+    /// The connection is restored; holds a description of how the device was switched off, if it had to be.
     Back(Option<String>),
 }
 
@@ -42,7 +42,7 @@ pub struct DeviceSide {
     /// Records received since the last batch that was sent to the page.
     pub rows: RecordRows,
     state: Option<(Phase, u8)>,
-    /// Whether the device drove the motor, or could have, at its last record. The value outlives a lost connection.
+    /// Whether the device drove the motor, or could have, according to its last record. The value is kept after a lost connection.
     was_on: bool,
     heard: Instant,
     tried: Instant,
@@ -80,7 +80,7 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// Starts the simulated copy of the device with the present settings.
+    /// Starts the simulated copy of the device with the device's present settings.
     fn model(&mut self) {
         let twin = self
             .client
@@ -89,7 +89,7 @@ impl DeviceSide {
         self.rows.begin(twin, self.decimation, &self.settings);
     }
 
-    /// Runs one turn of the loop: waits at most about 20 ms for a record, or tries to connect again.
+    /// Runs one pass of the loop: waits at most about 20 ms for a record, or tries to connect again.
     pub fn turn(&mut self) -> News {
         let Some(client) = &mut self.client else {
             return self.again();
@@ -150,7 +150,8 @@ impl DeviceSide {
         }
     }
 
-    /// Switches the device off if it drives the motor or could do so, and confirms that it is off. Returns what was done, in words.
+    /// Switches the device off if it drives the motor or could do so, and checks that it is off. Returns a description of what was
+    /// done.
     ///
     /// # Errors
     /// The request failed: the device may still be on.
@@ -180,7 +181,7 @@ impl DeviceSide {
         }
     }
 
-    /// Restores the telemetry rate of the device's settings when the command ends.
+    /// Sets the device's telemetry rate back to that of its settings, when the command ends.
     pub fn leave(&mut self) {
         let decimation = self.settings.telemetry.decimation;
         if let Some(client) = &mut self.client {
@@ -189,7 +190,8 @@ impl DeviceSide {
         }
     }
 
-    /// Runs a request on the connection. If the connection breaks during the request, the next turn reports the loss.
+    /// Runs a request on the connection. If the connection breaks during the request, the next call of [`DeviceSide::turn`] reports
+    /// the loss.
     fn with<T>(&mut self, ask: impl FnOnce(&mut Client) -> Result<T>) -> Result<T> {
         match &mut self.client {
             Some(client) => ask(client),
@@ -205,8 +207,8 @@ impl DeviceSide {
         self.with(status_of)
     }
 
-    /// Sends the message that keeps the device's host watchdog from switching the motor off. A device that does not answer counts
-    /// as lost.
+    /// Sends a message, because the device switches the motor off when the computer is silent for too long. A device that does not
+    /// answer counts as lost.
     pub fn sign_of_life(&mut self) -> News {
         let is_there = self.client.is_some();
         match self.status() {
@@ -242,7 +244,8 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// Number of records that the device's port could not carry, and number of frames that arrived damaged.
+    /// Number of telemetry records that the device dropped because its port was too slow, and number of frames that arrived
+    /// damaged.
     pub fn troubles(&mut self) -> Result<(u32, u32)> {
         self.with(|client| match client.ask(&Request::Counters)? {
             Reply::Counters(counters) => Ok((counters.telemetry_dropped, client.decode_errors())),

@@ -28,7 +28,7 @@ const MESSAGE_MAX: usize = 4096;
 /// WebSocket of a page whose request passed all checks.
 pub type Socket = WebSocket<TcpStream>;
 
-/// How the server answers a request: with the page, with a WebSocket, or with a refusal.
+/// The answer that the server gives to a request: the page, a WebSocket, or a refusal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
     Page,
@@ -71,8 +71,8 @@ fn token() -> Result<String> {
 }
 
 impl Door {
-    /// Opens the server at a free port. From the address of the WebSocket, `page` makes the HTML page and its content security
-    /// policy.
+    /// Opens the server at a free port. `page` gets the address of the WebSocket and returns the HTML page with its content
+    /// security policy.
     pub fn open(page: impl FnOnce(&str) -> (String, String)) -> Result<Self> {
         let wrong = |error: std::io::Error| {
             Error::device(

@@ -4,8 +4,8 @@
 //! device -> link: records, commands -> batches 30 times a second -> page
 //! ```
 //!
-//! This program stands between device and page. It switches the device off when the page is gone, because a wall must not stay on when
-//! no person can stop it.
+//! This program runs between device and page. It switches the device off when the page is gone, because a wall must not stay on
+//! when no person can stop it.
 
 mod device_side;
 mod door;
@@ -22,7 +22,7 @@ use touchstone_live::board_page as page;
 use touchstone_sim::error::Result;
 use visitor::Visitor;
 
-/// Serves the page of the board at `address` until Ctrl-C; `opens`: the browser is opened as well.
+/// Serves the page of the board at `address` until Ctrl-C. `opens` says whether to open the browser as well.
 pub fn main(address: &Address, opens: bool) -> Result<()> {
     let stop = noted()?;
     let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;

@@ -11,7 +11,7 @@ use touchstone_protocol::DeviceCommand;
 use touchstone_sim::error::{Error, Result};
 use tungstenite::Message;
 
-/// Time between two batches of records.
+/// Time between two batches of records that are sent to the page.
 const BATCH: Duration = Duration::from_millis(33);
 /// Time after which a page that has not acknowledged a batch counts as hung. A person could not stop the device with a hung page,
 /// so the device is switched off.
@@ -54,7 +54,7 @@ impl Visitor {
         visitor
     }
 
-    /// Runs one turn of the loop: carries out the page's commands, and sends the page records and news of the device.
+    /// Runs one pass of the loop: carries out the page's commands, and sends the page records and news of the device.
     ///
     /// # Errors
     /// The page is gone; holds the reason.

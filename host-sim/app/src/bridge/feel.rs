@@ -14,7 +14,7 @@ const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;
 /// Points of a torque profile for each position: the points are a third of a position's width apart.
 const POINTS_A_POSITION: i64 = 3;
 
-/// A configuration translated for a board: the environment, and the angles of its positions.
+/// A SmartKnob's configuration translated for a board: the detents and end stops to render, and the angles of the positions.
 #[derive(Debug)]
 pub struct Played {
     /// The detents, end stops and torque profile that the board renders.
@@ -30,14 +30,14 @@ pub struct Played {
 pub struct Strength {
     /// Stiffness of a detent of strength 1 at its middle, N·m/rad.
     pub detent_n_m_per_rad: f64,
-    /// Stiffness of an end stop of strength 1, N·m/rad: that of the board's wall.
+    /// Stiffness of an end stop of strength 1, N·m/rad: the same as that of the board's wall.
     pub endstop_n_m_per_rad: f64,
     /// Largest torque that the board may command, N·m.
     pub most_n_m: f64,
 }
 
 impl Strength {
-    /// The strengths of a board with these settings.
+    /// The strengths for a board with these settings.
     pub fn of(settings: &DeviceSettings, detent_n_m_per_rad: f64) -> Self {
         Self {
             detent_n_m_per_rad,
@@ -47,8 +47,8 @@ impl Strength {
     }
 }
 
-/// Why a configuration is invalid, as the text that is logged; `None` for a valid one. A SmartKnob refuses such configurations,
-/// too.
+/// Why a SmartKnob's configuration is invalid, as the text that is logged; `None` for a valid one. A SmartKnob itself refuses the
+/// same configurations.
 pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     let numbers = [
         config.position_width_radians,
@@ -77,8 +77,8 @@ pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     }
 }
 
-/// Translates a configuration to an environment in which `position` is at the angle `centre_rad`. The configuration must have
-/// passed [`refused`].
+/// Translates a SmartKnob's configuration to an environment (detents, end stops) in which `position` is at the angle `centre_rad`.
+/// The configuration must have passed [`refused`].
 pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Strength) -> Played {
     let width = f64::from(config.position_width_radians);
     let place = |number: i64| centre_rad + (number - i64::from(position)) as f64 * width;
@@ -136,8 +136,8 @@ fn detent_torque(
     torque.min(strength.most_n_m)
 }
 
-/// Detents at only some of the positions, as a torque profile. Each detent acts up to two thirds of a position's width from its
-/// middle; beyond, the knob is free. `None`: no such profile is possible.
+/// Makes a torque profile with detents at only some of the positions. Each detent acts up to two thirds of a position's width from
+/// its middle; beyond, the knob is free. `None` if no such profile is possible.
 fn magnetic(
     config: &KnobConfig,
     position: i32,

@@ -14,7 +14,7 @@ pub struct FromKnob {
     /// Version of the protocol, always [`VERSION`].
     #[prost(uint32, tag = "1")]
     pub protocol_version: u32,
-    /// The message itself.
+    /// Content of the message.
     #[prost(oneof = "Answer", tags = "2, 3, 4")]
     pub payload: Option<Answer>,
 }
@@ -61,7 +61,7 @@ pub struct KnobState {
     /// The configuration that is in effect.
     #[prost(message, optional, tag = "3")]
     pub config: Option<KnobConfig>,
-    /// A SmartKnob changes this number at each press of its knob. Always 0 here, since the boards have no sensor for a press.
+    /// A SmartKnob changes this number each time its knob is pressed. Always 0 here, since the boards have no sensor for a press.
     #[prost(uint32, tag = "4")]
     pub press_nonce: u32,
 }
@@ -75,7 +75,7 @@ pub struct ToKnob {
     /// A number chosen by the program; the knob's acknowledgement has the same one.
     #[prost(uint32, tag = "2")]
     pub nonce: u32,
-    /// The message itself.
+    /// Content of the message.
     #[prost(oneof = "Asked", tags = "3, 4")]
     pub payload: Option<Asked>,
 }
@@ -102,10 +102,10 @@ pub struct KnobConfig {
     /// `position_nonce` differs from the previous configuration.
     #[prost(int32, tag = "1")]
     pub position: i32,
-    /// Distance of the knob from the middle of that `position`, as a fraction of a position's width.
+    /// Distance of the knob from the middle of the position given in `position`, as a fraction of a position's width.
     #[prost(float, tag = "2")]
     pub sub_position_unit: f32,
-    /// A new value here makes the knob apply an unchanged `position` again; below 256.
+    /// A number below 256. A new value makes the knob apply `position` again, even if that is unchanged.
     #[prost(uint32, tag = "3")]
     pub position_nonce: u32,
     /// Number of the first position.
@@ -129,7 +129,7 @@ pub struct KnobConfig {
     /// The program's name for the configuration, at most 50 bytes.
     #[prost(string, tag = "10")]
     pub text: String,
-    /// Numbers of the only positions that have detents, at most 5. If the list is empty, every position has one.
+    /// Numbers of the positions that have detents, at most 5. If the list is empty, every position has a detent.
     #[prost(int32, repeated, tag = "11")]
     pub detent_positions: Vec<i32>,
     /// Asymmetry of the distances at which the number changes; boards ignore it.

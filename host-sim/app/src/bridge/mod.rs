@@ -24,8 +24,8 @@ use touchstone_protocol::frame::Decoder;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// Shortest time between two states that are sent because the state changed. A state is sent at the latest after `PERIOD`. Both
-/// times are those of a SmartKnob.
+/// Shortest time between two state messages to the program, if the state keeps changing. Without changes one is sent every
+/// `PERIOD`. Both times are those of a SmartKnob.
 const LEAST: Duration = Duration::from_millis(5);
 const PERIOD: Duration = Duration::from_secs(5);
 /// Telemetry records per second from which the position is read.
@@ -108,7 +108,7 @@ pub fn main(options: &Options) -> Result<()> {
     served
 }
 
-/// A pseudo terminal, and the symbolic link to it, which is removed with it.
+/// A pseudo terminal, and the symbolic link to it, which is removed when the terminal is closed.
 struct Terminal {
     master: TTYPort,
     /// The program's end of the pseudo terminal, kept open here so that a program may close it and open it again.
@@ -189,7 +189,7 @@ impl Drop for Terminal {
     }
 }
 
-/// The state that makes the board look like a SmartKnob to a program.
+/// All data with which the board acts as a SmartKnob towards a program.
 struct SmartKnob {
     strength: Strength,
     settings: DeviceSettings,
@@ -332,7 +332,8 @@ impl SmartKnob {
         Ok(())
     }
 
-    /// Sends the state if it changed, if the program requested it, or if the longest time between two states has passed.
+    /// Sends a state message if the state changed, if the program requested it, or if the longest time between two messages has
+    /// passed.
     fn say(&mut self, terminal: &mut Terminal) {
         let due = match &self.sent {
             None => true,

@@ -16,7 +16,8 @@ use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene, Torq
 /// Options of the command `touchstone config environment`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EnvironmentOptions {
-    /// A scene, by file or name, whose `[environment]` is sent. Without it, the options change the device's own environment.
+    /// A scene, by file or name, whose `[environment]` (walls, detents, end stops) is sent. Without it, the options change the
+    /// device's own environment.
     scene: Option<String>,
     /// Changes a field of the environment, e.g. environment.detents.strength_n_m=0.02; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -24,7 +25,7 @@ pub struct EnvironmentOptions {
     /// Removes everything but the wall.
     #[arg(long, conflicts_with_all = ["scene", "sets"])]
     wall_alone: bool,
-    /// Limit on the change of the force while the new environment replaces the old one under a hand, N·m/s.
+    /// Limit on the rate at which the force changes while the new environment replaces the old one under a hand, N·m/s.
     #[arg(long, value_name = "N_M_PER_S", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/s"))]
     change: Option<f64>,
 }
@@ -35,7 +36,7 @@ impl EnvironmentOptions {
     }
 }
 
-/// Shows the environment of the device, or sends a new one to it.
+/// Prints the environment (walls, detents, end stops) of the device, or sends a new one to the device.
 pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     let board = client.identity().board;
     if !board.is_large() {
@@ -79,7 +80,7 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     )
 }
 
-/// The error for a board whose flash has no room for an environment, with the remedy.
+/// The error for a board without memory for an environment (further walls, detents, end stops), with the remedy.
 fn small(place: &str, board: Board) -> Error {
     let fix = "use a NUCLEO-G474RE for it; on this board, `touchstone config set wall.surface_rad` moves its one wall";
     let problem = format!(
@@ -89,7 +90,7 @@ fn small(place: &str, board: Board) -> Error {
     Error::device(place, problem, fix)
 }
 
-/// The environment that the options request: the present one of the device, with their changes.
+/// The environment (walls, detents, end stops) that the options request: the device's present one with the requested changes.
 fn wanted(
     options: &EnvironmentOptions,
     before: &Surround,
@@ -130,7 +131,7 @@ fn plain(value: Decimal) -> f64 {
     format!("{value:.9}").parse().unwrap_or(value)
 }
 
-/// Translates the environment of a scene file to a board's format.
+/// Converts the environment (walls, detents, end stops) of a scene file to the format of a board.
 fn of_scene(named: &scene::Environment) -> Surround {
     let further = |wall: &Option<FurtherWall>| {
         wall.as_ref().map(|wall| WallBeside {
@@ -168,7 +169,7 @@ fn of_scene(named: &scene::Environment) -> Surround {
     }
 }
 
-/// Translates the environment of a board to a scene file's format.
+/// Converts the environment (walls, detents, end stops) of a board to the format of a scene file.
 fn as_scene(there: &Surround) -> scene::Environment {
     let further = |wall: Option<WallBeside>| {
         wall.map(|wall| FurtherWall {
@@ -215,7 +216,7 @@ fn json(environment: &Surround) -> serde_json::Value {
     })
 }
 
-/// Prints the environment as TOML, in the form of a scene file.
+/// Prints an environment (walls, detents, end stops) as TOML, in the form of a scene file.
 fn shown(environment: &Surround) -> Result<()> {
     // Not through a JSON value, which stores numbers differently from TOML.
     let environment_table = toml::Value::try_from(as_scene(environment));

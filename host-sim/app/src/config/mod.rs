@@ -278,14 +278,14 @@ fn import(
     changed(&before, &after)
 }
 
-/// Prints a warning for each changed setting that weakens the guard's bound on energy.
+/// Prints a warning for each changed setting that weakens the energy guard's bound on the energy that a hand can receive.
 fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
     for it in guard::weaker(before, after, board) {
         note!("warning: the guard is weaker: {}: {}", it.path, it.problem);
     }
 }
 
-/// The settings whose values differ before and after.
+/// The settings whose values in `before` and `after` differ.
 fn different<'a>(
     before: &'a DeviceSettings,
     after: &'a DeviceSettings,

@@ -1,4 +1,4 @@
-//! All settings as a TOML file. It is written with units, ranges and comments; errors of reading name the line.
+//! Writes all settings of a device as a TOML file with units, ranges and comments, and reads such a file. Errors name the line.
 
 use super::unknown;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use touchstone_protocol::settings::fields::{FIELDS, Field, Kind, field};
 use touchstone_protocol::{DeviceSettings, Identity};
 use touchstone_sim::error::{Error, Result};
 
-/// First words of a file that [`write()`] makes. A file that begins with them but lacks the last line `END` was cut off.
+/// Beginning of a settings file that [`write()`] makes. A file with this beginning but without the last line `END` was cut off.
 const BEGIN: &str = "# Settings of ";
 const END: &str = "# End of the settings.";
 

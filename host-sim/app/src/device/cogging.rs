@@ -19,19 +19,19 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// The actions on a map.
+/// The actions on a cogging map.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum CoggingAction {
-    /// Measures, checks and stores a map: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
+    /// Measures, checks and stores a cogging map: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
     Measure,
-    /// Measures the shaft's ripple without and with the stored map: HANDS OFF, THE SHAFT TURNS SLOWLY.
+    /// Measures the shaft's ripple without and with the stored cogging map: HANDS OFF, THE SHAFT TURNS SLOWLY.
     Check,
-    /// Deletes the map, and saves the settings without it.
+    /// Deletes the cogging map, and saves the settings without it.
     Forget,
 }
 
-/// Largest fraction of the shaft's ripple that may remain with a map; else the map does not belong to this motor. A map that is
-/// half a period off doubles the ripple.
+/// Largest fraction of the shaft's ripple that may remain with a cogging map. If more remains, the map does not belong to this
+/// motor. A map that is half a period off doubles the ripple.
 const LEFT_MOST: f64 = 0.7;
 /// Time that a measurement of cogging takes in addition to its calibration and its turns.
 const SWEEP_REST: Duration = Duration::from_secs(10);
@@ -46,12 +46,12 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Fraction of the ripple that remains with the map.
+    /// Fraction of the shaft's ripple that remains with the cogging map.
     pub fn left(&self) -> f64 {
         self.ripple_rad[1] / self.ripple_rad[0]
     }
 
-    /// The map and the ripples as JSON for programs.
+    /// The cogging map and the ripples as JSON for programs.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "rms_n_m": self.found.rms_n_m,
@@ -63,7 +63,7 @@ impl Tried {
         })
     }
 
-    /// The map and the ripples as lines of text for people.
+    /// The cogging map and the ripples as lines of text for people.
     pub fn lines(&self) -> [String; 3] {
         let found = &self.found;
         let orders: Vec<String> = found
@@ -186,7 +186,7 @@ fn shown(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
     )
 }
 
-/// Requires that the motor is not driven, since the settings will be saved.
+/// Stops the device, so that it can save settings. Returns an error if the wall is on.
 pub fn at_rest(client: &mut Client) -> Result<()> {
     match status_of(client)?.phase {
         Phase::Armed => Err(Error::device(
@@ -222,7 +222,7 @@ pub fn measure(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool
     .and_then(|tried| client.tell(&Request::Save).map(|()| tried))
 }
 
-/// Checks the stored map: measures the ripple without and with it.
+/// Checks the stored cogging map: measures the shaft's ripple without and with it.
 fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
     let board = client.identity().board;
     let kept = report(client)?.kept.ok_or(Unkept::None);
@@ -247,7 +247,7 @@ fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> R
 
 const AGAIN: &str = "measure it: touchstone device cogging measure";
 
-/// Measures the shaft's ripple while the stored map is in use, rad.
+/// Measures the shaft's ripple while the stored cogging map is in use, rad.
 fn tried(
     client: &mut Client,
     asked: &DeviceSettings,
@@ -275,7 +275,7 @@ fn judged(client: &Client, tried: &Tried) -> Result<()> {
     ))
 }
 
-/// Deletes the map from the board after a failed check.
+/// Deletes the cogging map from the board after a failed check, and returns the check's error.
 fn forgotten<T>(client: &mut Client, error: Error) -> Result<T> {
     client.tell(&Request::Command(DeviceCommand::Stop))?;
     client.tell(&Request::ForgetCogging)?;
@@ -295,8 +295,8 @@ fn no_map(client: &Client, why: &NoMap) -> Error {
     Error::device(client.place(), why.to_string(), fix)
 }
 
-/// Runs an action on a device that switches off soon after its cable is pulled; afterwards the device is stopped and
-/// has its settings back, whatever happened.
+/// Runs an action while the device has a short limit on the computer's silence, so that it switches off soon after a pulled cable.
+/// Afterwards, even after an error, the device is stopped and gets its settings back.
 fn guarded<T>(
     client: &mut Client,
     settings: &DeviceSettings,
@@ -314,7 +314,7 @@ fn guarded<T>(
     back.map(|()| done)
 }
 
-/// One calibration with a sweep, from stopped to ready.
+/// Runs one calibration with a cogging sweep; takes the device from stopped to ready.
 fn swept(
     client: &mut Client,
     settings: &DeviceSettings,

@@ -1,5 +1,5 @@
-//! `touchstone device eccentricity`: the error of the angle that the encoder's off-centre magnet causes, its cost, and
-//! when to seat the magnet anew. Also used by `touchstone setup`.
+//! `touchstone device eccentricity`: measures the error of the angle that the encoder's off-centre magnet causes. Reports its
+//! effect on torque and wall, and whether to mount the magnet again. Also used by `touchstone setup`.
 
 use super::cogging::at_rest;
 use crate::interrupt;
@@ -16,12 +16,12 @@ use touchstone_sim::error::Result;
 /// The actions on the angle error of the encoder.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum EccentricityAction {
-    /// Measures the error: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is stored; the device is
-    /// left stopped.
+    /// Measures the error of the encoder's angle: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is
+    /// stored; the device is left stopped.
     Measure,
 }
 
-/// Measures the encoder's error and shows it.
+/// Measures the angle error that the encoder's off-centre magnet causes, and prints it.
 pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     let EccentricityAction::Measure = action;
     let settings = client.settings()?;
@@ -45,13 +45,13 @@ pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     )
 }
 
-/// Name of each order (periods per turn) of the encoder's error.
+/// Name of each component of the encoder's error, by its number of periods per turn.
 pub const NAMES: [&str; ORDERS] = [
     "encoder's error once a turn",
     "encoder's error twice a turn",
 ];
 
-/// Amplitude, uncertainty and phase of one order of the encoder's error, as text.
+/// Amplitude, uncertainty and phase of one component (once or twice per turn) of the encoder's error, as text.
 pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     let it = &found.harmonics[index];
     let open = format!("{:.3}°", it.uncertainty_rad.to_degrees());
@@ -69,7 +69,7 @@ pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     [amplitude, open, phase]
 }
 
-/// Effect of the encoder's error on a wall, in words.
+/// Effect of the encoder's error on the motor's torque and on a wall, as text.
 pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     let cost = found.cost(pole_pairs);
     format!(
@@ -80,13 +80,13 @@ pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     )
 }
 
-/// Stiffness by which the magnetic field of a calibration holds the shaft, N·m/rad.
+/// Stiffness with which the motor's field holds the shaft in a calibration, N·m/rad.
 pub fn field_n_m_per_rad(settings: &DeviceSettings, torque_constant_n_m_per_a: f64) -> f64 {
     let current_a: f64 = settings.calibration.current_a.to_num();
     f64::from(settings.motor.pole_pairs) * torque_constant_n_m_per_a * current_a
 }
 
-/// Text on the limits of a measurement in which the magnetic field holds the shaft and the shaft never coasts.
+/// Text on the limits of a measurement in which the motor's field holds the shaft and the shaft never coasts.
 fn by_field_alone(field_n_m_per_rad: f64) -> String {
     format!(
         "a torque once or twice a turn, as of a weight out of the axis: {:.3}° for each mN·m (the knob coasts too shortly)",
@@ -94,7 +94,7 @@ fn by_field_alone(field_n_m_per_rad: f64) -> String {
     )
 }
 
-/// The measured error as lines of text. `field_n_m_per_rad`: stiffness by which the magnetic field held the shaft, N·m/rad.
+/// The measured error as lines of text. `field_n_m_per_rad`: stiffness with which the motor's field held the shaft, N·m/rad.
 pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
     let mut lines: Vec<String> = (0..ORDERS)
         .map(|index| {
@@ -132,7 +132,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// The measured error as JSON, for programs and for a setup that is continued later.
+/// The measured error of the encoder's angle as JSON, for programs and for a setup that is continued later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

@@ -1,4 +1,5 @@
-//! `touchstone device alignment` and `autostart`: what a board stores for its next start.
+//! `touchstone device alignment` and `autostart`: the alignment of motor and encoder that a board stores, and whether it starts
+//! unattended.
 
 use super::{calibrated, status_of};
 use crate::out::{self, say, tell};
@@ -18,7 +19,7 @@ pub enum AlignmentAction {
     /// Stores the alignment that the calibration measured, saves it with the settings, and checks it at once: THE SHAFT MOVES A
     /// LITTLE.
     Keep,
-    /// Deletes the stored alignment, and saves that: each calibration measures the alignment again.
+    /// Deletes the stored alignment and saves the settings without it: each calibration then measures the alignment again.
     Forget,
 }
 
@@ -27,11 +28,11 @@ pub enum AlignmentAction {
 pub enum Switch {
     /// The board checks the stored alignment and arms when power comes on: the shaft moves with no person present.
     On,
-    /// The board waits for a command from a desktop, as shipped.
+    /// The board waits for a command from a computer, as shipped.
     Off,
 }
 
-/// The device's report on its start; `None` from a board that can store nothing for its start.
+/// The device's report on stored alignment and unattended start; `None` from a board that supports neither.
 pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     if !client.identity().board.is_large() {
         return Ok(None);
@@ -42,7 +43,7 @@ pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     }
 }
 
-/// Same as [`report`], but an error for a board without a report.
+/// Same as [`report`], but returns an error for a board that has no such report.
 fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
@@ -57,7 +58,7 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
     })
 }
 
-/// The two lines on the start that `status` and `doctor` show.
+/// The two lines of text on the start that `status` and `doctor` print: stored alignment, and unattended start.
 pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
     let Some(report) = report else {
         return [
@@ -83,7 +84,7 @@ pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Boa
     [alignment, autostart]
 }
 
-/// The report on the start as JSON.
+/// The report on stored alignment and unattended start as JSON.
 pub fn json(
     report: Option<&StartReport>,
     settings: &DeviceSettings,
@@ -147,8 +148,8 @@ pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result
     )
 }
 
-/// Stores the alignment of the finished calibration, and runs the check that the next start will make. An alignment that fails the
-/// check is not stored.
+/// Stores the alignment that the calibration measured, and runs the check that the next start will make. An alignment that fails
+/// the check is not stored.
 pub fn keep(client: &mut Client) -> Result<()> {
     client.tell(&Request::KeepAlignment)?;
     client.tell(&Request::Command(DeviceCommand::Stop))?;
@@ -172,8 +173,8 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// Sets the longest time without a message from a host, and returns it, s. A knob that starts unattended gets 0, which means no
-/// limit. With unattended start off, a knob without a limit gets the default.
+/// Configures the longest time without a message from the computer, and returns it, s. A knob that starts unattended gets 0, which
+/// means no limit. With unattended start off, a knob without a limit gets the default.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;
@@ -192,7 +193,7 @@ fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     Ok(wanted)
 }
 
-/// Checks that the device can save settings now, before a change begins.
+/// Checks, before a change begins, that the device can save settings in its present state.
 fn saves(client: &mut Client) -> Result<()> {
     let phase = status_of(client)?.phase;
     let fix = match phase {

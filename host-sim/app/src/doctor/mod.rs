@@ -25,11 +25,11 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Options of the command `touchstone doctor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// What you want to use: exit code 1 if something is missing for it. If you name nothing, the command looks for everything and
-    /// ends with 0. `--port` means a board.
+    /// What you want to use: exit code 1 if something is missing for it. If you name nothing, the command checks everything and
+    /// ends with 0. With `--port` it checks for a board.
     #[arg(value_name = "FOR")]
     needs: Option<Needs>,
-    /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.
+    /// Serial port or tcp:HOST:PORT; with a TCP port the command does not look for a debug probe.
     #[arg(long, value_name = "PORT")]
     port: Option<Address>,
     /// Folder in which the kernel shows USB devices; for tests.
@@ -49,13 +49,13 @@ enum Needs {
     Omega3,
 }
 
-/// The finding on one requirement: a line for people, an entry of `things` in the JSON for programs.
+/// The finding on one requirement. It becomes a line of text for people, or an entry of `things` in the JSON for programs.
 enum Found {
     /// The requirement is met; holds a description.
     There(String),
     /// The requirement is missing; holds the problem and the remedy.
     Missing { problem: String, fix: String },
-    /// Not needed, or not detectable here; holds the reason.
+    /// The requirement is not needed, or cannot be checked on this system; holds the reason.
     Skipped(String),
 }
 
@@ -264,7 +264,8 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-/// Checks the device at this address, how it starts, and what energy its guard bounds.
+/// Checks the device at this address: whether it answers, how it starts, and how much energy its energy guard lets it give to a
+/// hand.
 fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port to ask it on".into()), None);
@@ -278,8 +279,8 @@ fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     }
 }
 
-/// Two texts: whether the device's alignment is stored and whether the device starts unattended; and the energy that its guard
-/// bounds.
+/// Two texts on the device's settings. The first says whether its alignment is stored and whether it starts unattended; the second
+/// states how much energy its energy guard lets it give to a hand.
 fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, String)> {
     let (report, settings) = (start::report(client)?, client.settings()?);
     let board = client.identity().board;

@@ -20,7 +20,7 @@ pub fn there() -> std::result::Result<String, (String, String)> {
     asked(&["--version"]).ok_or_else(|| ("not on the PATH".to_owned(), INSTALL.to_owned()))
 }
 
-/// What probe-rs says of the connected debug probes, as lines; empty without a probe, `None` if probe-rs cannot run.
+/// The lines that probe-rs prints on the connected debug probes; empty without a probe, `None` if probe-rs cannot run.
 pub fn probes() -> Option<Vec<String>> {
     let line = asked(&["list"])?;
     match line.contains("No debug probes") {
@@ -29,7 +29,7 @@ pub fn probes() -> Option<Vec<String>> {
     }
 }
 
-/// Runs probe-rs with these arguments and returns the first line of its output; `None` if it fails.
+/// Runs the installed probe-rs with these arguments and returns the first line of its output; `None` if it fails.
 fn asked(words: &[&str]) -> Option<String> {
     let Output { status, stdout, .. } = Command::new("probe-rs").args(words).output().ok()?;
     let line = String::from_utf8(stdout)

@@ -1,7 +1,7 @@
-//! Reads from a firmware file for which board it was built. The board's name is in an undefined symbol that the linker adds
-//! (`firmware/build.rs`). The symbol is in the ELF file alone and takes no space in flash.
+//! Reads from a firmware's ELF file for which board it was built. The board's name is part of the name of an undefined symbol,
+//! which `firmware/build.rs` makes the linker add. The symbol is only in the ELF file and takes no space in flash.
 
-/// Beginning of the name of that symbol in the ELF file; the board's name follows, with `_` for `-`.
+/// Beginning of the name of the symbol that holds the board's name in the ELF file. The board's name follows, with `_` for `-`.
 const BEGIN: &[u8] = b"touchstone_board_";
 /// Type number of an ELF section that is a symbol table.
 const SYMBOLS: u32 = 2;

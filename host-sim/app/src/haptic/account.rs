@@ -10,11 +10,11 @@ use touchstone_lab::scorecard::on_device::DeviceCard;
 use touchstone_lab::scorecard::on_device_page;
 use touchstone_sim::error::Result;
 
-/// The data of the summary.
+/// The data of a run on a haptic device from which its summary is made.
 pub struct Account<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,
-    /// Source of control law and stiffness, in words.
+    /// Source of the control law and the stiffness, as text.
     pub source: &'a str,
     /// Passivity or device limits that the wall is known to exceed; `None` if there are none.
     pub caution: Option<&'a str>,
@@ -25,7 +25,7 @@ pub struct Account<'a> {
     pub card: Option<&'a DeviceCard>,
 }
 
-/// Whether real-time priority was granted, in words.
+/// Whether real-time priority or locked memory was granted, as text.
 fn words(got: &std::result::Result<(), String>) -> String {
     match got {
         Ok(()) => "yes".to_owned(),
@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// Section of a report page: the run itself, and how late its ticks (control periods) began.
+    /// Section of a report page: the data of the run, and how late its control periods (ticks) began.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -144,7 +144,7 @@ impl Account<'_> {
         }
     }
 
-    /// Prints the summary.
+    /// Prints the run's summary.
     pub fn tell(&self) -> Result<()> {
         let report = self.report;
         if json() {
@@ -197,7 +197,7 @@ fn end(up_to_us: Option<f64>) -> String {
     up_to_us.map_or("longer".to_owned(), |us| format!("{us} µs"))
 }
 
-/// Prints a histogram of how late ticks began: one line per class, up to the last class with an entry.
+/// Prints a histogram of how late control periods (ticks) began: one line per class, up to the last class with an entry.
 fn histogram(report: &ServoReport, limits: &ServoLimits) -> Result<()> {
     let classes: Vec<_> = report.lateness.classes().collect();
     let last = classes

@@ -11,7 +11,7 @@ use touchstone_lab::thesis::space::{Object, ProbingMotion, SLIDE_MM_PER_S};
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, OMEGA3};
 
-/// A kind of haptic device.
+/// A type of haptic device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum HapticKind {
     /// Force Dimension's omega.3, through its maker's library.
@@ -25,7 +25,7 @@ pub enum HapticKind {
 }
 
 impl HapticKind {
-    /// The device's word on the command line.
+    /// The name of this type of device on the command line.
     pub fn word(self) -> &'static str {
         match self {
             Self::Omega3 => "omega3",
@@ -35,7 +35,7 @@ impl HapticKind {
         }
     }
 
-    /// Whether the device is simulated by this program, with a simulated time.
+    /// Whether this program simulates the device, so that the run may be faster than real time.
     pub fn is_simulated(self) -> bool {
         matches!(self, Self::Simulated | Self::SimulatedDelta)
     }
@@ -49,16 +49,16 @@ impl HapticKind {
     }
 }
 
-/// The options that choose the device.
+/// The options that choose a haptic device.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct WhichDevice {
-    /// The device; without it, the first real one that there is.
+    /// The haptic device; without it, the first real one that is connected.
     #[arg(long, value_enum)]
     device: Option<HapticKind>,
-    /// Force Dimension's library, libdrd or libdhd; without it, it is looked for (docs/devices.md).
+    /// Force Dimension's library, libdrd or libdhd; without it, the usual places are searched (docs/devices.md).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
-    /// Where Haply's service listens.
+    /// Address at which Haply's service listens.
     #[arg(long, value_name = "HOST:PORT")]
     haply: Option<String>,
     /// Simulates the device of a survey (`touchstone device survey --out FILE`).
@@ -66,7 +66,7 @@ pub struct WhichDevice {
     twin: Option<PathBuf>,
 }
 
-/// Name of the library in error messages.
+/// Name of Force Dimension's library in error messages.
 const LIBRARY: &str = "Force Dimension's library";
 
 /// Loads Force Dimension's library; the error says how to install it.
@@ -89,16 +89,16 @@ pub fn described(library: &Dhd) -> String {
 pub enum SimulatedHand {
     /// No hand; the device runs at this control rate, Hz.
     Nobody(u32),
-    /// The hand holds still above the centre.
+    /// The hand holds still above the workspace's centre.
     Still,
     /// The hand moves around an object repeatedly, at this control rate, Hz.
     Moves(Object, u32),
-    /// The hand goes to the place of an object that is probed, and does the actions of a scorecard.
+    /// The hand goes to an object's surface, and does the scorecard's actions there one after the other.
     InTurn(Object, DeedsInTurn),
 }
 
 impl SimulatedHand {
-    /// The simulated hand's mechanical values; `None` without a hand.
+    /// Mass, stiffness and damping of the simulated hand; `None` without a hand.
     fn hand(self) -> Option<Hand> {
         match self {
             Self::Nobody(_) => None,
@@ -132,7 +132,7 @@ fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
 }
 
 fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
-    // 80 mm of workspace instead of 160.
+    // The workspace of this device is 80 mm wide instead of 160 mm, so the hand slides more slowly.
     let (rest, rate_hz) = rest(hand, 20.0);
     let at = hand.hand();
     SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))
@@ -141,13 +141,13 @@ fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
 impl WhichDevice {
     /// The type of device that an option names; `None` if no option names one.
     pub fn model(&self) -> Option<HapticKind> {
-        // A survey can only be simulated, and only an Inverse3 has a service.
+        // `--twin` implies the simulated device, and `--haply` implies the Inverse3, the only device with such a service.
         let service = self.haply.as_ref().map(|_| HapticKind::Inverse3);
         let twin = self.twin.as_ref().map(|_| HapticKind::Simulated);
         self.device.or(twin).or(service)
     }
 
-    /// Refuses a survey or a service of a device that has none, instead of ignoring it.
+    /// Refuses a survey or a service address for a device that uses none, instead of ignoring it.
     fn check(&self) -> Result<()> {
         let lost = |option: &str, only: HapticKind| Error::Option {
             option: option.into(),

@@ -16,10 +16,10 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::OMEGA3_AXIS;
 
-/// Where law and stiffness come from.
+/// Source of the control law and the stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum WallPreset {
-    /// Tuned for mass and damping of the device, on estimated states.
+    /// Tuned for mass and damping of the device, with estimated velocities.
     Tuned,
     /// The thesis' settings (§5.2), with the law of --law and the stiffness of --k-desired N/mm.
     Thesis,
@@ -28,42 +28,44 @@ pub enum WallPreset {
 /// Options of the wall.
 #[derive(Debug, Clone, clap::Args)]
 pub struct WallOptions {
-    /// Where law and stiffness come from; default: tuned, where a wall was tuned for such a device and rate, and --law and --k-desired are not given.
+    /// Source of control law and stiffness; default: tuned, where a wall was tuned for such a device and rate, and --law and
+    /// --k-desired are not given.
     #[arg(long, value_enum)]
     preset: Option<WallPreset>,
-    /// The law along the normal, with the thesis' settings; default: enhanced-sfa.
+    /// The control law along the surface's normal, with the thesis' settings; default: enhanced-sfa.
     #[arg(long, value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
     law: Option<LawKind>,
     /// Desired stiffness, N/mm, with the thesis' settings; default: 5, or 1 where nothing is known of the device.
     #[arg(long, value_name = "N_PER_MM", allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
     k_desired: Option<f64>,
-    /// Takes stiffness and law from a file of settings, as `touchstone tune --out` writes it for the scene of `device identify --scene`.
+    /// Reads stiffness and control law from a settings file, as `touchstone tune --out` writes it for the scene of `device identify
+    /// --scene`.
     #[arg(long, value_name = "FILE.toml", requires = "lever_mm", conflicts_with_all = ["preset", "law", "k_desired"])]
     settings: Option<PathBuf>,
-    /// The lever of that scene, as `device identify` says it, mm.
+    /// With --settings: the lever of the scene that `device identify --scene` wrote, as that command prints it, mm.
     #[arg(long, value_name = "MM", requires = "settings", allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of millimetres"))]
     lever_mm: Option<f64>,
-    /// One law for each axis, instead of one along the normal.
+    /// One control law for each axis, instead of one along the surface's normal.
     #[arg(long)]
     per_axis: bool,
-    /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
+    /// Control rate, Hz; default: the fastest that the device has, or its own where the device sets the rate.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(100_u32, 10_000, "of Hz"))]
     pub rate_hz: Option<u32>,
-    /// Longest force, N; default and most: the device's.
+    /// Largest force, N; default and largest value: the device's largest force.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
     force_limit_n: Option<f64>,
-    /// Leaves the energy guard out.
+    /// Runs without the energy guard.
     #[arg(long)]
     pub no_guard: bool,
 }
 
-/// The control law with this name, which must exist.
+/// The control law with this name. The option's parser has checked that it exists.
 fn law(word: &str) -> LawKind {
     let same = |kind: &&LawKind| kind.word() == word;
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
-/// Default stiffness with the thesis' settings, N/mm; the second for an unknown device.
+/// Default stiffness with the thesis' settings, N/mm. The next constant is that for a device of unknown mass and damping.
 const THESIS_N_PER_MM: f64 = 5.0;
 const UNKNOWN_N_PER_MM: f64 = 1.0;
 
@@ -72,13 +74,13 @@ pub struct ChosenWall {
     pub rate_hz: u32,
     pub force_n: f64,
     pub settings: WallSettings,
-    /// Source of control law and stiffness, in words.
+    /// Source of the control law and the stiffness, as text.
     pub source: String,
-    /// Limits that the wall is known to exceed, and why; `None` if there are none.
+    /// Passivity or device limits that the wall is known to exceed, and why; `None` if there are none.
     pub caution: Option<String>,
 }
 
-/// The chosen law, its estimators' settings, the source of both, and what to say about them.
+/// The chosen control law, its estimators' settings, their source as text, and a note to print.
 struct ChosenLaw {
     law: Settings,
     estimator: Option<[EstimatorSettings; 3]>,
@@ -90,7 +92,7 @@ struct ChosenLaw {
 /// that of the thesis (§5.2).
 pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
-    // Rounded down, as the guard's own range is.
+    // The tick is rounded down, as in the range check of the guard.
     let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
     GuardSettings {
         capacity: si(0.04),
@@ -171,7 +173,7 @@ impl WallOptions {
         }
     }
 
-    /// Law and estimators with the thesis' settings.
+    /// Control law and estimators with the thesis' settings.
     fn thesis(&self, sheet: &DataSheet, rate_hz: u32, untuned: bool) -> ChosenLaw {
         let kind = self.law.unwrap_or_default();
         let unknown = sheet.axes.is_none() && self.preset.is_none();
@@ -206,7 +208,7 @@ fn of_tuned(wall: &TunedWall, sheet: &DataSheet, rate_hz: u32) -> ChosenLaw {
         law: wall.settings(rate_hz, sheet.force_n),
         estimator: Some([wall.estimator(); 3]),
         source: format!("tuned for {}", wall.name),
-        // A held stiffness is told to 5 %, and half a count of depth is that.
+        // The stiffness during a hold is measured to 5 %. Here half an encoder count of depth is more than 5 % of the press force.
         caution: (count_n > 0.1 * PRESS_SHARE * sheet.force_n).then(|| {
             format!(
                 "a count of {} is {count_n:.2} N in this wall: too coarse to tell what it shows",

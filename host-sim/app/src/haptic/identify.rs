@@ -21,34 +21,34 @@ use touchstone_sim::error::{Error, Result};
 pub struct Options {
     #[command(flatten)]
     which: WhichDevice,
-    /// How long each axis is moved about.
+    /// Time for which each axis is moved about, s.
     #[arg(long, value_name = "S", default_value_t = 6.0, allow_negative_numbers = true, value_parser = number::within(2.0, 600.0, "of seconds"))]
     axis_s: f64,
-    /// Longest push, N.
+    /// Largest pushing force, N.
     #[arg(long, value_name = "N", default_value_t = 1.5, allow_negative_numbers = true, value_parser = number::within(0.1, 5.0, "of newtons"))]
     push_n: f64,
-    /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
+    /// Control rate, Hz; default: the fastest that the device has, or its own where the device sets the rate.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(500_u32, 10_000, "of Hz"))]
     rate_hz: Option<u32>,
     /// Writes the result to this file, which `--twin` simulates.
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
-    /// Writes the axis of the least damping as a scene of one axis, for `touchstone tune`.
+    /// Writes the axis with the least damping as a scene of one axis, for `touchstone tune`.
     #[arg(long, value_name = "FILE.toml")]
     scene: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// The wall of that scene, N/mm.
+    /// Stiffness of the wall in the scene that --scene writes, N/mm.
     #[arg(long, value_name = "N_PER_MM", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
     k_desired: f64,
-    /// Plays a simulated device as fast as it goes, instead of in real time.
+    /// Runs a simulated device faster than real time.
     #[arg(long)]
     fast: bool,
 }
 
-/// Largest displacement from the start that still counts as a small motion, m.
+/// Distance from the start at which the motion is aborted, m.
 const FURTHEST_M: f64 = 0.03;
-/// Force allowed in addition to the push, to hold the device in place, N.
+/// Force allowed in addition to the pushing force, N. It lets the spring hold the device in place.
 const HOLD_N: f64 = 3.0;
 
 /// Moves the device, identifies it, prints the result.
@@ -123,7 +123,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(interrupt::INTERRUPTED as u8));
     }
-    // A force that was held for longer is not the one of the record.
+    // At a missed tick the device keeps its last force for longer than the record says. The results state the number of missed
+    // ticks.
     let missed = report.missed_ticks;
     let mut found = Vec::new();
     for (name, record) in ["x", "y", "z"].into_iter().zip(&law.axes) {

@@ -25,12 +25,12 @@ use touchstone_sim::error::Result;
 pub enum Action {
     /// Lists haptic devices, and boards at serial ports.
     List(WhichDevice),
-    /// Show a haptic device's identity, position and state. Its motors stay off.
+    /// Shows a haptic device's identity, position and state. Its motors stay off.
     Info(WhichDevice),
-    /// Plays a wall on a haptic device: THE MOTORS ARE ON until it ends, at the latest by Ctrl-C.
+    /// Renders a wall on a haptic device: THE MOTORS ARE ON until it ends, at the latest by Ctrl-C.
     Run(run::Options),
-    /// Moves a haptic device without a hand at it by some millimetres, and finds mass, damping and friction of each
-    /// axis: THE MOTORS ARE ON.
+    /// Moves a haptic device that no hand holds by some millimetres, and measures mass, damping and friction of each axis: THE
+    /// MOTORS ARE ON.
     Identify(identify::Options),
     /// Writes a haptic device's inertia, Jacobian and ranges to a file that can be simulated. Its motors stay off.
     Survey(survey::Options),
@@ -48,7 +48,7 @@ pub fn main(action: &Action) -> Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
-/// Lists the devices found, and for each other type the reason why none was found.
+/// Lists the devices found. For each type of which none was found, gives the reason.
 fn list(which: &WhichDevice) -> Result<()> {
     let found = which.all();
     let boards = ports();

@@ -26,16 +26,16 @@ use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::OMEGA3;
 
-/// The object in the device's workspace.
+/// The virtual object in the device's workspace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Scenery {
-    /// A floor or a slope through the centre, or a ball of 30 mm around it.
+    /// A floor or a slope through the workspace's centre, or a ball of 30 mm around it; with its name on the command line.
     Known(&'static str, Object),
-    /// A mesh around the centre, from a file.
+    /// A mesh around the workspace's centre, from a file.
     Mesh(PathBuf),
 }
 
-/// Endings of the files that a mesh is read from.
+/// File name extensions of the mesh formats that the program reads.
 const MESHES: [&str; 3] = ["stl", "obj", "ply"];
 
 const KNOWN: [(&str, Object); 3] = [
@@ -71,10 +71,11 @@ impl FromStr for Scenery {
 /// Options of `device run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a file of STL, OBJ or PLY.
+    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a
+    /// file of STL, OBJ or PLY.
     #[arg(value_name = "OBJECT")]
     object: Scenery,
-    /// Metres that 1 stands for in the mesh's file, which says none.
+    /// Unit of the coordinates in the mesh's file, m; the file itself does not state it.
     #[arg(long, alias = "stl-unit-m", value_name = "M", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = number::up_to(1e3, "in m"))]
     mesh_unit_m: f64,
     #[command(flatten)]
@@ -86,19 +87,20 @@ pub struct Options {
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
-    /// Keeps every tick as CSV; needs --seconds.
+    /// Writes every control period as CSV; needs --seconds.
     #[arg(long, value_name = "FILE", requires = "seconds")]
     csv: Option<PathBuf>,
-    /// Plays a simulated device as fast as it goes, instead of in real time.
+    /// Runs a simulated device faster than real time.
     #[arg(long)]
     fast: bool,
-    /// A force that is held for longer by a late tick ends the run, ms. More than the default is for a library without a device, on a machine that stalls.
+    /// Lateness of a control period that ends the run, as its force is held for too long, ms. Raise it only to run without a real
+    /// device on a machine that stalls.
     #[arg(long, value_name = "MS", default_value_t = 10.0, allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of milliseconds"))]
     late_limit_ms: f64,
 }
 
 impl Scenery {
-    /// Object around which a simulated hand moves. For a mesh the hand moves as for a floor: it touches from above.
+    /// Object around which a simulated hand moves. At a mesh the hand moves as at a floor: it touches from above.
     fn object(&self) -> Object {
         match self {
             Self::Known(_, object) => *object,
@@ -123,7 +125,7 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// Runs the command.
+/// Runs `touchstone device run`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
     let simulated = kind.is_some_and(HapticKind::is_simulated);
@@ -147,7 +149,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     }
     let mesh = options.object.mesh(options.mesh_unit_m)?;
     let object = options.object.object();
-    // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
+    // This is done before the motors are switched on. From here on Ctrl-C only ends the loop, so that the motors are switched off
+    // afterwards.
     let stop = interrupt::noted()?;
     let simulated_hz = options
         .wall
@@ -208,7 +211,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         "wall      {}, {} {} N/mm at {rate_hz} Hz, {source}; up to {force_n} N, {}",
         options.object,
         settings.law.law.word(),
-        // A stiffness that came over a lever has more digits than anybody gave it.
+        // A stiffness that was converted with a lever's length has many digits, so it is rounded for the text.
         settings.law.k_desired.to_num::<f64>().round() / 1e3,
         if options.wall.no_guard {
             "no guard"
@@ -229,7 +232,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         (false, true) => Box::new(DevicePace::new(rate_hz)),
         (false, false) => Box::new(RealTime::new(rate_hz)),
     };
-    // By time, and in simulated time by ticks.
+    // The length of the run: in seconds for a real device, in control ticks in simulated time.
     let programme = turn.map(|turn| turn.ticks());
     let seconds = options
         .seconds

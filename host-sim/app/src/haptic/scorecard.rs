@@ -1,4 +1,5 @@
-//! Scorecard of `touchstone device run`: the measures of a simulated run, computed for a run on a device.
+//! Scorecard of `touchstone device run`: the measures that a simulated run has (depth, stiffness, energy), computed for a run on a
+//! device.
 
 use super::account::Account;
 use crate::report_options::program;
@@ -25,21 +26,21 @@ use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_
 /// Motion of a simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum HandProgramme {
-    /// Probes the object, holds, slides along it and lets go, over and over.
+    /// Probes the object, holds, slides along it and lets go, again and again.
     #[default]
     Explore,
-    /// Touches, presses, holds and lets go; then moves in the wall at 1, 2 and 4 Hz; and ends.
+    /// Touches, presses, holds and lets go; then moves to and fro in the wall at 1, 2 and 4 Hz; and ends.
     Scorecard,
 }
 
 /// How a simulated hand grips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum PressedGrip {
-    /// 0.1 kg, 30 N/m.
+    /// Mass 0.1 kg, stiffness 30 N/m.
     Light,
-    /// 0.3 kg, 100 N/m.
+    /// Mass 0.3 kg, stiffness 100 N/m.
     Medium,
-    /// 0.8 kg, 300 N/m.
+    /// Mass 0.8 kg, stiffness 300 N/m.
     #[default]
     Firm,
 }
@@ -57,16 +58,16 @@ impl PressedGrip {
 /// Options of the scorecard.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ScoreOptions {
-    /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
+    /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or --programme scorecard.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replaces what another command left in the folder, and a file of --csv that is there already.
+    /// Replaces files that another command left in the folder, and an existing file of --csv.
     #[arg(long)]
     pub force: bool,
     /// Motion of a simulated hand.
     #[arg(long, value_enum, default_value_t)]
     pub programme: HandProgramme,
-    /// How it grips, with the scorecard's programme.
+    /// Grip of the simulated hand, with --programme scorecard.
     #[arg(long, value_enum, default_value_t)]
     pub grip: PressedGrip,
 }
@@ -107,12 +108,12 @@ impl ScoreOptions {
     }
 }
 
-/// Fraction of the largest force with which a hand touches before it presses.
+/// Force with which a hand touches the wall before it presses, as a fraction of the largest force.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
 /// Time at which the hand's programme begins, after the force has faded in, s.
 const BEGIN_S: f64 = 1.2;
 
-/// Requested stiffness, and the resolution of the depth along a direction.
+/// Configured stiffness of the wall, and the resolution of the depth along the direction `normal`.
 fn stiffness(sheet: &DataSheet, settings: &WallSettings, normal: [f64; 3]) -> DesiredStiffness {
     let across: f64 = normal.iter().map(|n| n.abs()).sum();
     DesiredStiffness {
@@ -153,7 +154,7 @@ pub struct PlayedOnDevice<'a> {
 }
 
 impl PlayedOnDevice<'_> {
-    /// Computes the scorecard from all ticks of the run.
+    /// Computes the scorecard from all control periods (ticks) of the run.
     pub fn card(&self, ticks: &[ServoTick], obstacle: &Obstacle<'_>) -> DeviceCard {
         let mut side = Direction::default();
         let touched: Vec<TouchedTick> = ticks
@@ -170,7 +171,8 @@ impl PlayedOnDevice<'_> {
             })
             .collect();
         let rate_hz = self.settings.law.rate_hz;
-        // In none of the axes a depth is least sure; where a surface turns it is taken so.
+        // The depth is least certain in a direction that is equally far from all three axes. Where the normal turns, this direction
+        // is assumed.
         let least_sure = [1.0 / 3.0_f64.sqrt(); 3];
         let stiffness = self.turn.map_or_else(
             || stiffness(self.sheet, self.settings, least_sure),

@@ -1,5 +1,5 @@
-//! Records every tick of a run on a haptic device. Memory is reserved before the motors are on; the file is written after they are
-//! off.
+//! Records every control period (tick) of a run on a haptic device. Memory is reserved before the motors are on; the file is
+//! written after they are off.
 
 use crate::whole::Named;
 use touchstone_device::servo::ServoTick;
@@ -17,32 +17,32 @@ const COLUMNS: [&str; 7] = [
     "force_z_n",
 ];
 
-/// The recorded ticks of a device's run.
+/// The recorded control periods (ticks) of a run on a device.
 pub struct DeviceTrace {
     ticks: Vec<ServoTick>,
 }
 
 impl DeviceTrace {
-    /// Reserves room for `most` ticks; further ticks are not recorded.
+    /// Reserves memory for `most` control periods (ticks); further ones are not recorded.
     pub fn for_ticks(most: u64) -> Self {
         Self {
             ticks: Vec::with_capacity(usize::try_from(most).unwrap_or(0)),
         }
     }
 
-    /// Records a tick, without allocating memory.
+    /// Records a control period (tick), without allocating memory.
     pub fn keep(&mut self, tick: &ServoTick) {
         if self.ticks.len() < self.ticks.capacity() {
             self.ticks.push(*tick);
         }
     }
 
-    /// All recorded ticks.
+    /// All recorded control periods (ticks).
     pub fn ticks(&self) -> &[ServoTick] {
         &self.ticks
     }
 
-    /// Writes the trace as CSV. Missed ticks have no row, so the times of neighbouring rows are then further apart.
+    /// Writes the trace as CSV. Missed control periods have no row, so the times of neighbouring rows are then further apart.
     pub fn write(&self, place: &Named<'_>, rate_hz: u32) -> Result<()> {
         let wrong = |error: csv::Error| place.error(&error.into());
         let mut file = csv::Writer::from_writer(Vec::new());

@@ -20,7 +20,7 @@ pub struct Kept {
     done: Map<String, Value>,
 }
 
-/// Names of a measured motor's values.
+/// Names of the values of a measured motor in the progress file.
 pub const VALUES: [&str; 7] = [
     "resistance_ohm",
     "inductance_h",
@@ -50,7 +50,8 @@ pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     ]
 }
 
-/// Refuses a folder that contains a file with the name of a setup's file, but no progress file of a setup.
+/// Returns an error for a folder that has a file with the name of a setup's file, but no progress file: the file is not from a
+/// setup.
 fn untouched(folder: &Path) -> Result<()> {
     let taken = FILES
         .into_iter()
@@ -91,13 +92,13 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// Records the device that is set up.
+    /// Records the serial number of the device that is set up.
     pub fn begin(&mut self, device: &str) -> Result<()> {
         self.done.insert("device".into(), device.into());
         self.write()
     }
 
-    /// Discards all results, but keeps the device.
+    /// Discards the results of all steps, but keeps the device's serial number.
     pub fn again(&mut self) {
         self.done.retain(|key, _| key == "device");
     }
@@ -161,7 +162,7 @@ impl Kept {
     }
 }
 
-/// The motor's values with their uncertainties.
+/// The measured motor's values with their uncertainties, as JSON.
 pub fn as_json(motor: &MeasuredMotor) -> Value {
     let mut all: Map<String, Value> = VALUES
         .into_iter()

@@ -8,7 +8,7 @@ use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_protocol::DeviceSettings;
 
 /// Delay from a position reading to the motor's response, in PWM periods: on average 0.5 until the current loop takes the command,
-/// then 1 until the PWM compare values act at mid-period.
+/// then 1 until the middle of the PWM period in which the compare values act.
 const DELAY_PERIODS: f64 = 1.5;
 /// Fraction of the measured damping that the energy guard may assume. The guard's energy bound holds only if the real damping is at
 /// least the assumed damping.
@@ -121,7 +121,7 @@ push_torque_n_m = {press:.4e}
     text
 }
 
-/// Lines of the scene file on the encoder's eccentricity error; empty if no order of the error is significant.
+/// Lines of the scene file on the encoder's eccentricity error; empty if no component of the error is significant.
 pub fn encoder_text(encoder: Option<&Eccentricity>) -> String {
     let Some(encoder) = encoder.filter(|it| it.stands_out(0) || it.stands_out(1)) else {
         return String::new();

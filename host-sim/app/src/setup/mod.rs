@@ -57,7 +57,7 @@ pub struct Options {
     /// Reads the control law's settings from this file, as `touchstone tune --out` writes it, instead of tuning.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "quick")]
     law: Option<PathBuf>,
-    /// Measures and tunes again, even if an earlier setup did.
+    /// Measures the knob and tunes the wall again, even if an earlier setup did.
     #[arg(long)]
     again: bool,
     /// Saves the alignment of an absolute encoder, so that the next start only checks it with a small motion.
@@ -89,7 +89,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// Error-message text that says how to resume an interrupted setup.
+/// Text for error messages: how to resume an interrupted setup.
 const AGAIN: &str = "the same command again";
 
 fn stepped(options: &Options) -> Result<()> {
@@ -228,7 +228,7 @@ fn stepped(options: &Options) -> Result<()> {
     )
 }
 
-/// Measures the motor's cogging, saves the compensation map on the board, and calibrates the board again.
+/// Measures the motor's cogging, saves the map that compensates it on the board, and calibrates the board again.
 fn uncogged(
     client: &mut Client,
     all: &DeviceSettings,

@@ -25,7 +25,8 @@ use touchstone_sim::error::{Error, Result};
 /// Longest time that a measurement takes in addition to the calibration. The measurement has two current steps and four pushes,
 /// each with coasting and braking.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
-/// Time without messages from the host after which the device switches its motor off, s; such as after a pulled cable.
+/// Limit on the computer's silence during a measurement, s. After this time without messages, for instance after a pulled cable,
+/// the device switches its motor off.
 const HOST_SILENCE_S: Si = Si::ONE;
 
 /// Result of a measurement of motor and encoder.
@@ -83,7 +84,7 @@ fn not_measured(client: &Client, why: &dyn Display) -> Error {
     )
 }
 
-/// Telemetry of the motor, one entry per control tick, and the encoder's angle error computed from the same motion.
+/// Telemetry of the motor, one entry per control period, and the encoder's angle error computed from the same motion.
 type Heard = (
     Vec<Option<MotorTick>>,
     std::result::Result<Eccentricity, NotSeen>,
@@ -133,8 +134,8 @@ fn heard(
     Ok((of_motor, Eccentricity::new(&of_encoder, &known)))
 }
 
-/// Settings for a shaft that turns unattended. If the given settings have no limit on the host's silence, the device switches off
-/// after 1 s without messages.
+/// Settings for a shaft that turns unattended. If the given settings have no limit on the computer's silence, the device switches
+/// off after 1 s without messages.
 pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     let mut asked = settings.clone();
     if asked.limits.host_silence_s == Si::ZERO {
@@ -143,7 +144,7 @@ pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     asked
 }
 
-/// Receives telemetry until the device is ready; returns `None` if the user interrupts.
+/// Receives the telemetry of a calibration until the device is ready; returns `None` if the user interrupts.
 pub fn listen<T>(
     client: &mut Client,
     limit: Duration,

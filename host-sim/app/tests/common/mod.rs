@@ -1,4 +1,4 @@
-//! Runs the program in a separate folder for each test.
+//! Helpers for tests that run the program in a separate folder for each test.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

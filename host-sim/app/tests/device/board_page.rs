@@ -59,7 +59,7 @@ impl Served {
     fn raw(&self, bytes: &[u8]) -> String {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(LIMIT)).unwrap();
-        // A door that has heard enough may close before all is said.
+        // The server may close the connection before it has received all bytes, so an error is ignored.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -103,10 +103,10 @@ impl Served {
     }
 }
 
-/// The page's end of the WebSocket, with the telemetry received so far.
+/// A page in the browser, as the test imitates it: its end of the WebSocket, with the telemetry received so far.
 struct Page {
     socket: WebSocket<TcpStream>,
-    /// All numbers of all telemetry records received.
+    /// All numbers of all telemetry records that the page has received.
     numbers: Vec<f64>,
 }
 
@@ -121,7 +121,7 @@ impl Page {
         let begun = Instant::now();
         while begun.elapsed() < LIMIT {
             let message = match self.socket.read() {
-                // A machine that was stopped and goes on: the same question again.
+                // A system call was interrupted, for example because the process was paused. The read is repeated.
                 Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {
                     continue;
                 }
@@ -162,7 +162,7 @@ impl Page {
 
     #[track_caller]
     fn arm(&mut self) {
-        // A calibration begins where the device is stopped, or was just switched on.
+        // A calibration can only begin if the device is stopped or was just switched on.
         let _ = self.ask(json!({ "do": "stop" }));
         assert_eq!(self.ask(json!({ "do": "calibrate" })), None);
         self.until_phase("ready");
@@ -185,7 +185,7 @@ fn stands(device: &Fake, phase: Phase) {
     }
 }
 
-/// Plays a whole session of a page, from the server's greeting to the stop.
+/// Runs a whole session of a page with the board, from the server's greeting to the stop.
 fn talk(device: &Fake) {
     let served = Served::new(device);
     let mut page = served.page();
@@ -229,7 +229,7 @@ fn talk(device: &Fake) {
     assert_eq!(page.ask(json!({ "do": "stop" })), None);
     page.until_phase("stopped");
     assert!(page.ask(json!({ "do": "dance" })).is_some());
-    // A record each tick, all there.
+    // The page receives one record per tick and none is missing.
     let columns = 16;
     let rows: Vec<&[f64]> = page.numbers.chunks_exact(columns).collect();
     assert!(
@@ -287,13 +287,13 @@ fn a_page_that_is_gone_or_hangs_disarms_the_device() {
     page.arm();
     drop(page);
     stands(&device, Phase::Ready);
-    // One that is there and takes nothing.
+    // A page that is connected but reads no messages.
     let mut page = served.page();
     page.arm();
     stands(&device, Phase::Armed);
     std::thread::sleep(Duration::from_millis(500));
     stands(&device, Phase::Ready);
-    // A calibration moves the shaft: it is stopped.
+    // A calibration moves the shaft, so it is stopped when the page closes.
     let mut page = served.page();
     assert_eq!(page.ask(json!({ "do": "stop" })), None);
     assert_eq!(page.ask(json!({ "do": "calibrate" })), None);
@@ -367,7 +367,7 @@ fn a_pulled_serial_cable_is_told() {
     device.world().1.pulled = true;
     let begun = Instant::now();
     let lost = page.until(|words| words["type"] == "connection");
-    // A terminal without its other end is silent, or at its end.
+    // If the other end of a pseudo-terminal is closed, the operating system reports silence or the end of the file.
     let why = lost["lost"].as_str().unwrap();
     assert!(why.starts_with(&device.address), "{why}");
     assert!(
@@ -437,7 +437,7 @@ fn only_the_page_that_was_opened_gets_in() {
 fn a_hundred_thousand_bytes_of_nonsense_change_nothing() {
     let device = Fake::new();
     let served = Served::new(&device);
-    // To the door, with and without the end of a head.
+    // Invalid bytes are sent to the HTTP server, with and without the end of a request header.
     let answer = served.raw(&nonsense(100_000));
     assert!(
         answer.is_empty() || answer.starts_with("HTTP/1.1 400"),
@@ -448,7 +448,7 @@ fn a_hundred_thousand_bytes_of_nonsense_change_nothing() {
         answer.is_empty() || answer.starts_with("HTTP/1.1 400"),
         "{answer:.100}"
     );
-    // As a page's messages: all are answered, none is carried out.
+    // Invalid bytes are sent as messages of a page. All are answered and none is carried out.
     let mut page = served.page();
     page.arm();
     for part in nonsense(20_000).chunks(500) {
@@ -457,11 +457,11 @@ fn a_hundred_thousand_bytes_of_nonsense_change_nothing() {
         page.until(|words| words["type"] == "done" && !words["error"].is_null());
     }
     stands(&device, Phase::Armed);
-    // Past the frames: the page is none, and the device is off.
+    // Invalid bytes are sent outside of WebSocket frames. The server closes the page's connection and switches the device off.
     page.socket.get_mut().write_all(&nonsense(100_000)).ok();
     stands(&device, Phase::Ready);
     drop(page);
-    // From the device.
+    // Invalid bytes are sent by the device.
     let mut page = served.page();
     page.until_phase("ready");
     device.world().1.noise = 100_000;

@@ -267,7 +267,7 @@ fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
     client.until("a dial", |it| {
         it.acknowledged.contains(&nonce) && it.state.as_ref().is_some_and(|state| state.1 == "dial")
     });
-    // Up to the end and back: every position once.
+    // The knob turns to its end and back, and each position is reported once in each direction.
     demo.happens("turn 120");
     client.until("position 10", |it| it.positions.last() == Some(&10));
     demo.happens("turn -150");
@@ -284,14 +284,14 @@ fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
             .any(|words| words.contains(&format!("Already handled nonce {again}")))
     });
     assert_eq!(client.state.as_ref().unwrap().1, "dial");
-    // Magnetic detents at four of 32 positions, narrower ones.
+    // Magnetic detents at four of 32 positions, with a narrower width than before.
     client.send(&config(10, [0, 31], 7.0, &[2, 10, 21, 22], "magnetic"));
     client.until("magnetic detents", |it| {
         it.state
             .as_ref()
             .is_some_and(|state| *state == (10, "magnetic".into()))
     });
-    // What is no configuration is a line, and changes nothing.
+    // An invalid configuration is answered with a log line and changes nothing.
     client.send(&config(0, [0, 1], 400.0, &[], "wide"));
     client.until("a refusal", |it| {
         it.logs

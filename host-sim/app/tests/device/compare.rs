@@ -71,13 +71,14 @@ fn a_recording_of_a_flick_is_put_beside_its_scene() {
     let value: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(value["differences"][0]["what"], "position");
     assert_eq!(value["holds"], true);
-    // Nothing is equal to nothing.
+    // With a tolerance of 0 the comparison fails, because no two recordings are exactly equal.
     let said = compared(&["--tolerance", "0", "--json"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     let value: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(value["holds"], false);
 
-    // The hand of the scene held nothing here, but its motion is found and can be run again.
+    // Without `--hand released` the command assumes that the scene's hand held the knob. Its motion is estimated from the recording
+    // and can be run again.
     let held = [
         "compare",
         file.to_str().unwrap(),
@@ -129,7 +130,7 @@ fn a_programme_is_written_and_what_is_no_recording_of_it_is_named() {
     assert_eq!(said.code, Some(0), "{}", said.err);
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.starts_with("grip,deed,time_s,surface_rad,rest_rad\nmedium,press,0.0,0.5,"));
-    // 4.45 s, and the heading.
+    // 4.45 s with one row per millisecond, and the header.
     assert_eq!(text.lines().count(), 4_451);
     let mut wrong = words.clone();
     wrong[7] = "hop";

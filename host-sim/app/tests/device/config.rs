@@ -20,7 +20,7 @@ fn settings_are_shown_alone_by_table_and_all() {
         "{table}"
     );
     let all = device.run(&["config", "get"]).done();
-    // And what the guard comes to.
+    // One line per setting, and one line with the guard's energy bound.
     assert_eq!(all.lines().count(), FIELDS.len() + 1);
     let guard = device.run(&["config", "get", "law.guard"]).done();
     assert!(
@@ -174,7 +174,7 @@ fn a_file_that_was_cut_changes_nothing() {
     let name = file.to_str().unwrap();
     device.run(&["config", "export", name]).done();
     let whole = std::fs::read_to_string(&file).unwrap();
-    // Wherever: also where what is left is valid, as in the middle of a number.
+    // The file is cut at many places. At some of them the rest is still valid TOML, for example in the middle of a number.
     for length in (0..whole.len() - 1).step_by(97) {
         if !whole.is_char_boundary(length) {
             continue;
@@ -182,7 +182,7 @@ fn a_file_that_was_cut_changes_nothing() {
         std::fs::write(&file, &whole[..length]).unwrap();
         device.run(&["config", "import", name]).failed(2, &[name]);
     }
-    // Nor is an empty file a success.
+    // A file without settings is refused, too.
     std::fs::write(&file, "# nothing\n").unwrap();
     device
         .run(&["config", "import", name])
@@ -345,12 +345,12 @@ fn a_file_that_weakens_the_guard_is_refused_unless_that_is_asked_for() {
         let text = format!("{}{}", said.out, said.err);
         assert!(text.contains("warning: the guard is weaker"), "{text}");
         assert_ne!(device.world().0.settings().law.guard, shipped.law.guard);
-        // What the board has is no news.
+        // There is no warning if the board already has the weaker guard.
         device.run(&["config", "import", name]).done();
         let said = device.run(&["config", "defaults"]);
         assert!(!said.err.contains("weaker"), "{}", said.err);
     }
-    // One by one it is somebody's own word: taken, and said.
+    // If a user changes this setting explicitly, the command accepts it and prints a warning.
     let said = device.run(&["config", "set", "law.guard.on", "false"]);
     assert!(said.err.contains("law.guard.on: off"), "{}", said.err);
 }

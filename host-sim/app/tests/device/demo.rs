@@ -1,4 +1,4 @@
-//! Runs a complete simulated knob, which a test starts and turns.
+//! Helpers for tests with `touchstone demo`: a complete simulated knob, which a test starts and turns.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};

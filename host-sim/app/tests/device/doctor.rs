@@ -6,7 +6,7 @@ use crate::{Said, folder, program, script};
 use std::path::{Path, PathBuf};
 use touchstone_protocol::PROTOCOL_VERSION;
 
-/// An artificial machine with all tools that a board needs.
+/// An artificial machine: a folder with stand-ins for all tools and USB devices that a board needs.
 struct Machine(PathBuf);
 
 impl Machine {
@@ -118,7 +118,7 @@ fn each_thing_that_is_missing_is_named_with_its_remedy() {
             assert!(said.out.contains(part), "{part}: {}", said.out);
         }
     }
-    // Another USB device of the same maker is no probe.
+    // Another USB device of the same manufacturer is not reported as a probe.
     let machine = Machine::new("doctor-other");
     machine.remove("sys/bus/usb/devices/1-2");
     let machine = machine.with_probe("1-3", "5740");
@@ -189,8 +189,8 @@ fn who_asks_for_nothing_fails_for_nothing() {
     assert!(said.out.contains("MISSING  omega.3"), "{}", said.out);
 }
 
-/// For a USB node that the user may not open, the program prints the udev rule. The root user may open every node, so that the test
-/// is skipped.
+/// Checks that the program prints the udev rule for a USB node that the user may not open. The root user may open every node, so
+/// for root the test is skipped.
 #[test]
 fn a_node_without_permission_comes_with_the_rule() {
     use std::os::unix::fs::PermissionsExt;

@@ -120,7 +120,7 @@ fn setup_tells_it_and_the_simulator_plays_it() {
     let page = read("report/index.html");
     assert!(page.contains("encoder's error twice a turn") || page.contains("error twice a turn"));
 
-    // The same in the scene, which runs.
+    // The scene contains the same values, and it can be run.
     let scene = read("knob.toml");
     let of = |name: &str| -> f64 {
         let line = scene.lines().find(|line| line.starts_with(name)).unwrap();
@@ -137,13 +137,13 @@ fn setup_tells_it_and_the_simulator_plays_it() {
     let knob = out.join("knob.toml").display().to_string();
     run(&["run", &knob]).done();
 
-    // What was kept is told again, with nothing measured anew.
+    // A second setup reports the stored measurement and does not measure again.
     let calibrations = device.world().1.counted().1;
     let said = device.run(&[&setup[..], &["--json"]].concat()).done();
     assert_eq!(device.world().1.counted().1, calibrations + 1);
     let again: Value = serde_json::from_str(said.trim()).unwrap();
     assert_eq!(again["encoder"], kept["encoder"]);
-    // One without it is not played any.
+    // For an encoder without this error, the scene contains none.
     let centred = spun(36, [0.0, 0.0]);
     let place = folder.join("centred").display().to_string();
     centred

@@ -47,7 +47,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     let sent = *device.world().0.environment();
     assert!(!sent.first_wall);
 
-    // What it shows is a part of a scene: the same again changes nothing.
+    // The printed environment is a valid part of a scene. Sending it back to the device changes nothing.
     let shown = ask(&[]).done();
     let path = folder("environment_is_shown").join("again.toml");
     let scene = include_str!("../../../../scenes/thesis-knob.toml");
@@ -55,7 +55,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     ask(&[path.to_str().unwrap()]).done();
     assert_eq!(*device.world().0.environment(), sent);
 
-    // One field of what is there.
+    // Changes one field of the present environment.
     ask(&["--set", "environment.detents.per_rev=24"]).done();
     let mut expected = sent;
     expected.detents.as_mut().unwrap().per_rev = 24;
@@ -70,7 +70,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));
 }
 
-/// Every shipped haptic effect fits into a simulated knob, so that a user can try it there.
+/// Checks that every shipped haptic effect fits into a simulated knob, so that a user can try it there.
 #[cfg(unix)]
 #[test]
 fn a_demo_knob_takes_every_shipped_feel() {
@@ -113,12 +113,12 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
     let path = dial("environment_is_refused");
     let before = *device.world().0.environment();
     for (sets, parts) in [
-        // Ends the wrong way round.
+        // The lower end of travel is above the upper end.
         (
             &["environment.endstops.lower_rad=1.5"][..],
             &["environment.endstops"][..],
         ),
-        // Stronger than anything that the device may show.
+        // This strength is above the device's torque limit.
         (
             &["environment.detents.strength_n_m=3"],
             &["environment.detents.strength_n_m"],

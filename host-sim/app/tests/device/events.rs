@@ -5,8 +5,8 @@ use crate::fake::Fake;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
-/// A hand turns a dial of eleven detents up to its end and back. The program prints every position once, in order, and the position
-/// stays constant while the hand holds the end.
+/// Turns a dial of eleven detents up to its end and back. Checks that the program prints every position once, in order, and that
+/// the position stays constant while the hand holds the end.
 #[test]
 fn a_program_gets_every_position_of_a_turned_knob() {
     let mut demo = Demo::new();
@@ -36,7 +36,7 @@ fn a_program_gets_every_position_of_a_turned_knob() {
         (&100.into(), &0.into()),
         "{first}"
     );
-    // Its own first position may be 0 or 1: the hand has begun to turn.
+    // The first position may be 0 or 1, because the hand has already begun to turn.
     let begun = first["first"].as_i64().unwrap();
     assert_eq!(first["last"].as_i64(), Some(begun + 10));
     demo.happens("turn 200");
@@ -68,7 +68,7 @@ fn a_knob_without_positions_says_what_to_give() {
         "{}",
         said.err
     );
-    // And with a distance it counts.
+    // With `--pitch` the command counts positions.
     let said = device
         .run(&["events", "--pitch", "10", "--seconds", "0.3"])
         .done();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 #[test]
 fn no_port_and_nobody_behind_it() {
-    // A port that was free a moment ago.
+    // A TCP port that was free a moment ago, so that no program listens on it.
     let free = std::net::TcpListener::bind("127.0.0.1:0")
         .unwrap()
         .local_addr()
@@ -15,7 +15,7 @@ fn no_port_and_nobody_behind_it() {
     run(&["device", "status", "--port", &address]).failed(1, &[&address, "cannot be reached"]);
     run(&["device", "status", "--port", "/dev/there-is-none"])
         .failed(1, &["/dev/there-is-none", "cannot be opened"]);
-    // Not a port at all: the command line itself is wrong.
+    // This is no valid port name, so the command line itself is wrong.
     let said = run(&["device", "status", "--port", "tcp:nowhere"]);
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("HOST:PORT"), "{}", said.err);
@@ -47,7 +47,7 @@ fn a_silent_device_is_given_up_soon() {
 
 #[test]
 fn a_command_whose_answer_is_damaged_is_not_given_twice() {
-    // Answer 0 is the hello.
+    // Answer 0 is the answer to `Hello`.
     let device = Fake::with(Trouble {
         damages: Some(1),
         ..Trouble::default()
@@ -85,7 +85,7 @@ fn a_damaged_answer_is_asked_for_again() {
 
 #[test]
 fn a_connection_that_is_cut_is_named() {
-    // Answer 0 is the hello.
+    // Answer 0 is the answer to `Hello`.
     for at in 0..3 {
         let device = Fake::with(Trouble {
             closes_at: Some(at),
@@ -97,8 +97,8 @@ fn a_connection_that_is_cut_is_named() {
     }
 }
 
-/// A port may be a symbolic link, as `/dev/knob` of a udev rule. A file that is no port, and a port whose board is unplugged, give
-/// errors.
+/// Checks that a port may be a symbolic link, as `/dev/knob` of a udev rule. A file that is no port, and a port whose board is
+/// unplugged, must give errors.
 #[cfg(unix)]
 #[test]
 fn a_port_may_be_a_link_be_none_or_vanish() {

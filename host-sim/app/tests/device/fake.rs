@@ -19,7 +19,7 @@ use touchstone_protocol::{
 /// Faults that the fake device can be given.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Trouble {
-    /// The device answers no request.
+    /// Whether the device answers no request.
     pub silent: bool,
     /// Protocol version that the device reports in place of the right one.
     pub version: Option<u16>,
@@ -29,29 +29,29 @@ pub struct Trouble {
     pub damages: Option<usize>,
     /// Index of the request, counted from 0, at which the device closes the connection without an answer.
     pub closes_at: Option<usize>,
-    /// The device's flash cannot be written.
+    /// Whether writing the device's flash fails.
     pub flash_fails: bool,
-    /// The device drops every Nth telemetry record and counts the dropped records.
+    /// Interval of lost telemetry records: with `Some(N)` the device drops every Nth record and counts the dropped ones.
     pub drops_every: Option<u32>,
     /// Number of telemetry records after which the device sends no more.
     pub records: Option<u32>,
-    /// The device's calibration ends with a fault.
+    /// Whether the device's calibration ends with a fault.
     pub calibration_fails: bool,
-    /// The device is a board without memory for more than one wall.
+    /// Whether the device is a board without memory for more than one wall.
     pub small: bool,
-    /// The device is the NUCLEO board of the motor kit: magnetic encoders, and no memory for more than one wall.
+    /// Whether the device is the NUCLEO board of the motor kit: magnetic encoders, and no memory for more than one wall.
     pub kit: bool,
-    /// The device is a board without current sensors.
+    /// Whether the device is a board without current sensors.
     pub no_current: bool,
 }
 
-/// Number of control ticks between two reads of the socket. One read waits at most `LOOK`.
+/// Number of control periods that the fake device runs between two reads of the socket. One read waits at most `LOOK`.
 const TICKS: u32 = 5;
 const LOOK: Duration = Duration::from_millis(5);
-/// Duration of a calibration in control ticks.
+/// Duration of a calibration in control periods.
 const CALIBRATION: u32 = 400;
 
-/// State of the imitated board hardware behind the protocol session.
+/// State of the imitated board hardware, on which the protocol session acts.
 pub struct World {
     pub machine: Machine,
     pub saved: Option<Vec<u8>>,
@@ -67,7 +67,7 @@ pub struct World {
     calibrated_at: Option<u32>,
     decimation: u16,
     dropped: u32,
-    /// Number of requests received.
+    /// Number of requests that the fake device has received.
     pub answers: usize,
     records: u32,
 }
@@ -97,7 +97,7 @@ impl Fake {
         use serialport::{SerialPort, TTYPort};
         let (mut master, slave) = TTYPort::pair().unwrap();
         let address = slave.name().unwrap();
-        // A terminal that nobody has open is at its end; one that is open as a port cannot be opened again.
+        // A pseudo-terminal that no program has open reads as ended. One that is open as a serial port cannot be opened again.
         let held = std::fs::File::options()
             .read(true)
             .write(true)
@@ -154,7 +154,7 @@ impl Fake {
         self.both.lock().unwrap()
     }
 
-    /// Makes a fault occur.
+    /// Makes the device latch this fault.
     pub fn fault(&self, code: FaultCode, value: i32) {
         let (_, world) = &mut *self.world();
         let tick = world.tick;
@@ -177,7 +177,7 @@ pub trait Served: Backend {
     fn noise(&mut self) -> Vec<u8> {
         Vec::new()
     }
-    /// Called for each request, before its answer. `false` closes the connection.
+    /// Called for each request, before it is answered. If the function returns `false`, the connection is closed.
     fn is_asked(&mut self) -> bool {
         true
     }
@@ -186,7 +186,7 @@ pub trait Served: Backend {
         let mut buffer = [0; FRAME_MAX];
         frame::encode(answer, &mut buffer).unwrap().to_vec()
     }
-    /// Runs some control ticks; returns the encoded telemetry of these ticks.
+    /// Runs some control periods; returns their encoded telemetry.
     fn ticks(&mut self) -> Vec<u8>;
 }
 
@@ -197,7 +197,7 @@ pub fn listen<B: Served + Send + 'static>(both: &Arc<Mutex<(Session, B)>>) -> St
     let shared = Arc::clone(both);
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            // A connection that breaks is the other side's right.
+            // The other side may end the connection at any time, so errors are ignored.
             let _ = stream.set_read_timeout(Some(LOOK));
             let _ = serve(stream, &shared);
         }
@@ -265,7 +265,7 @@ impl Served for World {
         }
         let mut buffer = [0; FRAME_MAX];
         let mut frame = frame::encode(message, &mut buffer).unwrap().to_vec();
-        // Answers are counted from 0, and this one is counted already.
+        // Answers are numbered from 0. The counter already includes this answer.
         let this_one = self
             .trouble
             .damages
@@ -279,7 +279,7 @@ impl Served for World {
 }
 
 impl World {
-    /// Runs one control tick; returns the encoded telemetry record if one is due.
+    /// Runs one control period; returns the encoded telemetry record if one is due.
     fn tick(&mut self) -> Vec<u8> {
         self.tick += 1;
         if self.calibrated_at.take_if(|at| *at <= self.tick).is_some() {

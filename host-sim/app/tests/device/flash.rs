@@ -18,8 +18,9 @@ fn elf_of(path: &Path, board: &str) {
     };
     let name = format!("\0touchstone_board_{}\0", board.replace('-', "_"));
     let names = name.len() as u32;
-    // An executable for Arm, with one part of the program right behind its headers, for the begin of the flash. Behind that:
-    // an empty symbol and one without a place, their names, and the headers of no section, of the symbols and of the names.
+    // An ELF executable for Arm. After its headers it contains one program segment for the start of the flash memory. Then come the
+    // symbol table with an empty symbol and one without an address, the symbol names, and the headers of an empty section, of the
+    // symbol table and of the names.
     words(
         &mut bytes,
         &[40 << 16 | 2, 1, 0x0800_0000, 52, 132 + names, 0],
@@ -109,7 +110,7 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
          attach --chip STM32G431CBUx own.elf\n\
          attach --chip STM32G431CBUx --probe 0483:374e own.elf\n"
     );
-    // One that ends by itself, and one that is ended.
+    // In one case `probe-rs` ends on its own, in the other one it is ended.
     script(&here.join("bin"), "probe-rs", "exit 3");
     run(&here, &log).failed(1, &["exit status: 3"]);
     script(&here.join("bin"), "probe-rs", "exec /bin/sleep 60");
@@ -118,7 +119,8 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
     assert!(began.elapsed().as_secs() < 30);
 }
 
-/// No debug probe has these USB numbers. Nothing is written, whatever is connected to the test machine.
+/// Requests a debug probe with USB numbers that no probe has. Checks that nothing is written, whatever is connected to the test
+/// machine.
 #[cfg(feature = "probe")]
 #[test]
 fn without_its_probe_nothing_is_written() {
@@ -140,7 +142,7 @@ fn without_its_probe_nothing_is_written() {
     run(&here, &log).failed(2, &parts);
     log[0] = "flash";
     run(&here, &[&log[..], &["--log"]].concat()).failed(2, &parts);
-    // For the wrong place, and of no whole file.
+    // A program for a wrong address, and an incomplete file.
     let mut bytes = std::fs::read(here.join("own.elf")).unwrap();
     bytes[52 + 12 + 3] = 0x20;
     std::fs::write(here.join("own.elf"), &bytes).unwrap();
@@ -149,7 +151,7 @@ fn without_its_probe_nothing_is_written() {
     with("fffe:fffd:NONE").failed(2, &["own.elf", "cut off"]);
 }
 
-/// Firmware of another board is refused before the program looks for a debug probe.
+/// Checks that firmware of another board is refused before the program looks for a debug probe.
 #[test]
 fn another_boards_program_is_refused_by_both_names() {
     let here = folder("flash-other-board");
@@ -174,7 +176,8 @@ fn another_boards_program_is_refused_by_both_names() {
                 board.name()
             );
             said.failed(2, &[&problem, "--force"]);
-            // The chip may be another one; that is looked at where it is written.
+            // With `--force` the command accepts the program of another board. Whether the chip fits is only checked when the
+            // program is written.
             flash(&file, board, &["--force"]).done();
         }
     }
@@ -183,7 +186,7 @@ fn another_boards_program_is_refused_by_both_names() {
         elf_of(&own, mark);
         let mut bytes = std::fs::read(&own).unwrap();
         if mark.is_empty() {
-            // No table of symbols, as `strip` leaves it.
+            // The file has no symbol table, as after `strip`.
             bytes[48..50].fill(0);
             std::fs::write(&own, &bytes).unwrap();
         }
@@ -232,8 +235,8 @@ fn what_is_missing_is_named() {
     assert!(said.err.contains("b-g431b-esc1"), "{}", said.err);
 }
 
-/// The program works from an archive of `cargo xtask dist`: it finds the firmware files beside itself, without compiler, probe-rs
-/// or PATH, from any working folder.
+/// Checks that the program works from an archive of `cargo xtask dist`. It must find the firmware files beside itself, without
+/// compiler, probe-rs or PATH, from any working folder.
 #[test]
 fn the_programs_that_came_with_it_are_found_beside_it() {
     let here = folder("flash-archive");
@@ -245,7 +248,7 @@ fn the_programs_that_came_with_it_are_found_beside_it() {
             board,
         );
     }
-    // What somebody built once, here: another version than the program that runs.
+    // A firmware file that the user built earlier in this folder. Its version differs from that of the running program.
     elf_of(
         &here.join("target/firmware/nucleo-g474re/touchstone.elf"),
         "nucleo-g474re",
@@ -286,7 +289,7 @@ fn the_programs_that_came_with_it_are_found_beside_it() {
             && doctor.contains(&format!("nucleo-g474re: {program}")),
         "{doctor}"
     );
-    // A file that is broken is found before it is needed.
+    // A damaged file is found even in a dry run, before anything is written.
     std::fs::write(archive.join("firmware/b-g431b-esc1/touchstone.elf"), "cut").unwrap();
     asked(&["flash", "--board", "b-g431b-esc1", "--dry-run"])
         .failed(2, &["is no ELF program", "from one archive"]);

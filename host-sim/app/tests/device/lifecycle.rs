@@ -27,7 +27,7 @@ fn a_device_is_calibrated_armed_disarmed_and_stopped() {
     device
         .run(&["device", "zero"])
         .failed(1, &["state `armed`"]);
-    // Who asks for what is off already is told that it is.
+    // Disarming a device that is not armed succeeds, too.
     for _ in 0..2 {
         assert_eq!(device.run(&["device", "disarm"]).done(), "ready\n");
     }

@@ -4,7 +4,7 @@ use crate::fake::{Fake, Trouble};
 use crate::{folder, program};
 use touchstone_protocol::FaultCode;
 
-/// Header line and tick numbers of a CSV recording.
+/// Header line of a CSV recording, and the number of the control period in each row.
 fn ticks(text: &str) -> (String, Vec<u32>) {
     let mut lines = text.lines();
     let header = lines.next().unwrap().to_owned();
@@ -57,7 +57,7 @@ fn a_decimation_is_asked_for_and_taken_back() {
         "{ticks:?}"
     );
     assert!(said.contains(" 0 lost"), "{said}");
-    // Its own decimation is 1 again: a record in nearly every tick.
+    // The device's decimation is 1 again, so nearly every tick sends a record.
     let before = ticks.len();
     let again = device.run(&["monitor", "--seconds", "0.5"]).done();
     assert!(again.contains("records, 0 lost"), "{again}");
@@ -114,7 +114,7 @@ fn ctrl_c_ends_it_with_a_whole_file() {
 #[test]
 fn it_ends_when_nobody_reads_it_any_more() {
     let device = Fake::new();
-    // Twenty seconds if it does not notice.
+    // The command would run for twenty seconds if it did not notice the closed pipe.
     let mut child = program(&["monitor", "--seconds", "20", "--port", &device.address])
         .stdout(std::process::Stdio::piped())
         .spawn()

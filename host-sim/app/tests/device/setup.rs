@@ -1,5 +1,5 @@
-//! Tests of `touchstone setup` on a board whose motor differs from its settings. The setup ends with a tuned board; after an
-//! interruption it resumes, or says why it cannot.
+//! Tests of `touchstone setup` on a board whose motor differs from its settings. The setup must end with a tuned board. After an
+//! interruption it must resume, or say why it cannot.
 
 use super::fake::{Fake, Trouble};
 use super::spun::{Pulled, Spun};
@@ -86,7 +86,7 @@ fn a_board_becomes_a_tuned_knob() {
         assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
     }
 
-    // The simulator runs that knob, and what the board had at first is there.
+    // The simulator can run this knob's scene, and the board's earlier settings were stored.
     let scene = out.join("knob.toml").display().to_string();
     run(&[
         "run",
@@ -99,7 +99,7 @@ fn a_board_becomes_a_tuned_knob() {
     assert!(before.contains("resistance_ohm = 6\n"), "{before}");
     assert!(out.join("report/index.html").is_file());
 
-    // Nothing spins a second time.
+    // A second setup does not spin the motor again.
     device.world().1.pulled_in = Some(Pulled::In(MeasuringPart::Low));
     let said = setup(&device, &out, &law).done();
     assert!(said.contains("measured before"), "{said}");
@@ -171,8 +171,8 @@ fn another_board_and_a_wall_that_is_on_are_refused() {
     );
 }
 
-/// After a power cut, the board has only its saved settings, and the shaft stays where it came to rest. Only the interrupted step
-/// of the setup is repeated.
+/// Cuts the supply in each step of the setup. The board then has only its saved settings, and the shaft stays where it came to
+/// rest. Checks that only the interrupted step is repeated.
 #[test]
 fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
     let (out, law) = place("setup-power");
@@ -224,7 +224,8 @@ fn counted(device: &Spun) -> (u32, u32) {
     device.world().1.counted()
 }
 
-/// Only the motor's supply is cut: a board powered over USB keeps running and reports the fault.
+/// Cuts only the motor's supply. Checks that a board powered over USB keeps running and reports the fault, and that another try of
+/// the setup succeeds.
 #[test]
 fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
     let (out, law) = place("setup-supply");
@@ -254,7 +255,7 @@ fn a_board_without_current_sensors_is_not_set_up() {
             &["does not measure its currents", "docs/voltage-mode.md"],
         );
     assert!(!out.join("before.toml").exists());
-    // Nor is it asked to by a setting.
+    // The setting that requests a motor measurement is refused, too.
     let failed = device.run(&["config", "set", "calibration.measures", "true"]);
     failed.failed(2, &["can measure no motor"]);
 }

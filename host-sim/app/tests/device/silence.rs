@@ -1,14 +1,14 @@
-//! A knob whose host falls silent switches itself off, however the program on the host ended.
+//! Tests that a knob switches itself off when the computer falls silent, however the program on the computer ended.
 
 use crate::demo::Demo;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Time until the device notices a silent host, 2 s, with a margin of 1.5 s for a busy machine.
+/// Time in which the device must notice that the computer is silent: 2 s, with a margin of 1.5 s for a busy machine.
 const SILENT: Duration = Duration::from_millis(2_000 + 1_500);
 
-/// Switches the knob's wall on and runs `touchstone monitor` for longer than the device's limit on the host's silence.
+/// Switches the knob's wall on and runs `touchstone monitor` for longer than the device's limit on the computer's silence.
 fn monitored(demo: &Demo) -> Child {
     demo.run(&["device", "calibrate"]);
     demo.run(&["device", "arm"]);
@@ -49,7 +49,7 @@ fn a_device_whose_desktop_is_gone_switches_itself_off() {
     }
 }
 
-/// The demo keeps running if its standard input is endless and has no line ends, as `/dev/zero`.
+/// Checks that the demo keeps running if its standard input is endless and has no line ends, as `/dev/zero`.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_knob_whose_input_never_ends_a_line_goes_on_without_it() {
@@ -78,7 +78,7 @@ fn a_command_that_arms_and_ends_says_what_comes_and_it_comes() {
     );
     std::thread::sleep(SILENT);
     assert!(demo.run(&["device", "fault"]).contains("22 host-silent"));
-    // Who needs no desktop says so.
+    // A user who needs no desktop can switch this check off.
     demo.run(&["device", "stop"]);
     demo.run(&["config", "set", "limits.host_silence_s", "0"]);
     demo.run(&["device", "calibrate"]);

@@ -17,7 +17,7 @@ use touchstone_world::motor::MotorParameters;
 use touchstone_world::plant::{BareCoulomb, Device};
 
 const BOARD: Board = Board::NucleoG474re;
-/// Number of control ticks between two reads of the socket.
+/// Number of control periods that the device runs between two reads of the socket.
 const TICKS: u32 = 200;
 
 /// Voltage of the motor's supply, V. The board itself keeps running at 0 V.
@@ -32,28 +32,28 @@ impl Tamper for Supply {
 /// Moment at which the cable is pulled. A board powered over USB then loses its supply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pulled {
-    /// At the first tick of this part of the motor measurement.
+    /// At the first control period of this part of the motor measurement.
     In(MeasuringPart),
-    /// When settings are sent for the Nth time, before they take effect.
+    /// When settings are sent, before they take effect; holds the number of the sending, counted from 1.
     AtSettings(u32),
     /// While settings are written to the flash: the flash keeps its earlier contents.
     BeforeSaved,
     /// After the settings were written to the flash, before the answer is sent.
     AfterSaved,
-    /// At the start of the Nth calibration.
+    /// At the start of a calibration; holds its number, counted from 1.
     AtCalibration(u32),
 }
 
-/// State of the simulated board behind the protocol session.
+/// State of the simulated board with motor and knob, on which the protocol session acts.
 pub struct Spinning {
     pub knob: Knob<Supply, BareCoulomb>,
     pub saved: bool,
     /// Moment at which the cable is pulled; `None` for never.
     pub pulled_in: Option<Pulled>,
     pulled: bool,
-    /// Part of the motor measurement at whose first tick the motor's supply fails; `None` for never.
+    /// Part of the motor measurement at whose first control period the motor's supply fails; `None` for never.
     pub supply_goes_in: Option<MeasuringPart>,
-    /// The contents of the flash.
+    /// The data in the simulated flash; `None` if nothing was saved.
     kept: Option<stored::Start>,
     settings: u32,
     calibrations: u32,
@@ -61,7 +61,7 @@ pub struct Spinning {
     decimation: u16,
 }
 
-/// A running device with a simulated motor.
+/// A running device with a simulated motor, which the program reaches over a socket.
 pub struct Spun {
     address: String,
     motor: MotorParameters,
@@ -122,7 +122,7 @@ impl Spun {
         self.both.lock().unwrap()
     }
 
-    /// Plugs the cable in again, without a restart of the device.
+    /// Plugs the computer's cable in again, without a restart of the device.
     pub fn plug_in(&self) {
         let (_, world) = &mut *self.world();
         (world.pulled, world.pulled_in) = (false, None);

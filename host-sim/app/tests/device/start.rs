@@ -41,7 +41,7 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
     assert_eq!(said, "kept and saved; checked at once: it holds\nready\n");
     assert_eq!(status(&device)["start"]["was_checked"], true);
 
-    // The next start has it.
+    // The next start uses the stored alignment.
     device.power_up();
     let said = device.run(&["device", "status"]).done();
     for part in [
@@ -52,7 +52,7 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
     }
     device.run(&["device", "calibrate"]).done();
     assert_eq!(status(&device)["start"]["was_checked"], true);
-    // It was measured with seven.
+    // The alignment was measured with seven pole pairs, so it is not valid with eleven.
     device.run(&["device", "stop"]).done();
     device
         .run(&["config", "set", "motor.pole_pairs", "11"])
@@ -93,7 +93,7 @@ fn a_wrong_one_is_refused_and_looked_for_anew() {
     device.run(&["device", "calibrate"]).done();
     device.run(&["device", "alignment", "keep"]).done();
     device.run(&["device", "stop"]).done();
-    // A quarter turn.
+    // Changes the stored alignment by a quarter turn.
     bend(&device, 0x4000);
     device.run(&["device", "calibrate"]).failed(
         1,
@@ -152,7 +152,7 @@ fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
         .run(&["config", "set", "encoder.kind", "incremental"])
         .done();
     device.run(&["config", "save"]).done();
-    // Another encoder is connected.
+    // The board starts with the incremental encoder, which has no zero of its own.
     device.power_up();
     device.run(&["device", "calibrate"]).done();
     device

@@ -1,7 +1,7 @@
-//! Every output of the program is tested with every fault at its place: an older file, a link, a full disk, another user's folder,
+//! Tests of every output of the program with every obstacle at its path: an older file, a link, a full disk, another user's folder,
 //! a killed process, two processes at once.
 //!
-//! Afterwards the file at the place is complete or unchanged, no other file is left, and the error is one line.
+//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line.
 
 use crate::fake::Fake;
 use crate::{Said, folder};
@@ -92,7 +92,8 @@ const FOLDERS: [Output; 6] = [
     Output("man", "man OUT", false, true),
 ];
 
-/// Outputs of commands that compute for long before they write. They must refuse an occupied place before they compute.
+/// Outputs of commands that compute for long before they write. They must refuse an existing file of another command before they
+/// compute.
 const SLOW: [Output; 5] = [
     Output("tune --out", "tune thesis-knob -q --out OUT", false, true),
     Output(
@@ -159,7 +160,7 @@ impl Output {
     }
 }
 
-/// A board in a fault, so that its ring buffer of control ticks has stopped and can be read.
+/// A board in a fault, so that the ring buffer of its last second has stopped and can be read.
 fn board() -> Fake {
     let board = Fake::new();
     board.fault(FaultCode::OverSpeed, 61_000);
@@ -197,14 +198,14 @@ fn no_older_file_is_lost_without_force_and_no_link_is_followed() {
             output.0
         );
         std::fs::remove_file(here.join("out")).unwrap();
-        // Its own of before.
+        // Some commands replace the output of their own earlier run. The others need `--force`.
         assert_eq!(output.run(&here, &board).code, Some(0), "{}", output.0);
         let again = output.run(&here, &board);
         match output.3 {
             true => assert_eq!(again.code, Some(0), "{}: {}", output.0, again.err),
             false => output.fails(&again, "--force"),
         }
-        // A link: what it leads to is not touched, with --force or without.
+        // The output path is a symbolic link. The file to which it leads is never changed, with --force or without.
         std::fs::write(here.join("other"), "mine").unwrap();
         std::fs::remove_file(here.join("out")).unwrap();
         symlink("other", here.join("out")).unwrap();
@@ -241,7 +242,7 @@ fn in_a_folder_no_foreign_file_is_lost_and_no_link_is_followed() {
         let again = output.run(&here, &board);
         assert_eq!(again.code, Some(0), "{}: {}", output.0, again.err);
         let made = names(&here.join("out"));
-        // A file of somebody's by the name of one of its own; then a link by that name.
+        // A file of the user has the same name as one of the command's files; then a symbolic link has this name.
         let page = here
             .join("out")
             .join(made.iter().find(|name| name.contains('.')).unwrap());
@@ -302,7 +303,7 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
     }
 }
 
-/// Runs each command on a full disk, mounted in a separate mount namespace.
+/// Runs each command on a full disk, mounted in a separate mount namespace. Checks that it reports the error and leaves no file.
 #[test]
 fn a_full_disk_is_said_and_nothing_is_left() {
     let board = board();
@@ -350,7 +351,8 @@ fn a_full_disk_is_said_and_nothing_is_left() {
     }
 }
 
-/// Runs each command in a folder without write permission. If the tests run as root, the command runs as the user nobody.
+/// Runs each command in a folder without write permission, and checks that it reports the error. If the tests run as root, the
+/// command runs as the user nobody.
 #[test]
 fn a_folder_that_may_not_be_written_is_said() {
     let board = board();
@@ -399,7 +401,7 @@ fn begun(output: &Output, here: &Path, board: &Fake) -> Child {
 fn is_whole(output: &Output, file: &Path) -> bool {
     let text = std::fs::read_to_string(file).unwrap();
     if output.0 == "monitor --csv" {
-        // Written while it is made: rows, each whole.
+        // This file is written during the recording, so it may contain only complete rows.
         return text.is_empty()
             || text.ends_with('\n') && text.lines().all(|row| row.split(',').count() == 13);
     }

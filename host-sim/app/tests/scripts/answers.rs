@@ -14,7 +14,7 @@ fn json_and_silence_go_with_every_command() {
     assert!(schema[0]["path"].is_string() && schema[0].get("unit").is_some());
     let found = run_in(&here, &["identify", "--steps", "2", "--json"]).ended(0);
     assert!(found.json()["damping_n_m_s_per_rad"]["value"].is_f64() && found.err.is_empty());
-    // What is missing depends on the machine; that it is counted does not.
+    // Which parts are missing depends on the machine. The test checks only that present and missing parts are reported.
     let doctor = run_in(&here, &["doctor", "--json", "--port", "tcp:127.0.0.1:9"]).ended(1);
     let doctor = doctor.json();
     assert_eq!(doctor["all_there"], false);
@@ -52,9 +52,10 @@ fn json_and_silence_go_with_every_command() {
         );
     }
     let quiet = run(&["identify", "--steps", "2", "--quiet"]).ended(0).out;
-    // Inertia, damping, friction, what is left unexplained; what FBA may count on, and the plant's own.
+    // Six lines: inertia, damping, friction, the unexplained remainder, the damping that FBA may rely on, and the plant's own
+    // damping.
     assert_eq!(quiet.lines().count(), 6, "{quiet}");
-    // What was asked for by name is printed still, and an error always.
+    // With `--quiet` the explicitly requested output is still printed, and so is every error.
     assert!(!run(&["scenes", "--quiet"]).ended(0).out.is_empty());
     run(&["run", "tapp", "--quiet"]).refused(&["tapp", "did you mean the shipped scene tap?"]);
     for command in [
@@ -76,7 +77,7 @@ fn shells_and_manuals_know_every_command() {
             assert!(text.contains(word), "{shell}: {word}");
         }
     }
-    // Not every shell's completions have values.
+    // Not every shell's completion script contains the values of the options.
     let text = run(&["completions", "bash"]).ended(0).out;
     assert!(text.contains("enhanced-sfa") && text.contains("no-contact"));
     run(&["completions", "bahs"]).refused(&["bahs", "did you mean bash?"]);
@@ -178,7 +179,7 @@ fn a_range_is_said_in_one_way_and_a_long_value_is_cut() {
     ] {
         run(arguments).refused(parts);
     }
-    // As long as a command line may be on every system.
+    // These arguments are as long as every operating system permits.
     let long = "9".repeat(100_000);
     let set = format!("wall.k_desired_n_m_per_rad={long}");
     let text = format!("description={}", "long ".repeat(20_000));
@@ -225,7 +226,8 @@ fn the_comparison_says_what_it_cannot_change() {
     ] {
         let said = run_in(&here, &["thesis", "--set", set, "--out", "out"]);
         if what.is_empty() {
-            // The law's and the motion's: it must be written in full, and then it is refused for the reason above.
+            // This ending matches a field of the law and one of the motion, so the full path is required. With the full path it is
+            // refused for the same reason as the others.
             said.refused(&["several fields end so"]);
         } else {
             said.refused(&[set, "thesis cannot change it", what, "touchstone run"]);
@@ -243,7 +245,7 @@ fn the_comparison_says_what_it_cannot_change() {
     assert!(names(&here).is_empty());
 }
 
-/// Haptic effects are listed, can be run by their names, and every command accepts them as scenes.
+/// Checks that haptic effects are listed, can be run by their names, and are accepted by every command as scenes.
 #[test]
 fn feels_are_listed_and_run() {
     let feels = run(&["feels", "--json"]).ended(0).json();
@@ -275,8 +277,8 @@ fn feels_are_listed_and_run() {
     );
 }
 
-/// A CI system executes log lines that begin like its commands, and a terminal executes control characters. No text from a scene
-/// file may reach them unchanged.
+/// Checks that no text from a scene file reaches a log unchanged where it could do harm. A CI system executes log lines that begin
+/// like its commands, and a terminal executes control characters.
 #[test]
 fn no_name_of_a_scene_reaches_a_log_as_a_command() {
     let here = folder("name-as-command");

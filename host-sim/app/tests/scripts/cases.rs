@@ -4,7 +4,7 @@ use crate::{Said, folder, run_in};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The expected outcome of a case.
+/// The expected outcome of a case: what the program must print or refuse.
 enum Right {
     /// The input is accepted and the output contains all these parts.
     Said(&'static [&'static str]),
@@ -12,7 +12,7 @@ enum Right {
     Quiet,
     /// The input is refused with this message.
     Refused(&'static str),
-    /// The input is accepted and the verdict is not a fault of the wall.
+    /// The input is accepted, and the verdict is neither a limit cycle nor instability: the hand causes the motion, not the wall.
     NotTheWall,
     /// Every cell of the CSV file that the program writes is a decimal number.
     Decimals,
@@ -72,7 +72,7 @@ fn said_of(here: &Path, file: &str) -> Said {
         "2",
     ];
     let words = [&run[..], &["--csv", "ticks.csv", "--force"]].concat();
-    // A tick that is 10 ms late is the machine's fault and not the file's: then it is asked again.
+    // A tick that is 10 ms late is caused by a busy machine and not by the file. In that case the run is repeated.
     let mut said = run_in(here, &words);
     for _ in 0..2 {
         if !said.err.contains("ms late") {
@@ -142,7 +142,7 @@ fn every_case_of_the_folder_is_right() {
     let mut checked = 0;
     for case in files(&folder_of_cases).iter().filter(|path| path.is_dir()) {
         let name = case.file_name().unwrap().to_string_lossy().into_owned();
-        // A service is played by the tests of the device's crate.
+        // The cases that need a device service are run by the tests of the crate `host-sim/device`.
         for file in files(case) {
             let of_case = file.file_name().unwrap().to_string_lossy().into_owned();
             if !of_case.ends_with(".stl") && !of_case.ends_with(".csv") {
@@ -160,8 +160,8 @@ fn every_case_of_the_folder_is_right() {
     assert!(checked > 0, "{}: empty", folder_of_cases.display());
 }
 
-/// Linux allows any bytes in a file name. The program accepts such names for files that it only reads; where a scene names such a
-/// file, the program refuses it with one line of error.
+/// Checks file names with arbitrary bytes, which Linux allows. The program must accept such names for files that it only reads.
+/// Where a scene names such a file, the program must refuse it with one line of error.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_path_that_is_not_utf_8_works_or_is_refused_in_a_line() {

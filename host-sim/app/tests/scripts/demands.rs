@@ -7,7 +7,7 @@ const ENDS: [(&str, &[&str]); 6] = [
     ("passive", &["low-stiffness"]),
     ("active", &["thesis-knob"]),
     ("unstable", &["thesis-knob", "--law", "spring"]),
-    // A tenth above the critical stiffness, without dry friction.
+    // 10 % above the critical stiffness, without dry friction.
     (
         "limit-cycle",
         &["press-hold", "--law", "spring", "--k-desired", "1.1"],
@@ -17,7 +17,7 @@ const ENDS: [(&str, &[&str]); 6] = [
         "not-judged",
         &["low-stiffness", "--set", "motion.hold_s=0.04"],
     ),
-    // Outside the wall, and nobody moves it.
+    // The shaft starts outside the wall and no hand moves it.
     (
         "no-contact",
         &["free-release", "--set", "device.initial_angle_rad=0.4"],
@@ -41,7 +41,7 @@ fn every_verdict_can_be_asked_for() {
                 assert!(err.starts_with(&line), "{err}");
             }
         }
-        // One of several.
+        // A list of verdicts is met by any one of them.
         let mut arguments = vec!["run", "--preset", "thesis"];
         arguments.extend(scene);
         let other = ENDS[usize::from(verdict == ENDS[0].0)].0;
@@ -74,7 +74,7 @@ fn numbers_are_asked_for_from_both_sides() {
             "{err}"
         );
     }
-    // Without a hold there is no stiffness to show, however little is asked.
+    // A run without a hold displays no stiffness, so it does not even meet a minimum of 0.
     let err = run(&["run", "tap", "--min-stiffness", "0"]).ended(3).err;
     assert!(err.contains("came none"), "{err}");
 }
@@ -132,7 +132,7 @@ fn demands_add_up_and_every_one_that_fails_is_named() {
         .map(|demand| demand["met"].as_bool().unwrap())
         .collect();
     assert_eq!(met, [false, false, true, false]);
-    // Nothing asked, nothing said of it.
+    // Without expectations the results do not mention them.
     let plain = run(&["run", "tap", "--json"]).ended(0).json();
     assert!(plain.get("expectations").is_none());
 }
@@ -173,7 +173,7 @@ fn junit_has_a_test_for_each_demand() {
     )
     .refused(&["wall.xml/no.xml", "--junit"]);
     assert_eq!(crate::names(&here), ["wall.xml"]);
-    // Its folder is made.
+    // The program creates the folder of the report.
     let passive = [
         "run",
         "tap",
@@ -198,7 +198,7 @@ fn the_comparison_asks_it_of_the_enhanced_law() {
     .ended(0);
     assert_eq!((said.out.as_str(), said.err.as_str()), ("", ""));
     let text = std::fs::read_to_string(here.join("all.xml")).unwrap();
-    // Three grips, two encoders, four stiffnesses and one beyond.
+    // Three grips, two encoders and five stiffnesses, the last of which is beyond those of the thesis.
     assert_eq!(text.matches("<testcase ").count(), 30);
     assert!(!text.contains("tdpa"), "{text}");
     let said = run_in(
@@ -206,7 +206,7 @@ fn the_comparison_asks_it_of_the_enhanced_law() {
         &["thesis", "--quiet", "--force", "--min-stiffness", "4"],
     )
     .ended(3);
-    // 0.5, 1 and 2.5 N·m/rad show less.
+    // The runs with 0.5, 1 and 2.5 N·m/rad display less than the minimum.
     assert_eq!(said.err.lines().count(), 18, "{}", said.err);
 }
 
@@ -240,7 +240,7 @@ fn what_is_no_demand_is_refused() {
     }
 }
 
-/// Compared with a baseline, an equal or better run passes. A softer wall, another verdict or another scene fails.
+/// Checks the comparison with a baseline: an equal or better run passes; a softer wall, another verdict or another scene fails.
 #[test]
 fn a_baseline_says_what_became_worse() {
     let here = folder("baseline");
@@ -262,7 +262,7 @@ fn a_baseline_says_what_became_worse() {
     for measure in ["peak_penetration_ratio", "settle_from_ramp_end_s"] {
         assert!(thesis.contains(measure), "{thesis}");
     }
-    // The other way round the shipped wall is better in both, and only the verdict is another.
+    // In the opposite comparison the shipped wall is better in both measures. Only the verdict differs.
     keep("thesis.json", &["--preset", "thesis"]);
     let better = hold("thesis.json", &[]);
     assert!(
@@ -284,7 +284,7 @@ fn a_baseline_says_what_became_worse() {
     );
 }
 
-/// The shipped wall meets the limits documented in docs/ci.md with every grip.
+/// Checks that the shipped wall meets the limits documented in docs/ci.md with every grip.
 #[test]
 fn the_demands_of_the_documented_script_are_met() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");
@@ -303,8 +303,8 @@ fn the_demands_of_the_documented_script_are_met() {
     }
 }
 
-/// If the hand still taps at the end of the run, the program does not judge the wall by the hand's motion. Every output says why
-/// there is no verdict.
+/// Checks a run at whose end the hand still taps. The program must not judge the wall by the hand's motion, and every output must
+/// say why there is no verdict.
 #[test]
 fn what_cannot_be_judged_is_said_with_why() {
     let here = folder("not-judged");

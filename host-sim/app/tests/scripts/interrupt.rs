@@ -1,4 +1,4 @@
-//! Ctrl-C leaves no half-written files and prints a message. The next run removes the files of a killed run.
+//! Tests that Ctrl-C leaves no half-written files and prints a message, and that the next run removes the files of a killed run.
 
 use crate::{folder, names, program, run_in};
 use std::path::{Path, PathBuf};

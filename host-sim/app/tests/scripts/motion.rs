@@ -1,4 +1,4 @@
-//! `--operator-motion` reads the files that the program itself writes.
+//! Tests that `--operator-motion` reads the files that the program itself writes.
 
 use crate::{folder, names, run_in};
 
@@ -22,7 +22,8 @@ fn a_run_moves_the_hand_of_another() {
         "{}",
         said.err
     );
-    // The same hand, put where it was: as deep as before, up to what smoothing takes.
+    // With an offset that moves the recorded rest point back to its place, the largest force is nearly the same. Smoothing changes
+    // it slightly.
     let text = std::fs::read_to_string(here.join(&trace)).unwrap();
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     let place = rows
@@ -66,7 +67,7 @@ fn records_of_a_device_move_a_hand_by_their_new_and_old_names() {
                 "tap",
                 "--operator-motion",
                 "device.csv",
-                // A hand that moves to the end.
+                // This hand moves until the end of the run, so there is no hold to judge.
                 "--expect",
                 "not-judged",
             ],

@@ -24,7 +24,7 @@ fn other_tools_read_what_was_written() {
     let traces = names(&here.join("run/traces"));
     let traces = traces.into_iter().filter(|name| name.ends_with(".csv"));
     files.extend(traces.map(|name| format!("run/traces/{name}")));
-    // Without a guard and an observer: columns of nothing.
+    // Without a guard and an observer, their columns are empty.
     let spring = [
         "run",
         "free-release",
@@ -67,7 +67,8 @@ fn other_tools_read_what_was_written() {
     .ended(0);
     files.push("programme.csv".to_owned());
     std::fs::write(here.join("far.stl"), NEVER_MET).unwrap();
-    // 30,000 rows of zero: what looks at the first ten thousand must not take them for integers.
+    // `far.csv` begins with 30,000 rows of zeros. A reader that infers the types from the first ten thousand rows must not infer
+    // integers.
     for (object, seconds, file) in [("far.stl", "8", "far.csv"), ("plane", "1", "plane.csv")] {
         let device = ["device", "run", object, "--device", "simulated", "-q"];
         run_in(

@@ -57,7 +57,7 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
 
 #[test]
 fn energy_that_is_measured_is_refused_too() {
-    // Nothing in the settings of original SFA forbids it: the run shows it.
+    // The settings of the original SFA pass every check before the run. Only the measured energy shows that the wall is active.
     let said = run(&[
         "run",
         "thesis-knob",
@@ -76,7 +76,7 @@ fn energy_that_is_measured_is_refused_too() {
         said.err
     );
     run(&["run", "thesis-knob", "--preset", "thesis", "--law", "sfa"]).ended(0);
-    // The shipped law has no bound of its own.
+    // The shipped law works on estimated states, for which no passivity bound is known.
     run(&["run", "thesis-knob", "--strict-passive"])
         .refused(&["no law on estimated states has a passivity bound"]);
 }

@@ -63,7 +63,7 @@ fn an_interrupt_keeps_the_cells_and_the_same_command_goes_on() {
     assert_eq!(output.status.code(), Some(130), "{err}");
     assert!(err.contains("what is done is kept"), "{err}");
     assert_eq!(names(&here.join("ended")), ["journal.csv", "sweep.json"]);
-    // Whole lines under a header.
+    // The journal contains complete lines below a header.
     let kept = lines() - 1;
     assert!((1..24 * 16).contains(&kept), "{kept}");
 
@@ -77,7 +77,7 @@ fn an_interrupt_keeps_the_cells_and_the_same_command_goes_on() {
         again.err
     );
     same(&here, "whole", "ended");
-    // All are there: nothing is computed, and the bytes are the same.
+    // All cells are in the journal, so nothing is computed and the files have the same bytes.
     let third = run_in(&here, &with(&["--out", "ended"])).ended(0);
     assert!(!third.err.contains("cells in"), "{}", third.err);
     same(&here, "whole", "ended");

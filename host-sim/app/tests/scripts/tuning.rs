@@ -33,7 +33,7 @@ fn a_scorecard_has_a_row_for_every_law_that_was_asked_for() {
             < 1.0
     );
     assert_eq!(names(&folder.join("card")), ["index.html", "results.json"]);
-    // Another command's results stay.
+    // A command does not replace the results of another command.
     run_in(&folder, &["scorecard", "--law", "fba", "--out", "card"]).refused(&["card", "--force"]);
 }
 
@@ -52,7 +52,7 @@ fn what_cannot_be_asked_is_refused() {
 #[test]
 fn tuned_settings_go_into_a_scene() {
     let folder = folder("tune");
-    // A law with one parameter, so that it takes no time.
+    // A law with a single parameter, so that the search is short.
     let tune = [
         "tune",
         "--law",

@@ -79,7 +79,8 @@ impl Client {
     /// # Errors
     /// No connection, no answer, or a refusal by the device.
     pub fn ask(&mut self, request: &Request<'_>) -> Result<Reply> {
-        // A command that is carried out twice may have another effect; a second `Save` wears the flash.
+        // These requests are sent only once. A command that is carried out twice may have another effect, and a second `Save` wears
+        // the flash.
         let tries = match request {
             Request::Command(_) | Request::Save => 1,
             _ => TRIES,
@@ -224,7 +225,7 @@ impl Client {
         }
     }
 
-    /// The error for an answer of another type than the request needs.
+    /// The error for an answer that is not of the type that the request needs.
     pub fn odd(&self, reply: &Reply) -> Error {
         let (problem, fix) = words::odd(reply);
         self.wrong(problem, fix)

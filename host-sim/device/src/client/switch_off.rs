@@ -5,14 +5,14 @@ use touchstone_link::told;
 use touchstone_protocol::{DeviceCommand, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 
-/// Number of attempts before the device counts as out of reach: some ten seconds of silence.
+/// Number of attempts to switch the device off before it counts as out of reach: some ten seconds of silence.
 const ROUNDS: u32 = 20;
-/// First words of an error message when it is unknown whether the device is off.
+/// Beginning of an error message if it is unknown whether the device is off.
 pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
 
 impl Client {
-    /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns what was done, in words;
-    /// `None` if the device was off already.
+    /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns a description of what was
+    /// done; `None` if the device was off already.
     ///
     /// If no answer arrives, the command to stop is sent nevertheless, because only the answer may be lost.
     ///
@@ -74,7 +74,7 @@ mod tests {
     };
     use touchstone_sim::error::Result;
 
-    /// A simulated device behind a link that loses, damages or doubles frames at random, by a seed.
+    /// A simulated device behind a link that loses, damages or doubles frames at random. A seed gives the random numbers.
     struct Link {
         phase: Arc<Mutex<Phase>>,
         chance: u64,
@@ -215,7 +215,7 @@ mod tests {
                 }
             }
         }
-        // Both ends are met: of the seeds a sixth loses every frame one way.
+        // Both results must occur often: about one seed in six loses all frames in one direction.
         assert!(confirmed > 500 && unsure > 100, "{confirmed}, {unsure}");
     }
 

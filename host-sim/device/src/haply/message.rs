@@ -3,7 +3,7 @@
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
 
-/// The two generations of messages, which differ in the name of a force's vector.
+/// The two generations of the service's messages, which differ in the name of a force's vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Generation {
     /// Service versions up to 3.4: the vector is called `values`.
@@ -13,10 +13,10 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// Parses a version's text: the first number with a point in it.
+    /// Reads the service's version from a text: the first number with a decimal point.
     ///
     /// # Errors
-    /// There is no such number, or it is not that of a version 3, whose messages are the only ones that are known.
+    /// The text has no such number, or the version is not 3.x, the only one whose messages are known.
     pub fn of(version: &str) -> Result<Self, String> {
         let (major, minor) = Self::numbers(version).ok_or("says no version")?;
         match (major, minor) {
@@ -61,10 +61,10 @@ pub struct CursorState {
 }
 
 impl CursorState {
-    /// Reads a state from a message: that of the device with this name, or of the first device in the message.
+    /// Reads a device's state from a message: that of the device with this name, or of the first device in the message.
     ///
     /// # Errors
-    /// What is wrong with the message, in words.
+    /// A description of what is wrong with the message.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

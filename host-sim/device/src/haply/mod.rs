@@ -1,8 +1,8 @@
-//! Haply's Inverse3, through the maker's service on this machine: a WebSocket that sends states and receives force commands.
+//! Haply's Inverse3, through the maker's service on this machine: a WebSocket that sends device states and receives force commands.
 //!
-//! The service expects a command after every state, so the service sets the loop's rate. The program moves the origin from the
-//! device's base to the position of the handle at the start. The device's limits are not published, so force and workspace are
-//! assumed.
+//! The service expects a command after every state, so the service sets the rate of the servo loop. The program moves the origin
+//! from the device's base to the position of the handle at the start. The device's limits are not published, so force and workspace
+//! are assumed.
 
 mod message;
 mod timed;
@@ -22,11 +22,11 @@ use tungstenite::{Message, WebSocket, client::client};
 
 /// Default TCP address of the maker's service.
 pub const SERVICE: &str = "localhost:10001";
-/// Longest time for a connection, and longest wait for a state.
+/// Longest time for connecting to the service, and longest wait for a device state.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// Number of states over which the service's rate is measured.
+/// Number of device states over which the service's rate is measured.
 const MEASURED: u32 = 100;
-/// Largest force (N) that the program commands. The next lines have radius and half height of the workspace and the position's
+/// Largest force (N) that the program commands. The next constants are radius and half height of the workspace and the position's
 /// resolution (m). All are assumed, not published by the maker.
 const FORCE_N: f64 = 3.0;
 const REACH_M: f64 = 0.1;
@@ -72,7 +72,7 @@ fn connected(service: &str) -> Result<Timed, HapticFault> {
     Err(wrong(last))
 }
 
-/// The service's version text, the answer to `GET /version`.
+/// Requests the service's version text by `GET /version`.
 fn version(service: &str) -> Result<String, HapticFault> {
     let mut stream = connected(service)?;
     let wrong = |why: std::io::Error| absent(service, &why);
@@ -88,7 +88,7 @@ fn version(service: &str) -> Result<String, HapticFault> {
 }
 
 impl Inverse3 {
-    /// Connects to the service's first Inverse3 and measures the service's rate while commanding no force.
+    /// Connects to the service's first Inverse3. Measures the rate at which the service sends states, while commanding no force.
     ///
     /// # Errors
     /// No service, no device, or a device that is not calibrated.
@@ -136,7 +136,7 @@ impl Inverse3 {
         Ok(inverse)
     }
 
-    /// Reads the first states: which device it is, whether it is calibrated, and at which rate states arrive.
+    /// Reads the first device states. They tell which device it is, whether it is calibrated, and at which rate states arrive.
     fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
         let first = self.state()?;
         if !first.standing.calibrated {
@@ -161,7 +161,8 @@ impl Inverse3 {
         Ok(())
     }
 
-    /// Waits for the next state. The whole state must arrive before one deadline, which neither pings nor single bytes extend.
+    /// Waits for the next device state. The whole message must arrive before one deadline, which neither pings nor single bytes
+    /// extend.
     fn state(&mut self) -> Result<CursorState, HapticFault> {
         let wrong = lost("reading its state");
         let known = (!self.device.is_empty()).then(|| self.device.clone());
@@ -192,7 +193,7 @@ impl Inverse3 {
             .map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Discards states that arrived while none was read, because they are old.
+    /// Discards old device states, which arrived while the program did not read any.
     fn catch_up(&mut self) -> Result<(), HapticFault> {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -240,7 +241,7 @@ impl HapticDevice for Inverse3 {
         })
     }
 
-    /// The device's state from the last message. The service has no request for it.
+    /// Supply, calibration and motors from the last message. The service has no request for them.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }

@@ -1,10 +1,10 @@
-//! A TCP connection on which a whole wait has one deadline, no matter in how many pieces its bytes arrive.
+//! A TCP connection with one deadline for a whole message, no matter in how many pieces its bytes arrive.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// A TCP connection with a deadline for a whole wait. The socket's own time limit begins again with every byte.
+/// A TCP connection with one deadline for a whole message. The socket's own time limit would begin again with every byte.
 #[derive(Debug)]
 pub(super) struct Timed {
     stream: TcpStream,
@@ -21,7 +21,7 @@ impl Timed {
         }
     }
 
-    /// Begins a new wait of this length.
+    /// Sets the deadline for the next message, this long from now.
     pub fn begin(&mut self, patience: Duration) {
         self.patience = patience;
         self.until = Instant::now() + patience;
@@ -40,7 +40,7 @@ impl Timed {
         )
     }
 
-    /// Reads or writes by `work`, for no longer than until the deadline.
+    /// Calls `work`, which reads or writes, and lets it wait no longer than until the deadline.
     fn within(
         &mut self,
         set: fn(&TcpStream, Option<Duration>) -> Result<()>,

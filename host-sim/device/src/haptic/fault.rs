@@ -12,7 +12,7 @@ pub enum SwitchOff {
     Velocity,
     /// The device's watchdog received no command in time.
     Watchdog,
-    /// A program switched the motors off.
+    /// A program on the computer switched the motors off.
     Software,
     /// The USB connection was lost.
     Usb,
@@ -49,11 +49,11 @@ pub enum HapticFault {
     SwitchedOff(SwitchOff),
     /// No new position arrived for this time, s.
     Stale(f64),
-    /// A position or a force is not a finite number.
+    /// A position or a force is not a finite number; holds its name.
     NotFinite(&'static str),
     /// The motors gave less force than commanded for this time, s.
     Saturated(f64),
-    /// A tick was late by this time, s.
+    /// A control interval (tick) began late by this time, s.
     Late(f64),
     /// The position jumped faster than a hand moves. Holds the speed, m/s.
     Jumped(f64),
@@ -107,7 +107,7 @@ impl HapticFault {
         }
     }
 
-    /// Converts the fault to the program's error, which names the device by `place`.
+    /// Converts the fault to the program's error, whose message names the device by `place`.
     #[must_use]
     pub fn at(&self, place: &str) -> Error {
         Error::device(place, self.to_string(), self.fix())

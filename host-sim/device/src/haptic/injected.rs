@@ -27,15 +27,15 @@ pub enum FaultKind {
     Fails,
     /// The device is in use by another program.
     Held,
-    /// From this call on the device returns the last position again.
+    /// From this call on the device repeats its last position, marked as old.
     Stale,
-    /// From this call on the motors give half of the commanded force.
+    /// From this call on the motors give half of the commanded force, and the device reports them as saturated.
     Saturated,
-    /// The call takes this much longer.
+    /// The call takes longer by this duration.
     Slow(Duration),
     /// From this call on one coordinate is wrong by 20 mm.
     Jumps,
-    /// One coordinate is NaN.
+    /// One coordinate of the position is NaN.
     NotANumber,
     /// The device's own safety switches its motors off.
     SwitchedOff(super::SwitchOff),

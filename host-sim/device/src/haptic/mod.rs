@@ -2,7 +2,7 @@
 //!
 //! The trait [`HapticDevice`] covers everything on which a wall can be rendered. Positions and forces have three axes in the
 //! device's own frame. A device with one degree of freedom uses the first axis and leaves the others at 0. [`OneAxis`] makes such a
-//! device from one axis of any device. A [`HapticFault`] is a device's fault; [`Injected`] makes any device have one.
+//! device from one axis of any device. A [`HapticFault`] is a device's fault; [`Injected`] lets a test cause one in any device.
 
 mod fault;
 mod injected;
@@ -27,9 +27,9 @@ pub struct DataSheet {
     pub degrees: usize,
     /// Largest force of the device, N.
     pub force_n: f64,
-    /// Where the effector may be, relative to the origin of the device's frame.
+    /// Range of positions that the end effector can reach, relative to the origin of the device's frame.
     pub workspace: Workspace,
-    /// Resolution of the measured position, m.
+    /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
@@ -53,7 +53,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Distance of a position outside the workspace, m; 0 inside.
+    /// How far a position is outside the workspace, m; 0 for a position inside.
     #[must_use]
     pub fn outside_m(&self, [x, y, z]: [f64; 3]) -> f64 {
         let across = (x.hypot(y) - self.radius_m).max(0.0);
@@ -67,11 +67,11 @@ impl Workspace {
 pub struct Sensed {
     /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// Whether the position was measured for this call; if not, it is the last one again.
+    /// Whether the position was measured for this call. If false, it is a repetition of the last one.
     pub fresh: bool,
 }
 
-/// How much of a commanded force acts.
+/// Whether the whole commanded force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
     /// The whole commanded force acts.
@@ -97,13 +97,13 @@ pub struct DeviceStanding {
 ///
 /// Every call returns within a bounded time. After a fault only [`HapticDevice::release`] may be called.
 pub trait HapticDevice {
-    /// The device's known data.
+    /// The device's data sheet.
     fn sheet(&self) -> &DataSheet;
 
     /// Switches the motors on, with no force.
     ///
     /// # Errors
-    /// The device cannot be used, or not at present.
+    /// The device cannot be used, permanently or at present.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
     /// Reads the present position. A device that sets the servo loop's rate waits for its next position.
@@ -112,7 +112,7 @@ pub trait HapticDevice {
     /// No position could be read.
     fn sense(&mut self) -> Result<Sensed, HapticFault>;
 
-    /// Commands the force on the hand, N, which acts from now on.
+    /// Commands the force on the hand, N. It acts until the next command.
     ///
     /// # Errors
     /// The force does not act.
@@ -170,7 +170,7 @@ mod tests {
             half_height_m: 0.055,
         };
         assert_eq!(space.outside_m([0.048, 0.064, -0.055]), 0.0);
-        // 3 mm across and 4 mm along are 5 mm.
+        // 3 mm beyond the radius and 4 mm beyond the height are a distance of 5 mm.
         assert!((space.outside_m([0.083, 0.0, -0.059]) - 0.005).abs() < 1e-12);
     }
 }

@@ -24,7 +24,7 @@ impl<D: HapticDevice> OneAxis<D> {
         ))
     }
 
-    /// The whole device, e.g. to engage and release it.
+    /// The underlying device with all its axes, e.g. to engage and release it.
     pub fn device(&mut self) -> &mut D {
         &mut self.device
     }
@@ -37,7 +37,7 @@ impl<D: HapticDevice> OneAxis<D> {
         Ok(self.device.sense()?.position_m[self.axis])
     }
 
-    /// Commands the force along the axis, N, which acts from now on.
+    /// Commands the force along the axis, N. It acts until the next command.
     ///
     /// # Errors
     /// Same as [`HapticDevice::command`].

@@ -1,4 +1,4 @@
-//! A simulated device: a mass with damping on each axis, in a simulated hand whose rest point moves.
+//! A simulated device: a mass with damping on each axis, in a simulated hand. The hand is a spring whose rest point moves.
 
 use super::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
@@ -30,7 +30,7 @@ impl Default for DeviceTwin {
     }
 }
 
-/// The equations of motion and their state: with a hand, or of the device alone.
+/// The simulated equations of motion and their state, with a hand or for the device alone.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::large_enum_variant,
@@ -83,7 +83,7 @@ impl Simulated {
     }
 }
 
-/// The rest point of the hand, m (where the hand intends to be), as a function of time, s.
+/// The rest point of the hand's spring, m, as a function of time, s. It is where the hand intends to be.
 pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 
 /// A simulated device. Every commanded force advances the simulation by one control interval under that force.

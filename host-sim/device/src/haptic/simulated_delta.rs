@@ -1,4 +1,5 @@
-//! A simulated delta mechanism with three motors and three joint encoders, in a hand whose rest point moves.
+//! A simulated delta mechanism with three motors and three joint encoders, in a simulated hand. The hand is a spring whose rest
+//! point moves.
 
 use super::simulated::Rest;
 use super::{
@@ -15,7 +16,7 @@ pub struct SimulatedDelta {
     device: DeltaDevice,
     plant: DeltaPlant,
     state: DeltaState,
-    /// Position of the effector and joint angles that the joint encoders measure.
+    /// The present pose as the joint encoders measure it: joint angles and the effector's position.
     measured: DeltaPose,
     rest: Rest,
     interval_s: f64,
@@ -23,7 +24,7 @@ pub struct SimulatedDelta {
     engaged: bool,
 }
 
-/// Largest force of the Novint Falcon, N. This and the workspace of 40 mm around the centre are the values in CHAI3D.
+/// Largest force of the Novint Falcon, N. The library CHAI3D gives this value and the workspace of 40 mm around the centre.
 const FALCON_FORCE_N: f64 = 8.0;
 const FALCON_REACH_M: f64 = 0.04;
 const FALCON_WORKSPACE: Workspace = Workspace {
@@ -33,7 +34,7 @@ const FALCON_WORKSPACE: Workspace = Workspace {
 /// Fastest control rate of the Falcon, Hz.
 pub const FALCON_RATE_HZ: u32 = 1000;
 
-/// The fault for a position that the mechanism cannot reach.
+/// The device fault for a position that the mechanism cannot reach.
 fn left(why: Unreachable) -> HapticFault {
     HapticFault::Unusable(
         format!("its arms came to where they cannot be: {why}"),
@@ -133,7 +134,7 @@ impl HapticDevice for SimulatedDelta {
             true => force_n,
             false => [0.0; 3],
         };
-        // As a real driver does: with the slopes at the measured pose.
+        // A real driver computes the torques with the Jacobian at the measured pose, so this simulation does the same.
         let torques = self
             .device
             .limited_torques_n_m(&self.measured, wanted.into());
@@ -191,7 +192,7 @@ mod tests {
         }
         let moved = delta.sense().expect("place").position_m;
         let by: Vec<f64> = (0..3).map(|i| moved[i] - start[i]).collect();
-        // 3 N on a hand of 300 N/m and its pad.
+        // 3 N move a hand with 300 N/m and a finger pad in series by 11.5 mm.
         assert!(
             (by[0] - 0.0115).abs() < 1e-3 && (by[1] + 0.0115).abs() < 1e-3,
             "{by:?}"
@@ -231,8 +232,8 @@ mod tests {
         );
     }
 
-    /// Checks that no position has less damping than the guard trusts, which is 80 % of the least damping on the grid. Between the
-    /// grid's positions the damping differs a little.
+    /// Checks that no position has less damping than the energy guard relies on, which is 80 % of the least damping on the grid.
+    /// Between the grid's positions the damping differs a little.
     #[test]
     fn nowhere_in_the_workspace_has_less_damping_than_is_told() {
         let told = least_damping(&FALCON);

@@ -1,28 +1,28 @@
-//! A histogram of the lateness of ticks. Counting a tick costs only an addition.
+//! A histogram of the lateness of the servo loop's control intervals (ticks). Counting one costs only an addition.
 
 /// Upper limits of the histogram's classes, µs. The last class has no upper limit.
 const ENDS_US: [f64; 13] = [
     1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
 ];
 
-/// Numbers of ticks by their lateness.
+/// Numbers of control intervals (ticks) by their lateness.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TickLateness {
     counts: [u64; ENDS_US.len() + 1],
     worst_s: f64,
 }
 
-/// A class of the histogram: the ticks whose lateness is within its limits.
+/// A class of the histogram: the control intervals (ticks) whose lateness is within the class's limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatenessClass {
     /// Largest lateness of the class, µs; `None` for the last class, which has no upper limit.
     pub up_to_us: Option<f64>,
-    /// Number of ticks in the class.
+    /// Number of control intervals (ticks) in the class.
     pub ticks: u64,
 }
 
 impl TickLateness {
-    /// Counts a tick with this lateness, s.
+    /// Counts a control interval (tick) with this lateness, s.
     pub fn take(&mut self, late_s: f64) {
         let class = ENDS_US
             .iter()
@@ -32,13 +32,13 @@ impl TickLateness {
         self.worst_s = self.worst_s.max(late_s);
     }
 
-    /// Largest lateness of all ticks, s.
+    /// Largest lateness of all control intervals (ticks), s.
     #[must_use]
     pub fn worst_s(&self) -> f64 {
         self.worst_s
     }
 
-    /// All classes, the one with the smallest lateness first.
+    /// All classes of the histogram, the one with the smallest lateness first.
     pub fn classes(&self) -> impl Iterator<Item = LatenessClass> + '_ {
         self.counts
             .iter()
@@ -49,7 +49,8 @@ impl TickLateness {
             })
     }
 
-    /// Upper limit, µs, of the class up to which at least the fraction `share` (0 to 1) of all ticks is; `None` for the last class.
+    /// The quantile of the lateness: upper limit, µs, of the first class at or below which at least the fraction `share` (0 to 1)
+    /// of all ticks lies. `None` if it is in the last class.
     #[must_use]
     pub fn quantile_us(&self, share: f64) -> Option<f64> {
         let all: u64 = self.counts.iter().sum();

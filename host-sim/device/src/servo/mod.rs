@@ -1,5 +1,5 @@
-//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands
-//! it.
+//! The servo loop of a device without a control law of its own. In every control interval (tick) it reads a position, calculates a
+//! force and commands it.
 //!
 //! ```text
 //! pace -> position (stale? a number? a jump? outside?) -> law and guard -> ramp -> workspace -> limit -> force
@@ -20,7 +20,7 @@ pub use speed::SpeedEstimate;
 
 use crate::haptic::{Applied, DataSheet, HapticDevice, HapticFault, Workspace, length};
 
-/// A force law: calculates a force from a position once in every tick.
+/// A force law: calculates a force from a position, once in every control interval (tick).
 pub trait ForceLaw {
     /// Returns the force on the hand, N, for this position of the end effector, m.
     ///
@@ -28,11 +28,11 @@ pub trait ForceLaw {
     /// A fault after which no force may act.
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
 
-    /// Receives the force that acts in the end, N. Limits may have made it smaller than that of [`ForceLaw::tick`].
+    /// Receives the force that was finally commanded, N. Limits may have made it smaller than that of [`ForceLaw::tick`].
     fn commanded(&mut self, _force_n: [f64; 3]) {}
 }
 
-/// The loop's limits, which apply whatever the force law commands.
+/// The limits of the servo loop. They apply to every force that the force law returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoLimits {
     /// Largest force, N; never more than the device's own largest force.
@@ -45,13 +45,13 @@ pub struct ServoLimits {
     pub margin_m: f64,
     /// Distance outside the workspace that ends the servo loop, m.
     pub outside_m: f64,
-    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the servo loop.
+    /// Largest speed between two measured positions, m/s. A higher one counts as a jump of the position and ends the servo loop.
     pub jump_m_per_s: f64,
-    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the servo loop.
+    /// Longest lateness of a control interval (tick) or of a call's return, s. A force that is held for longer ends the servo loop.
     pub late_s: f64,
-    /// Age of the last new position that ends the servo loop, s.
+    /// Time without a new position that ends the servo loop, s.
     pub stale_s: f64,
-    /// Time of saturated motors that ends the servo loop, s.
+    /// Time with saturated motors (less force than commanded) that ends the servo loop, s.
     pub saturated_s: f64,
 }
 
@@ -85,38 +85,38 @@ pub enum Ending {
 /// The result of a servo loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoReport {
-    /// Number of control ticks that ran.
+    /// Number of control intervals (ticks) that ran.
     pub ticks: u64,
-    /// Number of ticks that were left out because the loop was late; the force was held for longer.
+    /// Number of control intervals (ticks) that were left out because the loop was late; the force was held for longer.
     pub missed_ticks: u64,
-    /// Histogram of the lateness of ticks.
+    /// Histogram of the lateness of the control intervals (ticks).
     pub lateness: TickLateness,
-    /// Number of ticks in which the device returned an old position.
+    /// Number of control intervals (ticks) in which the device repeated an old position.
     pub stale_ticks: u64,
-    /// Number of ticks in which the motors were saturated.
+    /// Number of control intervals (ticks) in which the motors gave less force than commanded.
     pub saturated_ticks: u64,
-    /// Number of ticks outside the workspace.
+    /// Number of control intervals (ticks) in which the effector was outside the workspace.
     pub outside_ticks: u64,
-    /// Largest force that acted, N.
+    /// Largest commanded force after all limits, N.
     pub force_max_n: f64,
     /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
     /// How the servo loop ended.
     pub ending: Ending,
-    /// The fault of the release, if a step of it failed.
+    /// Whether the release of the device succeeded; the fault of a step that failed.
     pub release: Result<(), HapticFault>,
 }
 
-/// The data of a tick, after its force was commanded.
+/// The data of a control interval (tick), after its force was commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoTick {
-    /// Number of the tick, from 0.
+    /// Number of the control interval (tick), from 0; missed ones are not counted.
     pub number: u64,
-    /// Number of control intervals since the first tick, including those of missed ticks.
+    /// Number of control intervals since the start of the loop, including missed ones.
     pub due: u64,
     /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// The force that acts, N.
+    /// Commanded force after all limits, N.
     pub force_n: [f64; 3],
 }
 
@@ -130,10 +130,11 @@ impl<D: HapticDevice> Drop for Engaged<'_, D> {
     }
 }
 
-/// Time between two requests of the device's state, s.
+/// Time between two requests of the device's state (supply, motors), s.
 const STANDING_S: f64 = 1e-3;
 
-/// Runs a force law on a device until `more` returns false or a fault occurs. The device is released in every case.
+/// Runs the servo loop with a force law on a device, until `more` returns false or a fault occurs. The device is released in every
+/// case.
 pub fn play<D: HapticDevice>(
     device: &mut D,
     law: &mut impl ForceLaw,
@@ -272,7 +273,7 @@ fn looped<D: HapticDevice>(
     Ok(())
 }
 
-/// Checks the lateness. A force that acts for much longer than its tick is not controlled.
+/// Checks the lateness of a control interval. A force that acts for much longer than its interval is not controlled.
 fn in_time(late_s: f64, limits: &ServoLimits) -> Result<(), HapticFault> {
     match late_s > limits.late_s {
         true => Err(HapticFault::Late(late_s)),

@@ -1,27 +1,28 @@
-//! The pace of the servo loop: decides when its ticks begin.
+//! The pace of the servo loop: decides when its control intervals (ticks) begin.
 
 use std::time::{Duration, Instant};
 
-/// The result of a wait for a tick.
+/// The result of a wait for the next control interval (tick).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Waited {
-    /// Lateness of the tick that begins, s.
+    /// Lateness of the control interval that begins, s.
     pub late_s: f64,
-    /// Number of ticks that were left out before it.
+    /// Number of control intervals (ticks) that were left out before the one that begins.
     pub missed_ticks: u64,
 }
 
-/// Decides when the ticks of the servo loop begin.
+/// Decides when the control intervals (ticks) of the servo loop begin.
 pub trait Pace {
-    /// Starts the pace: the first tick is due now.
+    /// Starts the pace: the first control interval (tick) is due now.
     fn start(&mut self);
-    /// Waits until the next tick is due.
+    /// Waits until the next control interval (tick) is due.
     fn wait(&mut self) -> Waited;
-    /// Time by which the present tick has already exceeded its interval, s.
+    /// Time by which the work of the present control interval has already exceeded the interval, s.
     fn late_s(&self) -> f64;
 }
 
-/// The pace of the machine's clock. A tick that is late by whole intervals leaves these out, so that no burst of ticks follows.
+/// The pace of the machine's clock. If a control interval (tick) begins late by whole intervals, as many are left out, so that no
+/// burst follows.
 #[derive(Debug, Clone)]
 pub struct RealTime {
     interval: Duration,
@@ -30,11 +31,12 @@ pub struct RealTime {
     first: bool,
 }
 
-/// Typical lateness with which the operating system wakes a thread, ns. The last part of a wait, of this length, polls the clock.
+/// Typical lateness with which the operating system wakes a thread, ns. So a wait sleeps until this long before its end and then
+/// polls the clock.
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {
-    /// A pace with this rate.
+    /// A pace of this many control intervals per second.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {
@@ -74,7 +76,7 @@ impl Pace for RealTime {
     }
 }
 
-/// The pace of simulated time: every tick is due at once and none is late.
+/// The pace of simulated time: every control interval (tick) is due at once and none is late.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SimulatedPace;
 
@@ -88,8 +90,8 @@ impl Pace for SimulatedPace {
     }
 }
 
-/// The pace of a device that sets the servo loop's rate. A tick that begins more than an interval after the last tick is late by
-/// the rest.
+/// The pace of a device that sets the servo loop's rate by its positions. If the time between two positions exceeds a control
+/// interval, the second one is late by the excess.
 #[derive(Debug, Clone)]
 pub struct DevicePace {
     interval: Duration,
@@ -144,11 +146,11 @@ mod tests {
         pace.start();
         pace.wait();
         std::thread::sleep(Duration::from_micros(5500));
-        // Due 1 ms after the first: 4.5 ms late at least, so four or more were missed.
+        // This tick was due 1 ms after the first. So it is at least 4.5 ms late, and at least four ticks were missed.
         assert!(pace.late_s() >= 4.4e-3);
         let late = pace.wait();
         assert!(late.late_s >= 4.4e-3 && late.missed_ticks >= 4, "{late:?}");
-        // No burst: the next one is due within an interval.
+        // The missed ticks are not made up for: the next tick is due within one interval.
         let begun = Instant::now();
         let next = pace.wait();
         let waited_s = begun.elapsed().as_secs_f64();

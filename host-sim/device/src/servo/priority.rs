@@ -9,7 +9,8 @@ pub struct Priority {
     pub locked: Result<(), String>,
 }
 
-/// Requests real-time priority and locked memory for the calling thread. A refusal is no error, because missed ticks are counted.
+/// Requests real-time priority and locked memory for the calling thread. A refusal is no error, because the servo loop counts
+/// missed control intervals.
 #[must_use]
 pub fn real_time() -> Priority {
     Priority {
@@ -18,7 +19,7 @@ pub fn real_time() -> Priority {
     }
 }
 
-/// The thread's priority in % of the real-time range: before all ordinary threads, after the kernel's own interrupts.
+/// The thread's priority in % of the real-time range: above all ordinary threads, below the kernel's own interrupts.
 const SHARE: u8 = 80;
 
 #[cfg(unix)]

@@ -4,7 +4,7 @@
 /// Length of the window over which the speed is estimated, s.
 const WINDOW_S: f64 = 4e-3;
 
-/// An estimate of the speed: the least-squares slope of the last positions.
+/// An estimate of the speed: the slope of a least-squares line through the last positions.
 #[derive(Debug, Clone)]
 pub struct SpeedEstimate {
     interval_s: f64,
@@ -14,7 +14,7 @@ pub struct SpeedEstimate {
 }
 
 impl SpeedEstimate {
-    /// An estimate for positions that come at this rate.
+    /// An estimate of the speed from positions that come at this rate, Hz.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         let ticks = (WINDOW_S * f64::from(rate_hz)).ceil().max(2.0) as usize;
@@ -39,7 +39,7 @@ impl SpeedEstimate {
         let (mut slope, mut spread) = ([0.0; 3], 0.0);
         for i in 0..size {
             let from_middle = i as f64 - middle;
-            // Oldest first.
+            // The positions are read from the oldest to the newest.
             let at = self.window[(self.next + i) % size];
             spread += from_middle * from_middle;
             for axis in 0..3 {
@@ -67,7 +67,7 @@ mod tests {
         for tick in 0..40 {
             seen = speed.take([if tick % 2 == 0 { 1e-5 } else { 0.0 }, 0.0, 0.0]);
         }
-        // A difference of two positions would say 40 mm/s.
+        // The difference of two successive positions would give 40 mm/s.
         assert!(seen < 1e-3, "{seen}");
     }
 }

@@ -1,4 +1,4 @@
-//! A simulated service of Haply for tests: speaks both generations of messages and simulates the device.
+//! A simulated service of Haply for tests: speaks both generations of the service's messages and simulates the device.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,11 +14,11 @@ pub enum Wrong {
     Nothing,
     Gone,
     Silent,
-    /// Sends pings instead of states.
+    /// Sends pings instead of device states.
     Pings,
-    /// Sends the state byte by byte, one byte every 200 ms.
+    /// Sends the device state byte by byte, one byte every 200 ms.
     Drip,
-    /// Sends the state as a binary message instead of text.
+    /// Sends the device state as a binary message instead of text.
     Binary,
     Unlisted,
     NoNumber,
@@ -26,7 +26,7 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// What the service had received by its end.
+/// What the simulated service had received by its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,
@@ -154,7 +154,7 @@ fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender
         if socket.send(Message::text(state.to_string())).is_err() {
             break;
         }
-        // Its own pace, a state a millisecond at most.
+        // The service sets the pace: at most one state per millisecond.
         thread::sleep(Duration::from_micros(900));
         let Ok(Message::Text(text)) = socket.read() else {
             break;
@@ -176,6 +176,6 @@ fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender
             _ => saw.refused += 1,
         }
     }
-    // Nobody may want to know.
+    // The result is ignored, because a test need not read what the service has seen.
     let _ = told.send(saw);
 }

@@ -1,13 +1,14 @@
-//! The mock device's clock: the machine's clock, or one that a test advances.
+//! The mock device's clock: the computer's clock, or one that a test advances.
 
 use std::time::Instant;
 
 /// A clock of seconds since the library was loaded.
 #[derive(Debug, Clone, Copy)]
 pub enum MockClock {
-    /// The machine's clock.
+    /// The computer's clock, from the moment at which the library was loaded.
     Real(Instant),
-    /// A test's clock, s. Each call advances it by the time that the call takes, and a test can wait.
+    /// A clock that a test controls; holds its time in seconds. Each library call advances it by the simulated duration of the
+    /// call, and a test can let it advance.
     Own(f64),
 }
 
@@ -19,7 +20,8 @@ impl MockClock {
         }
     }
 
-    /// Lets time pass. On the machine's clock time passes by itself, so this function sleeps only if `slow` is true.
+    /// Lets time pass. A test's clock is advanced by `seconds`. The computer's clock advances by itself; the function then sleeps
+    /// only if `slow` is true.
     pub fn pass(&mut self, seconds: f64, slow: bool) {
         match self {
             Self::Own(now) => *now += seconds,

@@ -1,4 +1,4 @@
-//! A test's access to the mock library that the program has loaded: plans faults and reads what the mock recorded.
+//! A test's access to the mock library that the program has loaded: it plans faults and reads what the mock recorded.
 #![allow(unsafe_code)] // To load the library a second time, which gives the same one.
 
 use crate::machine::machine;
@@ -6,13 +6,14 @@ use libloading::Library;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Longest text to the mock, bytes.
+/// Longest text that a test can send to the mock, bytes.
 pub const TEXT: usize = 96;
 
-/// Answers a question by a number, or accepts a line of a plan and returns 1. NaN for an unknown text.
+/// Answers a test's question by a number, or adds a line to the plan of faults and returns 1. NaN for an unknown text.
 ///
-/// `wrong`, `zero`, `released`: times of [`crate::machine::Noted`]; `now`, `wait S`; `force`, `longest`, `late`, `max`; `count
-/// CALL`; `open`.
+/// Questions: `wrong`, `zero` and `released` (times in [`crate::machine::Noted`]), `now` (s), `force` and `longest` (acting and
+/// largest force, N), `late` (forces after closing), `max` (force limit, N), `count CALL`, `open`. `wait S` advances a test's
+/// clock.
 pub(crate) fn answer(text: &[u8; TEXT]) -> f64 {
     let end = text.iter().position(|byte| *byte == 0).unwrap_or(TEXT);
     let Ok(text) = std::str::from_utf8(&text[..end]) else {
@@ -41,14 +42,15 @@ pub(crate) fn answer(text: &[u8; TEXT]) -> f64 {
     }
 }
 
-/// A test's own copy of the mock library. Tests that run at the same time do not share a device.
+/// A test's own copy of the mock library. Because each test loads its own copy, tests that run at the same time do not share a
+/// device.
 #[derive(Debug)]
 pub struct Door {
     library: Library,
     path: PathBuf,
 }
 
-/// Path of the mock library, which cargo builds into the folder of the running test.
+/// Path of the mock library, which cargo builds next to the running test.
 ///
 /// # Panics
 /// The library is not there.
@@ -64,7 +66,7 @@ pub fn built() -> PathBuf {
 }
 
 impl Door {
-    /// Copies the mock library into a folder, loads it and gives it a plan of faults.
+    /// Copies the mock library into a folder, loads the copy and gives it a plan of faults, one line per entry of `plan`.
     ///
     /// # Panics
     /// The library cannot be copied, or the plan is not understood.
@@ -73,7 +75,7 @@ impl Door {
         Self::changed(folder, plan, |bytes| bytes)
     }
 
-    /// Same as [`Door::new`], with a changed copy of the library.
+    /// Same as [`Door::new`], but applies `change` to the bytes of the copied library file.
     ///
     /// # Panics
     /// Same as [`Door::new`].
@@ -101,7 +103,7 @@ impl Door {
         &self.path
     }
 
-    /// Sends a text to the mock and returns its answer.
+    /// Sends a question or a line of a fault plan to the mock and returns the mock's answer.
     ///
     /// # Panics
     /// The text is too long or not understood.

@@ -1,4 +1,4 @@
-//! The mock's functions, with the names and types of `dhdc.h` and `drdc.h`.
+//! The mock's C functions, with the names and types that Force Dimension's headers `dhdc.h` and `drdc.h` declare.
 #![allow(unsafe_code)] // `no_mangle` alone: no block in here is unsafe.
 #![allow(non_snake_case)] // The vendor's names.
 
@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_uchar, c_ushort};
 use std::ptr;
 use touchstone_world::plant::OMEGA3;
 
-/// A call that needs the open device: runs `does`, unless the plan makes the call fail.
+/// A library call that needs the open device. Runs `does`, unless the fault plan makes the call fail.
 fn of_device(call: &'static str, does: impl FnOnce(&mut Machine, u64) -> c_int) -> c_int {
     let mut machine = machine();
     let entered = machine.enter(call);
@@ -130,7 +130,8 @@ extern "system" fn dhdGetSerialNumber(serial: Option<&mut c_ushort>, _id: c_char
     })
 }
 
-/// Writes as many status words as the maker's header of this version has. The library does not know how much room the caller has.
+/// Writes as many status words as the header of this library version has. The function does not know the size of the caller's
+/// array.
 #[unsafe(no_mangle)]
 extern "system" fn dhdGetStatus(status: Option<&mut [c_int; 32]>, _id: c_char) -> c_int {
     of_device("dhdGetStatus", |machine, number| {
@@ -259,7 +260,7 @@ extern "system" fn dhdGetEffectorMass(mass_kg: Option<&mut f64>, _id: c_char) ->
     })
 }
 
-/// Succeeds without a device and keeps the last error, as the maker's library was measured to do.
+/// Succeeds without a device and keeps the last error number, as measurements of the real library showed.
 #[unsafe(no_mangle)]
 extern "system" fn dhdEnableExpertMode() -> c_int {
     machine().expert = true;
@@ -272,7 +273,8 @@ extern "system" fn dhdDisableExpertMode() -> c_int {
     0
 }
 
-/// An invented geometry, like the functions below: that of an omega.3 is not public. A joint's radian moves the effector by 0.1 m.
+/// Movement of the effector per radian of a joint, metres. Invented, like the geometry in the functions below, because the geometry
+/// of an omega.3 is not public.
 const METRES_PER_RADIAN: f64 = 0.1;
 
 #[unsafe(no_mangle)]
@@ -341,7 +343,7 @@ extern "system" fn dhdGetJointAngleRange(
     })
 }
 
-/// The function for tests: takes a text, padded with zeros, and returns a number; NaN for an unknown text.
+/// The mock's extra function for tests: takes a text padded with zeros and returns a number; NaN for an unknown text.
 #[unsafe(no_mangle)]
 extern "system" fn touchstone_mock(text: &[u8; crate::door::TEXT]) -> f64 {
     crate::door::answer(text)

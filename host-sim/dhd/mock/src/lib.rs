@@ -1,10 +1,10 @@
-//! A mock of Force Dimension's `libdhd`: the same C interface, with a simulated device. For tests, and to try the program without a
-//! device.
+//! A mock of Force Dimension's library `libdhd`: the same C interface, with a simulated device. For tests, and to try the program
+//! without a device.
 //!
-//! Without a device it behaves as the maker's library was measured; with one, as the maker's documentation says. After a failure a
-//! call returns -1, leaves its arguments unchanged and sets the calling thread's error number, which a success does not clear. The
-//! name of an unknown device is NULL. The simulated device runs in real time or on a test's own clock. A plan in words makes calls
-//! fail: [`door`].
+//! Without a device the mock behaves as measurements of the real library showed. With a device it follows the maker's
+//! documentation. After a failure a call returns -1, leaves its arguments unchanged and sets the calling thread's error number,
+//! which a success does not clear. The name of an unknown device is NULL. The simulated device runs in real time or on a clock that
+//! a test controls. A plan of text lines makes calls fail: [`door`].
 
 mod clock;
 pub mod door;

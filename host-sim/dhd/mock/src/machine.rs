@@ -1,4 +1,4 @@
-//! The mock's device: its state, its simulated mechanics, and records of every call.
+//! The mock's simulated device: its state, its mechanics, and a record of the calls.
 
 use crate::clock::MockClock;
 use crate::plan::{Planned, among};
@@ -11,9 +11,9 @@ use touchstone_world::plant::{
     Cartesian, FIRM_TRANSLATION, HeldLinear, Kinematics, OMEGA3, OMEGA3_AXIS, State,
 };
 
-/// Step of the simulation, s: one USB microframe.
+/// Time step of the device's simulation, s: one USB microframe.
 const STEP_S: f64 = 125e-6;
-/// Time that a call over USB takes on a test's clock, s. The next line has that of a call which the library answers alone.
+/// Time by which a call over USB advances a test's clock, s. `LOCAL_S` is the time of a call that the library answers without USB.
 const USB_S: f64 = 60e-6;
 const LOCAL_S: f64 = 5e-6;
 
@@ -23,7 +23,7 @@ pub const EXPERT_DISABLED: i32 = 9;
 pub const IN_USE: i32 = 20;
 
 thread_local! {
-    /// The last error, one for each thread as in the maker's library. A success does not clear it.
+    /// The number of the last error, one for each thread as in the real library. A successful call does not clear it.
     static LAST_ERROR: Cell<i32> = const { Cell::new(0) };
 }
 
@@ -31,22 +31,22 @@ pub fn last_error() -> i32 {
     LAST_ERROR.get()
 }
 
-/// Stores an error and returns -1, the result of the failed call.
+/// Stores the error number of the calling thread and returns -1, the result of a failed call.
 pub fn failed(error: i32) -> i32 {
     LAST_ERROR.set(error);
     -1
 }
 
-/// What the mock has recorded for a test. Times are on the device's clock, s.
+/// What the mock has recorded for a test. Times are in seconds of the device's clock.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Noted {
-    /// Time at which the first failing call returned.
+    /// Time at which the first planned fault showed: a call failed, took long or returned wrong data.
     pub wrong_s: Option<f64>,
-    /// Time since which no force acts; `None` while one acts.
+    /// Time since which the motors give no force; `None` while they give one.
     pub zero_s: Option<f64>,
-    /// Time at which the program closed the device, or first tried to.
+    /// Time at which the program first tried to close the device.
     pub released_s: Option<f64>,
-    /// Number of forces commanded after the device was closed.
+    /// Number of forces that the program commanded after it had closed the device.
     pub late_forces: u64,
     pub longest_n: f64,
 }
@@ -58,7 +58,7 @@ pub struct Machine {
     stepped_s: f64,
     pub plans: Vec<Planned>,
     calls: HashMap<&'static str, u64>,
-    /// The position that the last read returned, m.
+    /// The position that the last position call returned, m.
     pub read_m: [f64; 3],
     pub open: bool,
     pub gone: bool,
@@ -72,16 +72,16 @@ pub struct Machine {
     pub noted: Noted,
 }
 
-/// The planned result of a call that begins.
+/// Number of a call that begins, and its planned error.
 pub struct Entered {
     pub number: u64,
-    /// The error with which the call fails, if it does.
+    /// The error number with which the call fails; `None` if it succeeds.
     pub error: Option<i32>,
 }
 
 static MACHINE: OnceLock<Mutex<Machine>> = OnceLock::new();
 
-/// Access to the mock's only device.
+/// Locks the mock's only device and returns it.
 pub fn machine() -> MutexGuard<'static, Machine> {
     MACHINE
         .get_or_init(|| Mutex::new(Machine::new()))
@@ -89,8 +89,8 @@ pub fn machine() -> MutexGuard<'static, Machine> {
         .unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The hand's rest point (where the hand intends to be), m. It moves from above the centre down until the hand's spring gives 5 N,
-/// then up, down and sideways.
+/// Rest point of the simulated hand's spring at `time_s`, m. It moves from above the centre down until the spring gives 5 N, then
+/// up, down and sideways.
 fn rest_m(time_s: f64) -> [f64; 3] {
     let down = (time_s / 0.3).min(1.0);
     let swing = 0.004 * (6.0 * time_s).sin();
@@ -119,7 +119,7 @@ impl Machine {
             lock: None,
             noted: Noted::default(),
         };
-        // For a program that is started by a test.
+        // A test that starts a program gives it the fault plan by this variable.
         for line in std::env::var("TOUCHSTONE_MOCK_DHD")
             .unwrap_or_default()
             .split(';')
@@ -129,7 +129,7 @@ impl Machine {
         machine
     }
 
-    /// Accepts a line of a plan; false if it is not understood.
+    /// Adds a line to the fault plan; returns false if the line is not understood.
     pub fn plan(&mut self, line: &str) -> bool {
         match crate::plan::parse(line) {
             Some(Planned::OwnClock) => self.clock = MockClock::Own(self.clock.now_s()),
@@ -143,12 +143,12 @@ impl Machine {
         self.plans.contains(planned)
     }
 
-    /// Records the present time as that of the first failure, unless there was one before.
+    /// Records the present time as that of the first fault, unless one was recorded before.
     pub fn wrong(&mut self) {
         self.noted.wrong_s.get_or_insert(self.clock.now_s());
     }
 
-    /// Begins a call: counts it, lets its time pass and looks into the plan for a fault.
+    /// Begins a library call: counts it, lets its duration pass and returns the fault that is planned for it.
     pub fn enter(&mut self, call: &'static str) -> Entered {
         let count = self.calls.entry(call).or_default();
         let number = *count;
@@ -185,12 +185,12 @@ impl Machine {
         Entered { number, error }
     }
 
-    /// Number of times that a call was made.
+    /// Number of times that the library function with this name was called.
     pub fn count(&self, call: &str) -> u64 {
         self.calls.get(call).copied().unwrap_or(0)
     }
 
-    /// The acting force, N; zero while the motors are off or braked.
+    /// Force that the motors give, N; zero while the motors are off or braked.
     pub fn acting_n(&self) -> [f64; 3] {
         match self.motors_on && !self.brake {
             true => self.force_n,
@@ -213,7 +213,7 @@ impl Machine {
         counts.map(|n| f64::from(n) * OMEGA3.count_m)
     }
 
-    /// Commands a force, N, which acts from now on.
+    /// Commands a force in N, which acts until the next command.
     pub fn force(&mut self, force_n: [f64; 3]) {
         if !self.open {
             self.noted.late_forces += 1;
@@ -222,14 +222,14 @@ impl Machine {
         self.note_zero();
     }
 
-    /// Switches the motors off, for a cause by the library's numbers: the device's own decision or a program's.
+    /// Switches the motors off. `cause` is the library's number for the cause: the device itself or a program.
     pub fn motors_off(&mut self, cause: i32) {
         self.motors_on = false;
         self.off_cause = cause;
         self.note_zero();
     }
 
-    /// Records since when no force acts, and the largest force.
+    /// Updates the records after a change of the force: since when no force acts, and the largest force.
     pub fn note_zero(&mut self) {
         let acting = self.acting_n();
         let length = acting.iter().map(|f| f * f).sum::<f64>().sqrt();
@@ -241,8 +241,8 @@ impl Machine {
         }
     }
 
-    /// Opens the device for this program; false if another program holds it. With the variable `TOUCHSTONE_MOCK_LOCK` the programs
-    /// share a lock file.
+    /// Opens the device for this program; returns false if another program has it open. With the environment variable
+    /// `TOUCHSTONE_MOCK_LOCK`, programs on one computer share a device by a lock file of that path.
     pub fn take(&mut self) -> bool {
         if self.has(&Planned::Held) {
             return false;
@@ -263,8 +263,8 @@ impl Machine {
         true
     }
 
-    /// Records that the program closed the device, or failed to. With the variable `TOUCHSTONE_MOCK_LOG`, writes the outcome to a
-    /// file.
+    /// Records that the program closed the device (`closed`), or failed to close it. With the environment variable
+    /// `TOUCHSTONE_MOCK_LOG`, writes the outcome to the file of that path.
     pub fn give_back(&mut self, closed: bool) {
         self.noted.released_s.get_or_insert(self.clock.now_s());
         if closed {
@@ -279,7 +279,7 @@ impl Machine {
                 "closed {closed} force {acting} longest {:.2}\n",
                 self.noted.longest_n
             );
-            // A log that cannot be written is missed by the test that reads it.
+            // An error needs no report: the test that reads the log fails without it.
             let _ = std::fs::write(path, text);
         }
     }

@@ -1,21 +1,23 @@
-//! The plan of faults, one in each line:
+//! The mock's plan of faults. Each line is one of these. CALL is a function of the library, AT the number of the first affected call
+//! of this function, counted from 0, TIMES the number of affected calls:
 //!
 //! ```text
-//! fail CALL AT TIMES ERROR   these calls return -1 with this error; AT counts from 0
+//! fail CALL AT TIMES ERROR   these calls return -1 with this error number
 //! unplug CALL AT             from this call on the device is gone
 //! stale AT TIMES             the position is not read again: the call returns 1
 //! freeze AT TIMES            the same, but the call returns 0 as for a new position
 //! nan AT                     a coordinate is NaN
 //! saturate AT TIMES          the motors give half the force: the call returns 2
-//! slow CALL AT MS            the call takes this time
+//! slow CALL AT MS            the call takes this time, in ms
 //! off AT CAUSE               at this dhdGetStatus the device has switched itself off
-//! held | absent | uncalibrated
+//! held                       another program has the device open
+//! absent | uncalibrated      there is no device, or it is not calibrated
 //! type N                     the number that dhdGetSystemType returns
-//! status N                   how many words dhdGetStatus writes (17)
+//! status N                   how many words dhdGetStatus writes (17 without this line)
 //! own-clock                  time passes only in calls and waits
 //! ```
 
-/// One planned fault.
+/// One line of the plan of faults.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Planned {
     Fail(String, u64, u64, i32),
@@ -34,7 +36,7 @@ pub enum Planned {
     OwnClock,
 }
 
-/// Parses a line of a plan; `None` for any other line.
+/// Parses a line of the plan of faults; `None` for a text that is no such line.
 pub fn parse(line: &str) -> Option<Planned> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let number = |i: usize| words.get(i)?.parse::<u64>().ok();
@@ -59,7 +61,7 @@ pub fn parse(line: &str) -> Option<Planned> {
     })
 }
 
-/// Whether the call with this number is one of `times` calls from number `at` on.
+/// Whether call `number` is one of the `times` calls that begin with call `at`.
 pub fn among(number: u64, at: u64, times: u64) -> bool {
     number >= at && number - at < times
 }

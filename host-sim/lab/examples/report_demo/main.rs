@@ -1,4 +1,5 @@
-//! Writes reports of made-up runs, so that the pages can be looked at without a simulation: a matrix of 20 runs, and a single run.
+//! Writes reports of made-up runs, so that the layout of the pages can be checked without a simulation: a matrix of 20 runs, and a
+//! single run.
 //!
 //! `cargo run --release -p touchstone-lab --example report_demo -- FOLDER`
 

@@ -36,7 +36,8 @@ struct Memory {
     turned: bool,
 }
 
-/// Angle in radians that the hand pulls the knob to, at time `t` in seconds: it moves in, holds, oscillates, holds and moves out.
+/// Rest point of the hand in radians (angle to which the hand pulls the knob) at time `t` in seconds. The hand moves in, holds,
+/// oscillates, holds and moves out.
 fn rest(t: f64) -> f64 {
     let smooth = |from: f64, to: f64| {
         let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
@@ -50,7 +51,8 @@ fn rest(t: f64) -> f64 {
     0.42 + 0.20 * smooth(0.1, 0.5) - 0.24 * smooth(2.6, 2.9) + wiggle
 }
 
-/// Imitation of `law` at penetration `e` in radians and stiffness `k`: force in N·m, and the anchor point of the wall's spring.
+/// Rough imitation of the control law `law` at penetration `e` in radians and stiffness `k`. Returns the force in N·m, and the
+/// anchor point of the wall's spring.
 fn force(law: LawKind, k: f64, e: f64, velocity: f64, m: &mut Memory) -> f64 {
     let de = e - m.e;
     m.observed += m.force * de;
@@ -153,7 +155,7 @@ pub fn run(law: LawKind, k_desired: f64, seconds: f64) -> Run {
     }
 }
 
-/// A roughly estimated summary of a made-up run; real summaries are calculated by the simulator.
+/// Estimates the summary of a made-up run roughly; real summaries are computed by the simulator.
 fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
     let ticks = trace.time_s.len();
     let hold: Vec<usize> = (0..ticks)

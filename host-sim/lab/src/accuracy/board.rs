@@ -6,16 +6,16 @@
 #[path = "../../../../firmware/budgets.rs"]
 mod budgets;
 
-/// Instruction counts, written by `cargo xtask thumb` and `cargo xtask cycles`.
+/// Table of instruction counts per control law and number format, written by `cargo xtask thumb` and `cargo xtask cycles`.
 const COUNTED: &str = include_str!("board.txt");
-/// The board's clock, Hz.
+/// Clock frequency of the board's processor, Hz.
 const CLOCK_HZ: f64 = 170e6;
-/// How often per second the current loop runs, Hz.
+/// Rate of the motor's current controller on the board, Hz.
 const CURRENT_LOOP_HZ: f64 = 20_000.0;
 /// Fastest control rate that a board accepts, Hz.
 const FASTEST_HZ: u32 = 10_000;
 
-/// Instructions that one control period (tick) takes.
+/// Instructions that the control law takes per control period (tick).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instructions {
     /// Mean number of instructions per tick over the test vectors of `cargo xtask thumb`; `None` if it was not measured.
@@ -24,8 +24,8 @@ pub struct Instructions {
     pub worst: u32,
 }
 
-/// Instruction counts of a control law in a number format. `None` where they were not counted: the board has no laws in floating
-/// point.
+/// Instruction counts of a control law in a number format. `None` if they were not counted; the board has no control laws in
+/// floating point.
 #[must_use]
 pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     COUNTED.lines().find_map(|line| {
@@ -38,8 +38,8 @@ pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     })
 }
 
-/// Largest fraction (0 to 1) of the processor's time that control interrupt and current loop take, at one instruction per cycle. It
-/// is calculated from the instruction budgets that the firmware is tested against. `None` at a rate that no board accepts.
+/// Largest fraction (0 to 1) of the processor's time that control interrupt and current controller take, at one instruction per
+/// cycle. It follows from the instruction budgets against which the firmware is tested. `None` at a rate that no board accepts.
 #[must_use]
 pub fn load_at_most(rate_hz: u32) -> Option<f64> {
     let each_s =

@@ -1,4 +1,4 @@
-//! Which integration method keeps the error within one encoder count at the least computing time.
+//! Chooses the integration method whose error is within one encoder count at the least computing time.
 
 use serde::Serialize;
 
@@ -10,11 +10,11 @@ use super::plant::{Diagram, Point};
 pub struct Cheapest {
     /// Name of the integration method.
     pub method: &'static str,
-    /// Substeps per tick (control period); absent for the exact step.
+    /// Substeps per tick (control period); absent for the closed-form solution.
     pub substeps: Option<u32>,
     /// Largest error of the method's angle, rad.
     pub error_rad: f64,
-    /// Least measured time per simulated millisecond, ns.
+    /// Least measured computing time per simulated millisecond, ns.
     pub least_ns: f64,
 }
 
@@ -25,10 +25,10 @@ pub struct Chosen {
     pub problem: &'static str,
     /// The fastest of all integration methods; absent if the error of each exceeds one encoder count.
     pub of_all: Option<Cheapest>,
-    /// The fastest integration method other than the exact step, with its number of substeps. Its error is within one encoder count
-    /// at this number of substeps and at every larger one.
+    /// The fastest integration method other than the closed-form solution, with its number of substeps. Its error is within one
+    /// encoder count at this number of substeps and at every larger one.
     pub without_exact: Option<Cheapest>,
-    /// Time of the method in `without_exact`, divided by the time of the exact step.
+    /// Computing time of the method in `without_exact`, divided by that of the closed-form solution.
     pub times_the_exact: Option<f64>,
 }
 
@@ -61,8 +61,8 @@ fn within(point: &Point) -> bool {
     point.error_rad.is_some_and(|error| error <= COUNT_RAD)
 }
 
-/// Whether a method is within one encoder count at this number of substeps and at every larger one. With stops and starts an error
-/// does not fall steadily with the substeps, so a single small error may be chance.
+/// Whether a method's error is within one encoder count at this number of substeps and at every larger one. If the device stops and
+/// starts, an error does not fall steadily with the substeps, so a single small error may be chance.
 fn holds_from_here(point: &Point, diagram: &Diagram) -> bool {
     diagram
         .points

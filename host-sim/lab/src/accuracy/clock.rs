@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-/// Shortest time that is measured in one go, s. It is long compared with the time that reading the clock takes.
+/// Shortest time that is measured with one reading of the clock, s. It is long compared with the time that reading the clock takes.
 const STRETCH_S: f64 = 2e-4;
 
 /// Measured computing times in nanoseconds per unit of work: least, quartiles and median over the repeats.
@@ -22,7 +22,8 @@ pub struct Spread {
     pub upper_quartile_ns: f64,
 }
 
-/// A piece of work to be timed. A call does all of it and returns a number, so that the compiler does not remove the work.
+/// Work whose computing time is measured. One call does all of the work and returns a number, so that the compiler cannot remove
+/// the work.
 pub type Work<'a> = Box<dyn FnMut() -> f64 + 'a>;
 
 /// Times every piece of work `repeats` times. Each round has a new order, so that a disturbance affects all pieces alike.

@@ -1,5 +1,5 @@
-//! The error of each integration method in a closed loop of wall, knob and hand. The results of a run are compared, not its path:
-//! even below one encoder count, rounding alone changes the path.
+//! Compares the integration methods in a closed loop of wall, knob and hand, by the results of a run (verdict, stiffness, energy).
+//! Paths are not compared tick by tick, because rounding alone changes the path, even below one encoder count.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -21,11 +21,11 @@ pub const NUDGE_RAD: f64 = 1e-12;
 /// Results of one closed-loop run.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClosedPoint {
-    /// The name of the scene.
+    /// Name of the simulated scene.
     pub scene: &'static str,
-    /// Name of the integration method, or `exact, start moved by 1e-12 rad`.
+    /// Name of the integration method, or `exact, start moved by 1e-12 rad` for the closed-form solution with a changed start.
     pub method: String,
-    /// Substeps per tick (control period); absent for the exact step.
+    /// Substeps per tick (control period); absent for the closed-form solution.
     pub substeps: Option<u32>,
     /// Verdict on the run, for example `passive` or `unstable`.
     pub verdict: &'static str,
@@ -35,16 +35,16 @@ pub struct ClosedPoint {
     pub energy_out_worst_window_j: f64,
     /// Deepest penetration of the wall, rad.
     pub penetration_max_rad: f64,
-    /// Largest difference of the angle from that of the exact run in the same tick, rad.
+    /// Largest difference of the angle from that of the closed-form solution in the same tick, rad.
     pub path_difference_rad: f64,
     /// Largest stiffness at which the sampled loop of wall and bare device is stable when this method simulates the device,
     /// N·m/rad. `None`: the loop is stable at no stiffness.
     pub k_max_n_m_per_rad: Option<f64>,
-    /// Largest stable stiffness with this integration method, divided by that with the exact step, less 1.
+    /// Largest stable stiffness with this integration method, divided by that with the closed-form solution, minus 1.
     pub k_max_error: Option<f64>,
 }
 
-/// A closed-loop case: its name in the results, scene, preset, and overrides of the scene's keys.
+/// A closed-loop case: its name in the results, its scene, a preset of law parameters, and changes of scene fields.
 type Closed = (&'static str, &'static str, Preset, &'static [&'static str]);
 
 const SCENES: [Closed; 3] = [
@@ -62,7 +62,7 @@ const SCENES: [Closed; 3] = [
     ),
 ];
 
-/// A plant that is simulated in substeps and has no friction, so that its steps are linear in state and force.
+/// A plant without friction, simulated in substeps, whose step is a linear function of state and force.
 struct Linear<S>(S);
 
 impl<S: Stepper> Stepper for Linear<S> {
@@ -83,9 +83,10 @@ impl<S: Stepper> Stepper for Linear<S> {
 
 impl<S: Stepper> LinearStepper for Linear<S> {}
 
-/// Largest stable stiffness in N·m/rad of the sampled loop of wall and bare device, without delay.
+/// Largest stiffness, N·m/rad, at which the sampled loop of wall and bare device is stable without delay.
 ///
-/// `by` is the integration method with its substeps per tick; `None` is the exact step. Returns `None` if no stiffness is stable.
+/// `by` is the integration method with its substeps per tick (control period); `None` is the closed-form solution. Returns `None`
+/// if no stiffness is stable.
 ///
 /// # Errors
 /// The plant's parameters are not valid.
@@ -140,8 +141,8 @@ pub fn k_max(
     }
 }
 
-/// Simulates each of the three closed-loop scenes with every integration method and number of substeps, and with the exact step
-/// from a start angle moved by [`NUDGE_RAD`].
+/// Simulates each of the three closed-loop scenes with every integration method and number of substeps. Another run uses the
+/// closed-form solution from a start angle moved by [`NUDGE_RAD`].
 ///
 /// # Errors
 /// A scene cannot be run.

@@ -1,5 +1,5 @@
-//! Numbers with twice the digits of an `f64`: an unevaluated sum of two `f64`, some 31 decimal digits (Dekker, Numerische
-//! Mathematik 18, 224, 1971).
+//! Numbers with twice the digits of an `f64`: a sum of two `f64` that is stored as two parts, about 31 decimal digits (Dekker,
+//! Numerische Mathematik 18, 224, 1971).
 //!
 //! Only plain IEEE operations are used, so results are the same on every machine.
 
@@ -39,7 +39,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Double {
-    /// The number 0.
+    /// The number 0 with twice the digits of an `f64`.
     pub const ZERO: Double = Double {
         high: 0.0,
         low: 0.0,

@@ -1,4 +1,4 @@
-//! Diagrams of work against precision: error on the horizontal axis, time on the vertical one, both logarithmic.
+//! Draws diagrams of computing time over error, on logarithmic axes.
 
 use super::plant::{Diagram, Point};
 use super::sampling::SamplingPoint;
@@ -6,7 +6,7 @@ use super::{Accuracy, COUNT_RAD, FORCE_QUANTUM_N_M};
 use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
 use crate::report::standalone;
 
-/// Stiffness of the wall that is assumed to convert an error of the force into an error of the angle, N·m/rad.
+/// Stiffness by which a force error is divided to compare it with an angle error in the diagrams, N·m/rad.
 const WALL_N_M_PER_RAD: f64 = 1.0;
 /// Least error in a diagram. Smaller errors are drawn at this value, because rounding errors do not follow a curve.
 const LEAST: f64 = 1e-17;

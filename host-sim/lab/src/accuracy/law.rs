@@ -1,4 +1,4 @@
-//! Computing time and error of a number format: every control law in every format on the same recorded press.
+//! Measures computing time and error of the number formats: every control law in every format on the same recorded press.
 
 use serde::Serialize;
 use touchstone_control::{
@@ -19,7 +19,8 @@ pub const COUNTS_PER_REV: u32 = 40_000;
 /// Results of one control law in one number format.
 #[derive(Debug, Clone, Serialize)]
 pub struct LawPoint {
-    /// Name of the control law. `shipped` is the enhanced law with estimator and guard; the others have neither.
+    /// Name of the control law. `shipped` is enhanced successive force augmentation with state estimator and energy guard; the
+    /// other laws have neither.
     pub law: &'static str,
     /// Name of the number format, for example `fixed32`.
     pub number: &'static str,
@@ -29,23 +30,23 @@ pub struct LawPoint {
     pub force_error_n_m: Option<f64>,
     /// Root mean square of the force's difference from that of the law in `f64`, N·m.
     pub force_error_rms_n_m: Option<f64>,
-    /// Largest difference of the energy that the wall has taken since the start from that of the same law in `f64`, J.
+    /// Largest difference of the energy that the wall has absorbed since the start from that of the same law in `f64`, J.
     pub energy_error_j: Option<f64>,
-    /// Largest difference of the force when the law in `f64` gets positions that are larger by one part in 10^12, N·m. It shows how
-    /// much the law itself amplifies errors.
+    /// Largest change of the force, N·m, when the law in `f64` receives positions larger by one part in 10^12. It shows how much
+    /// the law itself amplifies errors.
     pub force_floor_n_m: f64,
-    /// Largest difference of the energy that the wall has taken, J, when positions are larger by one part in 10^12. It shows how
-    /// much the law itself amplifies errors.
+    /// Largest change of the energy that the wall has absorbed, J, when the law in `f64` receives positions larger by one part in
+    /// 10^12. It shows how much the law itself amplifies errors.
     pub energy_floor_j: f64,
     /// Computing time of the control law per tick (control period).
     pub time: Option<Spread>,
-    /// Instructions per tick on the board, the mean over the test vectors of `cargo xtask thumb`.
+    /// Mean number of instructions per tick (control period) on the board, over the test vectors of `cargo xtask thumb`.
     pub board_instructions: Option<f64>,
-    /// Instructions of the most expensive tick on the board.
+    /// Number of instructions in the most expensive tick (control period) on the board.
     pub board_instructions_worst: Option<u32>,
 }
 
-/// Encoder counts of a run, one per tick.
+/// Recorder that collects the encoder counts of a run, one per tick.
 struct Counted(Vec<i64>);
 
 impl Recorder for Counted {
@@ -55,7 +56,7 @@ impl Recorder for Counted {
     }
 }
 
-/// Recorded encoder counts of a press into a wall and out again, with the settings of the law.
+/// Recorded encoder counts of a press into a wall and out again, with the settings of the control law.
 struct Press {
     counts: Vec<i64>,
     scale: CountScale,
@@ -83,13 +84,14 @@ impl Press {
             .collect()
     }
 
-    /// Force of the law in every tick of the press, N·m.
+    /// Forces of the control law in every tick of the press, N·m.
     fn forces<N: Reported>(&self, law: &Controller<N>, positions: &[Position<N>]) -> Vec<f64> {
         let mut law = *law;
         positions.iter().map(|&e| law.tick(e).to_f64()).collect()
     }
 
-    /// Differences of two force sequences: largest in N·m, root mean square in N·m, and largest of the energies taken so far in J.
+    /// Differences between two force sequences: largest in N·m, root mean square in N·m, and the largest difference of the absorbed
+    /// energies, J.
     fn differences(&self, forces: &[f64], reference: &[f64]) -> [f64; 3] {
         let step = std::f64::consts::TAU / f64::from(COUNTS_PER_REV);
         let (mut largest, mut squares, mut energy, mut apart) = (0.0_f64, 0.0, 0.0, 0.0_f64);
@@ -106,7 +108,7 @@ impl Press {
     }
 }
 
-/// A law in one number format, ready to be timed; `work` runs the law over the whole press.
+/// A control law in one number format, ready to be timed; `work` runs the law over the whole press.
 struct Prepared<'a> {
     point: LawPoint,
     work: Option<Work<'a>>,
@@ -157,7 +159,7 @@ fn prepare<'a, N: Reported>(
     }
 }
 
-/// Forces of a law in `f64`, and how much they change when positions change by one part in 10^12.
+/// Forces of a law in `f64`, and their change when positions are larger by one part in 10^12.
 struct Reference {
     forces: Vec<f64>,
     floor: [f64; 3],

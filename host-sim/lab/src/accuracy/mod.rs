@@ -1,7 +1,7 @@
-//! How much computing time accuracy costs: diagrams of work against precision for the plant's integration methods, the control
-//! laws' number formats, the sampling and the closed loop.
+//! Measures how much computing time accuracy costs, for four parts of a simulation: the plant's integration methods, the control
+//! laws' number formats, the sampling, and the closed loop.
 //!
-//! Times hold for one machine and its load, so compare only times of the same run.
+//! Computing times depend on the machine and its load, so compare only times of the same run.
 
 pub mod board;
 pub mod choice;
@@ -28,15 +28,15 @@ use plant::Diagram;
 use problem::Problem;
 use sampling::SamplingPoint;
 
-/// Size of one encoder count in radians, at 40,000 counts per turn. Errors are compared with it.
+/// Angle of one encoder count at 40,000 counts per turn, rad. Errors are compared with this angle.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
-/// Smallest step of a force in the 32-bit number format, N·m.
+/// Resolution of a force in the 32-bit fixed-point format, N·m.
 pub const FORCE_QUANTUM_N_M: f64 = 1.0 / 16_777_216.0;
 
-/// Options of a measurement.
+/// Options of an accuracy measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// Measures fewer substeps, rates and repeats. Such a run shows that the program works; its times are not for publication.
+    /// Measures fewer substeps, rates and repeats. A quick run shows that the program works; its times are not for publication.
     pub quick: bool,
 }
 
@@ -68,7 +68,7 @@ pub struct Machine {
     pub cpu: String,
     /// Compiler with which the program was built.
     pub compiler: String,
-    /// Whether the program was built with optimisation for speed. If not, none of the times is valid.
+    /// Whether the program was built with optimisation for speed. If not, its computing times are not valid.
     pub optimised: bool,
 }
 
@@ -106,11 +106,11 @@ pub struct Accuracy {
     pub files: Vec<String>,
     /// Whether this was a quick run with fewer substeps, rates and repeats.
     pub quick: bool,
-    /// How often every computing time was measured.
+    /// Number of times that every computing time was measured.
     pub repeats: u32,
-    /// Size of one encoder count, rad.
+    /// Angle of one encoder count, rad.
     pub count_rad: f64,
-    /// Smallest step of a force in the 32-bit number format, N·m.
+    /// Resolution of a force in the 32-bit fixed-point format, N·m.
     pub force_quantum_n_m: f64,
     /// Results of the plant's integration: every method on every test problem.
     pub plant: Vec<Diagram>,

@@ -1,4 +1,5 @@
-//! Work and precision of the plant's integration: for every method on every problem, the error against a reference and the time.
+//! Measures the plant's integration methods: for every method on every test problem, the error against a reference and the
+//! computing time.
 
 use serde::Serialize;
 use touchstone_control::Choice as _;
@@ -17,13 +18,13 @@ use super::problem::{Known, PERIOD_S, Problem};
 pub struct Point {
     /// Name of the integration method, as in scene files.
     pub method: &'static str,
-    /// Substeps per tick (control period); absent for the exact step.
+    /// Substeps per tick (control period); absent for the closed-form solution.
     pub substeps: Option<u32>,
     /// Largest error of the angle at the end of any tick, rad; absent if the method diverged.
     pub error_rad: Option<f64>,
     /// Root mean square of the angle's error at the ends of ticks, rad.
     pub error_rms_rad: Option<f64>,
-    /// Largest gap in the energy balance, divided by the sum of all energies that flowed. `None` where the method calculates no
+    /// Largest error of the energy balance, divided by the sum of all exchanged energies. `None` if the method computes no
     /// energies.
     pub energy_gap: Option<f64>,
     /// Computing time per simulated millisecond.
@@ -37,18 +38,18 @@ pub struct Diagram {
     pub problem: &'static str,
     /// What makes the problem difficult for an integration method.
     pub about: &'static str,
-    /// Number of ticks, each of one simulated millisecond.
+    /// Number of ticks (control periods) of the problem, each of one simulated millisecond.
     pub ticks: usize,
-    /// How often friction stops the knob or lets it start during the problem.
+    /// Number of times that friction stops the knob or lets it start during the problem.
     pub events: u64,
-    /// Largest error of the reference itself, rad.
+    /// Largest error of the reference solution itself, rad.
     pub reference_floor_rad: f64,
-    /// Every method with every number of substeps.
+    /// Results of every method with every number of substeps.
     pub points: Vec<Point>,
 }
 
-/// A simulation of one test problem by one integration method. It writes the angle at each tick's end into the slice. It returns
-/// the largest gap of the energy balance, or `None` if it calculates no energies.
+/// Simulates one test problem by one integration method. Writes the angle at each tick's end into the slice, and returns the
+/// largest error of the energy balance, or `None` if the method computes no energies.
 type March<'a> = Box<dyn Fn(&mut [f64]) -> Option<f64> + 'a>;
 
 fn march<'a, S, const N: usize>(plant: S, problem: &'a Problem) -> (March<'a>, March<'a>)
@@ -135,8 +136,8 @@ fn exact(problem: &Problem) -> Result<(March<'_>, March<'_>), Invalid> {
     Ok((make(), make()))
 }
 
-/// Largest and root mean square error of angles against the reference's, rad. `None` if an angle is off by a whole turn or is no
-/// number: the method then diverged.
+/// Largest and root mean square error of the angles against the reference solution, rad. `None` if the method diverged: an angle is
+/// off by a whole turn or is not a number.
 fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     let (mut largest, mut squares) = (0.0_f64, 0.0);
     for (angle, known) in angles.iter().zip(&known.angle_rad) {

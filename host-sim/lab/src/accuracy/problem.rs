@@ -1,5 +1,5 @@
-//! Test problems for the integration methods: a plant, and the torque and the hand's rest point in every tick. All methods get the
-//! same input.
+//! Test problems for the integration methods: a plant, with given torque and rest point of the hand in every tick (control period).
+//! All methods receive the same input.
 
 use super::double::Double;
 use super::reference::{Entries, Reference};
@@ -21,26 +21,26 @@ pub struct Problem {
     pub name: &'static str,
     /// What makes the problem difficult for an integration method.
     pub about: &'static str,
-    /// The device that moves.
+    /// The simulated device.
     pub device: Device,
-    /// The hand that holds the device.
+    /// The hand that holds the device; `None` without a hand.
     pub hand: Option<Hand>,
-    /// Bandwidth of a current loop in front of the device, Hz.
+    /// Bandwidth of a current controller in front of the device, Hz; `None` if the torque follows its command at once.
     pub current_loop_hz: Option<f64>,
-    /// State of plant and hand at the start; entries that the plant does not have are 0.
+    /// State of plant and hand at the start, in SI units; entries that the plant does not have are 0.
     pub start: [f64; 4],
     /// Torque in N·m and the hand's rest point in rad, constant during each tick.
     pub held: Vec<[f64; 2]>,
 }
 
-/// Angles of the reference solution, and their error.
+/// Angles of the reference solution, with their error.
 #[derive(Debug, Clone)]
 pub struct Known {
     /// Angle at the end of every tick, rad.
     pub angle_rad: Vec<f64>,
     /// Largest difference from a reference solution with half as many steps, rad.
     pub floor_rad: f64,
-    /// How often friction stops the knob or lets it start.
+    /// Number of times that friction stops the knob or lets it start.
     pub events: u64,
 }
 
@@ -50,7 +50,7 @@ const KNOB: Device = Device {
     friction: None,
 };
 
-/// Torque and rest point of every tick of a run, as the plant got them.
+/// Recorder that collects torque and rest point of every tick of a run, as the plant received them.
 struct Torques(Vec<[f64; 2]>);
 
 impl Recorder for Torques {
@@ -60,7 +60,7 @@ impl Recorder for Torques {
 }
 
 impl Problem {
-    /// All test problems, each of `ticks` ticks.
+    /// Makes all test problems, each of `ticks` ticks (control periods).
     ///
     /// # Errors
     /// A shipped scene cannot be run.
@@ -159,8 +159,8 @@ impl Problem {
     }
 }
 
-/// The problem of a knob with friction that a hand taps against a wall of 0.8 N·m/rad. The torques are those of a simulated spring
-/// wall on encoder counts.
+/// Makes the test problem of a knob with friction that a hand taps against a wall of 0.8 N·m/rad. The torques come from a simulated
+/// spring wall with an encoder.
 fn contact(ticks: u32) -> Result<Problem> {
     let scene = Scene::load("press-wiggle-release")?
         .with_preset(Preset::Thesis)?

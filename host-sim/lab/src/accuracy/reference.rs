@@ -1,19 +1,20 @@
-//! Reference solution for the integration methods: extrapolation in numbers with twice the digits, with every stop and start
+//! Reference solution for tests of the integration methods, in numbers with twice the digits. Every stop and start of the device is
 //! located in time.
 //!
-//! It shares nothing with the plant's code. Its equations use absolute angles, and its numbers are of the type `Double`. Its method
-//! is Gragg's modified midpoint rule with extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
-//! Equations I, II.9). A second solution with twice as many steps gives its error.
+//! The code is independent of the plant model. Its equations use absolute angles, and its numbers are of the type `Double`. Its
+//! method is Gragg's modified midpoint rule with extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary
+//! Differential Equations I, II.9). A second solution with twice as many steps gives the error.
 
 use super::double::Double;
 use touchstone_world::plant::{Device, Hand};
 
-/// State vector: angle and velocity `[x, v]`, followed by `[x_h, v_h]` of a hand or by the torque of a current loop.
+/// State vector: angle and velocity of the device, followed by angle and velocity of a hand, or by the torque of a current
+/// controller.
 pub type Entries = [Double; 4];
 
-/// Columns of the extrapolation table.
+/// Number of columns of the extrapolation table.
 const COLUMNS: usize = 8;
-/// Most stops and starts that are located in one tick.
+/// Largest number of stops and starts that are located in one tick.
 const MOST_EVENTS: u32 = 1000;
 
 /// Whether the device slides or friction holds it.
@@ -31,16 +32,16 @@ pub struct Reference {
     hand: Option<Hand>,
     per_inertia: Double,
     per_hand: Double,
-    /// Pole of the current loop, `2π f`, in 1/s.
+    /// Rate of the current controller's lag, 1/s: 2π times its bandwidth. `None` without a lag.
     pole: Option<f64>,
-    /// Extrapolated steps per tick.
+    /// Number of extrapolated steps per tick (control period).
     steps: u32,
-    /// How often friction has stopped the device or let it start.
+    /// Number of times that friction has stopped the device or let it start.
     pub events: u64,
 }
 
 impl Reference {
-    /// Creates the plant; each tick is divided into `steps` steps.
+    /// Makes a reference plant; each tick is divided into `steps` steps.
     #[must_use]
     pub fn new(
         device: &Device,
@@ -95,7 +96,7 @@ impl Reference {
         rate
     }
 
-    /// Makes one extrapolated step over `h` seconds.
+    /// Makes one extrapolated step over `h` seconds in the given mode (sliding or stuck).
     fn step(&self, z: &Entries, held: [f64; 2], mode: Mode, h: f64) -> Entries {
         let mut table: [Entries; COLUMNS] = [[Double::ZERO; 4]; COLUMNS];
         for row in 0..COLUMNS {
@@ -152,8 +153,8 @@ impl Reference {
         }
     }
 
-    /// Distance to the end of the mode (sliding or stuck). It falls below zero once a sliding device has stopped or a stuck one has
-    /// broken away.
+    /// Distance to the end of the mode (sliding or stuck). It falls below zero once a sliding device has stopped or friction no
+    /// longer holds a stuck one.
     fn margin(&self, z: &Entries, u: f64, mode: Mode) -> f64 {
         match (self.device.friction, mode) {
             (None, _) => 1.0,

@@ -1,4 +1,5 @@
-//! How control rate and encoder resolution change a wall: runs in which a hand presses, oscillates in the wall and holds still.
+//! Measures how control rate and encoder resolution change a wall, in runs in which a hand presses, oscillates in the wall and
+//! holds still.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,7 +11,8 @@ use touchstone_world::plant::critical_stiffness;
 /// Results of one run at one control rate and encoder resolution.
 #[derive(Debug, Clone, Serialize)]
 pub struct SamplingPoint {
-    /// Name of the control law. `shipped` is the enhanced law with estimator and guard; the others have the thesis' settings.
+    /// Name of the control law. `shipped` is enhanced successive force augmentation with state estimator and energy guard; the
+    /// other laws have the thesis' settings.
     pub law: &'static str,
     /// Requested stiffness of the wall, N·m/rad.
     pub k_desired_n_m_per_rad: f64,
@@ -20,13 +22,13 @@ pub struct SamplingPoint {
     pub counts_per_rev: u32,
     /// Verdict on the run; `refused` if the law's settings are not possible at this rate.
     pub verdict: &'static str,
-    /// Displayed stiffness at rest divided by the requested one, less 1.
+    /// Displayed stiffness at rest divided by the requested stiffness, minus 1.
     pub stiffness_error: Option<f64>,
-    /// Magnitude of force over penetration while the hand oscillates, divided by the requested stiffness, less 1.
+    /// Amplitude of the force over that of the penetration while the hand oscillates, divided by the requested stiffness, minus 1.
     pub dynamic_stiffness_error: Option<f64>,
     /// Phase of the force relative to the penetration while the hand oscillates, degrees; positive if the force leads.
     pub dynamic_stiffness_phase_deg: Option<f64>,
-    /// Ripple: change of the torque from tick to tick, root mean square, N·m.
+    /// Root mean square of the change of the torque from tick to tick (ripple), N·m.
     pub ripple_rms_n_m: Option<f64>,
     /// Most energy that the wall gave out in any window of time, J.
     pub energy_out_wall_worst_window_j: Option<f64>,
@@ -38,7 +40,8 @@ pub struct SamplingPoint {
     pub board_load_at_most: Option<f64>,
 }
 
-/// Laws and their requested stiffnesses in N·m/rad: a spring that is stable even at the slowest rate, and laws for stiffer walls.
+/// Control laws with their requested stiffnesses in N·m/rad: a spring that is stable even at the slowest rate, and laws for stiffer
+/// walls.
 const LAWS: [(&str, f64); 3] = [("spring", 0.4), ("enhanced-sfa", 5.0), ("shipped", 5.0)];
 
 /// Simulates a press with every control law at every control rate and encoder resolution.

@@ -1,4 +1,4 @@
-//! JSON schema of the results of `touchstone accuracy`. The file `docs/schema/accuracy.schema.json` holds its text.
+//! Makes the JSON schema of the results of `touchstone accuracy`, stored in `docs/schema/accuracy.schema.json`.
 
 use serde_json::{Value, json};
 

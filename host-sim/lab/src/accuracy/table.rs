@@ -1,4 +1,4 @@
-//! Accuracy results as a text table for a terminal.
+//! Formats the results of an accuracy measurement as a text table for a terminal.
 
 use std::fmt::Write;
 

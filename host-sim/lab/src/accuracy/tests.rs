@@ -21,7 +21,8 @@ fn the_documented_schema_is_this_one() {
     is_documented("accuracy.schema.json", &schema::schema());
 }
 
-/// Checks the errors of a quick run. Errors, unlike times, are nearly or exactly the same on every machine.
+/// Checks the errors of a quick measurement against known values. Errors, unlike computing times, are nearly or exactly the same on
+/// every machine.
 #[test]
 fn a_quick_run_says_what_is_known() {
     let found = quick();

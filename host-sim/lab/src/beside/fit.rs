@@ -1,5 +1,5 @@
-//! Which property of the knob would have to differ from the scene, and by how much, to make the simulation match a recording. Each
-//! property is varied alone.
+//! Estimates which property of the knob would have to differ from the scene, and by how much, so that the simulation matches a
+//! recording. Each property is varied alone.
 
 use super::replay::Replay;
 use super::{closest, rms};
@@ -11,11 +11,11 @@ use touchstone_sim::scene::Scene;
 /// Best factor on one property of the simulated knob, with which the simulation matches a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fit {
-    /// Key of the property in the scene file.
+    /// Dotted path of the property in the scene file.
     pub field: &'static str,
     /// Factor on the scene's value that matches the recording best.
     pub factor: f64,
-    /// Difference of the position that remains with this factor, root mean square, rad.
+    /// Root mean square difference of the position that remains with this factor, rad.
     pub rms_rad: f64,
 }
 
@@ -38,11 +38,12 @@ const VALUES: [(&str, Change); 3] = [
     }),
 ];
 
-/// Largest factor on a property; the least is its reciprocal. A larger deviation would mean another knob.
+/// Largest factor on a property; the smallest is its reciprocal. A larger deviation would mean another knob.
 const WIDEST: f64 = 2.0;
-/// Number of steps of the grid of factors, equal on a logarithmic scale, that is tried before the search is refined.
+/// Number of steps to either side of the grid of factors, equally spaced on a logarithmic scale, that is tried before the search is
+/// refined.
 const GRID: i32 = 12;
-/// Number of times that the grid's step is halved around the best factor; the last step is 0.4 %.
+/// Number of times that the step of the factors is halved around the best factor; the last step is 0.4 %.
 const CLOSER: u32 = 4;
 
 /// Finds the best factor of each property; the property that matches best comes first.

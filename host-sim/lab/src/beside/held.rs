@@ -1,16 +1,16 @@
-//! The rest point of a hand that holds a knob (the angle that the hand pulls the knob to), calculated from the device's measured
+//! Computes the rest point of the hand that held a knob (the angle to which the hand pulled the knob), from the device's recorded
 //! positions and commanded torques.
 //!
-//! The equations of device and hand are solved for the hand's motion. The torque between hand and device is the one that moves the
-//! device against the wall's force. It compresses the finger pad, which gives the fingers' position. The spring of the hand is
-//! stretched by that torque and by the hand's own inertia and damping. All curves are smoothed to below
+//! The equations of motion of device and hand are solved for the hand's motion. The torque between hand and device is the one that
+//! moves the device against the wall's force. It compresses the fingertip pad, which gives the fingers' position. The spring of the
+//! hand is stretched by the torque and by the hand's own inertia and damping. All curves are smoothed to below
 //! [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that encoder steps do not count as motion.
 
 use super::told::Told;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Curve, Scene};
 
-/// Speed of the device below which friction is taken in proportion to the speed, because a device this slow may be stuck.
+/// Speed of the device below which friction is assumed proportional to the speed, rad/s. A device this slow may be stuck.
 const SLOW_RAD_PER_S: f64 = 0.02;
 
 /// The hand's rest point in every tick of the recording, as a penetration of the wall, rad.

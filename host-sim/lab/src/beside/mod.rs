@@ -1,9 +1,9 @@
 //! Compares a recording of a device with its simulation. The scene is simulated with the recorded hand, and positions and commanded
-//! torques are compared tick by tick.
+//! torques are compared tick by tick (control periods).
 //!
-//! Two types of hand can be replayed. If the hand had let go, the knob is simulated without a hand, with the speed that it had. If
-//! the hand held the knob, the simulation uses the scene's grip, with a rest point calculated from the device's motion. The replay
-//! contains no motion of the hand above some 20 Hz, and a person's real grip may differ from the scene's.
+//! There are two cases. If the hand had let go, the knob is simulated without a hand, with the speed that it had. If the hand held
+//! the knob, the simulation uses the scene's grip, with a rest point computed from the device's motion. The replay contains no
+//! motion of the hand above about 20 Hz, and a person's real grip may differ from the scene's.
 
 mod fit;
 mod held;
@@ -30,7 +30,7 @@ pub enum HandWas {
     Gone,
 }
 
-/// Difference between the recorded and the simulated course of one quantity.
+/// Difference between the recorded and the simulated course of one quantity (position or force).
 #[derive(Debug, Clone, Serialize)]
 pub struct Difference {
     /// Name of the compared quantity: `position` or `force`.
@@ -41,23 +41,23 @@ pub struct Difference {
     pub rms: f64,
     /// Largest difference between recording and simulation.
     pub worst: f64,
-    /// Time of the largest difference, in the recording's time, s.
+    /// Time of the largest difference in the recording, s.
     pub worst_at_s: f64,
     /// Range from the lowest to the highest recorded value.
     pub span: f64,
     /// Root mean square of the difference, as a fraction of `span`.
     pub share: f64,
-    /// First time at which the difference exceeded [`PARTS`] times the span, in the recording's time, s; `None` if it never did.
+    /// Time in the recording at which the difference first exceeded [`PARTS`] times `span`, s; `None` if it never did.
     pub parts_at_s: Option<f64>,
 }
 
-/// Fraction of the recorded span above which recording and simulation are said to differ.
+/// Fraction of the recorded range above which recording and simulation count as different.
 pub const PARTS: f64 = 0.05;
 
 /// Comparison of a recording with its simulation: both courses tick by tick, their differences, and the best fits.
 #[derive(Debug, Clone)]
 pub struct Beside {
-    /// Times of the samples, in the recording's time, s.
+    /// Time of each compared sample in the recording, s.
     pub time_s: Vec<f64>,
     /// Penetration as the encoder measures it, rad: first recorded, then simulated.
     pub penetration_rad: [Vec<f64>; 2],
@@ -67,14 +67,14 @@ pub struct Beside {
     pub differences: [Difference; 2],
     /// Best factor on each property of the knob, varied alone; the property that matches best comes first.
     pub fits: Vec<Fit>,
-    /// Ticks that are missing in the whole recording.
+    /// Number of ticks (control periods) that are missing in the whole recording.
     pub lost_ticks: u32,
-    /// Ticks in which a limit of the device acted; the scene does not describe such limits.
+    /// Number of ticks in which the device limited the force; the scene does not describe such limits.
     pub limited_ticks: usize,
 }
 
 impl Beside {
-    /// Whether the rms differences of position and force are at most `share` (a fraction) of their recorded spans.
+    /// Whether the root mean square differences of position and force are at most the fraction `share` of their recorded ranges.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         self.differences.iter().all(|it| it.share <= share)
@@ -95,11 +95,11 @@ impl Beside {
     }
 }
 
-/// Simulates the scene with the recorded hand and compares the courses. For a hand that holds, the hand's motion is written into
-/// `folder`.
+/// Simulates the scene with the recorded hand and compares the courses of position and force. If the hand held the knob, its motion
+/// is written to a file in `folder`.
 ///
 /// # Errors
-/// The recording does not fit the scene's encoder or rate, or is too short for this type of hand; or the scene is not valid.
+/// The recording does not fit the scene's encoder or rate, or is too short for this case; or the scene is not valid.
 pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Result<Beside> {
     let replay = replay::Replay::new(scene, told, hand, folder)?;
     let simulated = replay.run(replay.scene())?;
@@ -155,7 +155,7 @@ fn difference(
     }
 }
 
-/// Finds the argument with the least cost; returns it with its cost. The search tries a grid of `steps` steps on either side of 0,
+/// Finds the argument with the least cost; returns argument and cost. The search tries a grid of `steps` steps to either side of 0,
 /// then halves the step around the best argument.
 fn closest(
     mut step: f64,

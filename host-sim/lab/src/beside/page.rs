@@ -5,7 +5,7 @@ use crate::report::figure::{Axis, Figure, Range, Shape};
 use crate::report::quantity::plain;
 use crate::report::{Block, Section, standalone};
 
-/// Most points of a line in a picture; a picture that is 800 pixels wide shows no more.
+/// Largest number of points of a line in a picture; a picture 800 pixels wide shows no more.
 const MOST: usize = 2000;
 
 /// Sections of the report page that compares recording and simulation.

@@ -1,4 +1,4 @@
-//! Simulates a scene with the motion of the hand in a recording.
+//! Simulates a scene with the hand's motion from a recording.
 
 use super::held::rest_point_rad;
 use super::told::Told;
@@ -13,23 +13,24 @@ use touchstone_sim::output;
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
 
-/// Name of the file in the results folder that holds the motion of a hand that holds the knob.
+/// Name of the file in the results folder that contains the computed motion of a hand that held the knob.
 pub const HAND_FILE: &str = "hand.csv";
 
-/// Length of the part of a released knob's flight from which its speed is calculated, s. The comparison begins in the middle of
+/// Length of the part of a released knob's free motion from which its speed is computed, s. The comparison starts in the middle of
 /// that part, where the slope of a fitted parabola is most accurate.
 const FLIGHT_S: f64 = 0.04;
 
-/// Number of halvings in the search for the start speed; it begins with half of the speed's uncertainty and ends at a hundredth.
+/// Number of halvings in the search for the start speed. The search starts with steps of half the speed's uncertainty and ends with
+/// a hundredth.
 const SPEED_HALVINGS: u32 = 6;
 
-/// A recording, and the scene that simulates it.
+/// A recording, with the scene that simulates it.
 pub struct Replay<'a> {
     told: &'a Told,
     /// Index of the recording's first tick that is compared with the simulation.
     first: usize,
     scene: Scene,
-    /// Uncertainty of the start speed, rad/s; 0 where a hand holds the knob.
+    /// Uncertainty of the start speed, rad/s; 0 if the hand held the knob.
     unsure_rad_per_s: f64,
 }
 
@@ -109,8 +110,8 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Simulates `scene`, the replay's scene or a slight variation of it, over the compared ticks. Within the uncertainty of one
-    /// encoder count in the flight, the start speed with the least difference is used.
+    /// Simulates `scene`, the replay's scene or a slight variation of it, over the compared ticks. For a released knob, the start
+    /// speed with the least difference is used, within the uncertainty that one encoder count causes.
     pub fn run(&self, scene: &Scene) -> Result<Simulated> {
         if self.unsure_rad_per_s == 0.0 {
             return self.run_from(scene, 0.0);
@@ -148,7 +149,7 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// Checks that recording and scene have the same rate; returns the period, s.
+/// Checks that recording and scene have the same control rate; returns the control period, s.
 fn fits(scene: &Scene, told: &Told) -> Result<f64> {
     let period_s = scene.timing.period_s();
     let steps = (told.time_s.len() - 1) as f64;
@@ -166,8 +167,8 @@ fn fits(scene: &Scene, told: &Told) -> Result<f64> {
     Ok(period_s)
 }
 
-/// Angle of the device's wall, calculated from encoder counts and penetrations, so that real and simulated encoder step at the same
-/// angles.
+/// Angle of the device's wall surface, computed from recorded counts and penetrations, so that the real and the simulated encoder
+/// step at the same angles.
 ///
 /// # Errors
 /// The scene has no encoder, or the recording's counts do not fit it.
@@ -199,10 +200,11 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
     Ok(0.5 * (low + high))
 }
 
-/// Ticks of a released knob's flight just before it reaches the wall, an odd number. The hand has most likely let go by then.
+/// Range of ticks in which a released knob moves freely just before it reaches the wall; an odd number of ticks. The hand has most
+/// likely let go by then.
 ///
 /// # Errors
-/// The knob never reached the wall, or the recording starts too close to it.
+/// The knob never reached the wall, or the recording starts too close to the wall.
 fn flight(told: &Told) -> Result<Range<usize>> {
     let touch = told.penetration_rad.iter().position(|it| *it > 0.0);
     let no_flight = |problem: &str| {
@@ -219,7 +221,8 @@ fn flight(told: &Told) -> Result<Range<usize>> {
     Ok(start..touch)
 }
 
-/// Position in rad and speed in rad/s in the middle of a flight, by a least-squares parabola: friction slows the knob evenly.
+/// Position in rad and speed in rad/s in the middle of a free motion, by a least-squares parabola, because friction slows the knob
+/// evenly.
 fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
     let half = penetration_rad.len() as f64 / 2.0;
     let time = |row: usize| (row as f64 + 0.5) / half - 1.0;
@@ -232,7 +235,7 @@ fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
     (found[0], found[1] / (half * period_s))
 }
 
-/// Writes the hand's motion into a file that `--operator-motion` can read; returns its path.
+/// Writes the hand's motion to a file that `--operator-motion` can read; returns the path of the file.
 fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<PathBuf> {
     use std::fmt::Write as _;
     let rest = rest_point_rad(scene, told)?;

@@ -1,4 +1,4 @@
-//! A device's recorded ticks, read from the CSV file that `touchstone monitor` writes.
+//! Reads the recorded control periods (ticks) of a device from the CSV file that `touchstone monitor` writes.
 
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
@@ -14,26 +14,26 @@ const COLUMNS: [&str; 7] = [
     "limits",
 ];
 
-/// The longest part of a recording in which the wall was on and no tick is missing.
+/// The longest part of a recording in which the wall was on and no control period (tick) is missing.
 #[derive(Debug, Clone)]
 pub struct Told {
     /// Path of the recording, for messages.
     pub file: PathBuf,
     /// Time of each tick in the recording, s.
     pub time_s: Vec<f64>,
-    /// Encoder count at each tick.
+    /// Encoder count at each tick (control period).
     pub count: Vec<f64>,
-    /// Penetration at each tick, rad.
+    /// Penetration at each tick (control period), rad.
     pub penetration_rad: Vec<f64>,
     /// Force commanded out of the wall at each tick, N·m.
     pub force_n_m: Vec<f64>,
-    /// Whether a limit of the device acted in each tick.
+    /// For each tick, whether the device limited the force.
     pub limited: Vec<bool>,
-    /// Ticks that are missing in the whole recording.
+    /// Number of ticks that are missing in the whole recording.
     pub lost_ticks: u32,
 }
 
-/// One row of the recording.
+/// One CSV row of the recording: one tick.
 struct Row {
     tick: u32,
     numbers: [f64; 4],
@@ -92,7 +92,7 @@ impl Told {
         Ok(told)
     }
 
-    /// An error about this recording, with the problem and how to fix it.
+    /// Makes an error about this recording, with the problem and its remedy.
     pub fn wrong(&self, problem: impl Into<String>, fix: &str) -> Error {
         Error::Io {
             path: self.file.clone(),

@@ -1,4 +1,4 @@
-//! The map of tuned walls as figures, one panel per delay, with its results as sentences, JSON and report page.
+//! Draws the map of tuned walls, one panel per delay, and formats its results as sentences, JSON and report page.
 
 use super::{BoundaryCell, BoundaryPlan, ColumnLimits, TunedEnding, limits, slope};
 use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
@@ -12,11 +12,12 @@ const SIZE: Size = Size {
     width: 430,
     height: 380,
 };
-/// Least `b T/J` (fraction of its speed that the free device loses per tick) from which a device counts as heavily damped. Such
-/// devices are left out of the summaries, because damping is not small there compared with inertia.
+/// Least `b T/J` from which a device counts as heavily damped: fraction of its speed that the free device loses per control period
+/// `T`, by the damping `b` with the inertia `J`. Such devices are left out of the summaries, because their damping is not small
+/// compared with inertia.
 pub const HEAVILY_DAMPED: f64 = 0.05;
 
-/// CSS class and name of the tiles, in the order of [`TunedEnding::ALL`].
+/// CSS class and name of the map's tiles, in the order of [`TunedEnding::ALL`].
 const TILES: [(&str, &str); 5] = [
     ("tile passive", "rests, moving hand too"),
     ("tile active", "rests, moving hand not"),
@@ -25,7 +26,7 @@ const TILES: [(&str, &str); 5] = [
     ("tile refused", "refused"),
 ];
 
-/// Lower and upper edge of each value's tile in the map, as decimal logarithms; half-way to the neighbouring values.
+/// Lower and upper edge of each value's tile in the map, as decimal logarithms, half-way to the neighbouring values.
 fn edges(values: &[f64]) -> Vec<[f64; 2]> {
     let at = |index: usize| values[index].log10();
     let last = values.len() - 1;
@@ -43,7 +44,7 @@ fn edges(values: &[f64]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The figures: one panel for each delay.
+/// Draws the figures of the map: one panel for each delay.
 #[must_use]
 pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
     let (columns, rows) = (edges(&plan.dampings), edges(&plan.stiffnesses));
@@ -127,8 +128,7 @@ pub fn picture(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> String {
     drawn(&title, &figures(plan, cells), SIZE)
 }
 
-/// One sentence per delay that says whether inertia or damping limits the wall, and a sentence on wrong certificates if there are
-/// any.
+/// Describes the map in sentences: for each delay, whether inertia or damping limits the wall, and any wrong certificates.
 #[must_use]
 pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
     let limits = limits(plan, cells);
@@ -168,7 +168,7 @@ pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
         .collect()
 }
 
-/// A sentence on the walls that were certified stable but do not come to rest, with the cause; `None` where there are none.
+/// A sentence about walls that were certified stable but do not come to rest, with the cause; `None` if there are none.
 fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     let wrong: Vec<String> = cells
         .iter()
@@ -193,7 +193,7 @@ fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     })
 }
 
-/// Contents of `results.json`: limits of every column and slopes of the boundary.
+/// Contents of `results.json`: stiffness limits of every column of the map, and slopes of the boundary.
 #[must_use]
 pub fn results(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Value {
     let limits = limits(plan, cells);

@@ -1,12 +1,14 @@
-//! Where a tuned wall stops working, depending on the device's damping and delay: does inertia or damping set the limit?
+//! Maps where a tuned wall stops working, depending on the device's damping and delay, to answer whether inertia or damping sets
+//! the limit.
 //!
-//! A sampled wall has two dimensionless measures. `T sqrt(k_de/J)` is the angle in rad by which the oscillation of a free device on
-//! the wall advances per tick. `b T/J` is the fraction of its speed that the device loses per tick. Damping limits a spring at `k_c
-//! = b/(T/2 + t_d)`, a line of slope 1/2 on logarithmic axes of these measures; a limit set by inertia is horizontal.
+//! A sampled wall has two dimensionless measures, with control period `T`, requested stiffness `k_de`, and the device's inertia `J`
+//! and damping `b`. `T sqrt(k_de/J)` is the angle in rad by which the oscillation of a free device on the wall advances per period.
+//! `b T/J` is the fraction of its speed that the device loses per period. Damping limits a spring at `b/(T/2 + t_d)` with the delay
+//! `t_d`. On logarithmic axes of the measures this limit is a line of slope 1/2; a limit set by inertia is horizontal.
 //!
-//! Each cell of the map is a device and a wall. First the law's settings are those with the best eigenvalues of the loop. If this
-//! wall does not hold, a search by simulated runs tunes them. Then a press and a moving hand are simulated, and [`certify`] judges
-//! the same wall. [`map`] draws the results.
+//! Each cell of the map is a device and a wall. First the law gets the settings with the best eigenvalues of the loop. If this wall
+//! does not hold, a search by simulated runs tunes the settings. Then a press and a moving hand are simulated, and [`certify`]
+//! judges the same wall. [`map`] draws the results.
 
 pub mod map;
 #[cfg(test)]
@@ -26,29 +28,29 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Encoder, MotionSpec, Scene};
 
-/// Range of `b T/J` in the map.
+/// Range of `b T/J` in the map: fraction of its speed that the free device loses per control period `T` (damping `b`, inertia `J`).
 pub const DAMPINGS: [f64; 2] = [1e-4, 1.0];
-/// Range of `T sqrt(k_de/J)` in the map.
+/// Range of `T sqrt(k_de/J)` in the map, rad: advance of the oscillation on a wall `k_de` per control period `T` (inertia `J`).
 pub const STIFFNESSES: [f64; 2] = [0.1, 2.0];
-/// Least depth of a press in encoder counts. In a shallower press rounding to counts would hide the wall.
+/// Least depth of a press in encoder counts. In a shallower press, rounding to counts would hide the wall's behaviour.
 const DEEP_COUNTS: f64 = 20.0;
 /// Number of cells that are computed between two writes to the file.
 const CELLS_A_WRITE: usize = 8;
 
-/// Describes the map to compute.
+/// Plan of a map: its base scene, control law, axes and search length.
 #[derive(Debug, Clone)]
 pub struct BoundaryPlan {
-    /// Scene with inertia, rate, encoder, friction and press. Damping, delay and stiffness are those of each cell.
+    /// Scene that gives inertia, rate, encoder, friction and press. Damping, delay and stiffness come from each cell.
     pub base: Scene,
     /// The control law that is tuned for every cell.
     pub rival: &'static Rival,
-    /// `b T/J` (fraction of its speed that the device loses per tick) of each column of the map.
+    /// Damping of each column of the map, as the fraction of its speed that the free device loses per control period.
     pub dampings: Vec<f64>,
-    /// `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of each row of the map.
+    /// Stiffness of each row of the map, as the angle in rad by which the oscillation on the wall advances per control period.
     pub stiffnesses: Vec<f64>,
-    /// Delays from sample to force in ticks; the map has one panel for each.
+    /// Delays from sample to force, in control periods; the map has one panel for each.
     pub delays: Vec<f64>,
-    /// Most simulated ticks that the search may use per cell.
+    /// Largest number of ticks (control periods) that the search may simulate per cell.
     pub ticks: f64,
     /// Seed of the searches' random numbers.
     pub seed: u64,
@@ -57,11 +59,11 @@ pub struct BoundaryPlan {
 /// Position of a cell in the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryPlace {
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
-    /// `b T/J`: fraction of its speed that the free device loses per tick.
+    /// Damping as the fraction of its speed that the free device loses per control period.
     pub damping_per_tick: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness as the angle in rad by which the oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
 }
 
@@ -69,16 +71,17 @@ pub struct BoundaryPlace {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedEnding {
-    /// The knob rests at a stiffness within 5 % of `k_de`. For a hand moving at up to 4 Hz, force over penetration is within 15 %
-    /// and 15° of `k_de`.
+    /// The knob rests at a stiffness within 5 % of the requested one. For a hand moving at up to 4 Hz, force over penetration is
+    /// within 15 % and 15° of the requested stiffness.
     Holds,
-    /// The knob rests at a stiffness within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
+    /// The knob rests at a stiffness within 5 % of the requested one, but a moving hand meets a stiffness outside the limits of
+    /// `Holds`.
     Rests,
-    /// The knob rests, but at a stiffness more than 5 % off `k_de`.
+    /// The knob rests, but at a stiffness more than 5 % off the requested one.
     RestsElsewhere,
     /// The knob does not come to rest in the wall.
     DoesNotRest,
-    /// The law has no settings for such a wall.
+    /// The control law has no settings for such a wall.
     Refused,
 }
 
@@ -105,26 +108,29 @@ impl TunedEnding {
 /// Results of one cell of the map: a device and a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
-    /// Digest of scene, law, search budget and seed; cells of another digest belong to another map.
+    /// Digest of scene, law, search budget and seed. Cells with different digests belong to different maps.
     pub plan: String,
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
-    /// `b T/J`: fraction of its speed that the free device loses per tick.
+    /// Damping as the fraction of its speed that the free device loses per control period.
     pub damping_per_tick: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness as the angle in rad by which the oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
     /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `k_de` divided by `b/(T/2 + t_d)`, the largest stiffness that the device's own damping makes passive.
+    /// Requested stiffness divided by the largest stiffness that the device's own damping makes passive, `b/(T/2 + t_d)`. `b` is
+    /// the damping, `T` the control period, `t_d` the delay.
     pub times_critical: f64,
     /// How the tuned wall behaves in the worst of three simulated grips (light, medium, firm).
     pub ended: TunedEnding,
-    /// Largest relative deviation of the stiffness at rest from `k_de`; `NaN` in the file where a press does not rest.
+    /// Largest relative deviation of the stiffness at rest from the requested one; `NaN` in the file if a press does not come to
+    /// rest.
     #[serde(with = "crate::journal::or_nan")]
     pub displayed_error: Option<f64>,
-    /// Relative deviation of force over penetration from `k_de` for a moving hand; `NaN` in the file where the knob left the wall.
+    /// Relative deviation of force over penetration from the requested stiffness for a moving hand; `NaN` in the file if the knob
+    /// left the wall.
     #[serde(with = "crate::journal::or_nan")]
     pub modulus_error: Option<f64>,
     /// Phase of force over penetration for a moving hand, degrees.
@@ -132,11 +138,11 @@ pub struct BoundaryCell {
     pub phase_deg: Option<f64>,
     /// Worst verdict of the stability certificate over the three simulated grips (light, medium, firm).
     pub certificate: Option<certify::Verdict>,
-    /// Causes that the certificate gives for its verdict.
+    /// Reasons that the certificate gives for its verdict.
     pub certificate_causes: String,
-    /// Why a press does not rest at `k_de`; empty where it does.
+    /// Cause why a press does not rest at the requested stiffness; empty if it does.
     pub rest_cause: Option<FailureCause>,
-    /// Number of settings that were simulated; 1 if only the settings with the best eigenvalues were.
+    /// Number of settings that were simulated. It is 1 if the settings with the best eigenvalues were sufficient.
     pub looks: u64,
 }
 
@@ -147,15 +153,15 @@ impl BoundaryCell {
         self.certificate == Some(certify::Verdict::Stable)
     }
 
-    /// Whether the certificate says stable although the wall does not come to rest.
+    /// Whether the certificate says "stable" although the wall does not come to rest.
     #[must_use]
     pub fn is_wrongly_stable(&self) -> bool {
         self.is_certified() && self.ended == TunedEnding::DoesNotRest
     }
 }
 
-/// Returns `count` values from `from` to `to`, evenly spaced on a logarithmic scale. They are rounded to four digits, so that the
-/// simulated values are those in the file.
+/// Returns `count` values from `from` to `to`, evenly spaced on a logarithmic scale. The values are rounded to four digits, so that
+/// simulated values and values in the file agree.
 fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count)
         .map(|index| {
@@ -166,7 +172,7 @@ fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
 }
 
 impl BoundaryPlan {
-    /// A map with this many columns (damping) and rows (stiffness), at delays of 0, 0.5 and 1 tick.
+    /// Plans a map with the given numbers of columns (damping) and rows (stiffness), at delays of 0, 0.5 and 1 tick.
     #[must_use]
     pub fn new(base: Scene, rival: &'static Rival, [columns, rows]: [usize; 2]) -> Self {
         Self {
@@ -200,7 +206,7 @@ impl BoundaryPlan {
         places
     }
 
-    /// Scene with the device and the wall of a position in the map. The press is the scene's, or stronger so that it goes at least
+    /// Scene with the device and the wall of a position in the map. The press is the scene's, or stronger if it would go less than
     /// twenty encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
@@ -228,7 +234,7 @@ impl BoundaryPlan {
     /// Tunes, simulates and certifies the wall at one position of the map.
     ///
     /// # Errors
-    /// A scene in which no law can run.
+    /// The control law cannot run in the scene.
     pub fn cell(&self, place: BoundaryPlace) -> Result<BoundaryCell> {
         let scene = self.scene(place);
         let (period_s, b) = (scene.timing.period_s(), scene.device.damping_n_m_s_per_rad);
@@ -278,7 +284,7 @@ impl BoundaryPlan {
         })
     }
 
-    /// First twelve characters of a hash over everything that the results of a cell depend on.
+    /// First twelve characters of a hash over all values on which the results of a cell depend.
     fn digest(&self) -> String {
         let of = format!(
             "{} {} {} {} {}",
@@ -291,7 +297,8 @@ impl BoundaryPlan {
         sha256(of.as_bytes())[..12].to_owned()
     }
 
-    /// Computes every cell that the file does not hold yet, and appends it. `told` is called with the number of finished cells.
+    /// Computes every cell that the file does not contain yet, and appends it to the file. Calls `told` with the number of finished
+    /// cells.
     ///
     /// # Errors
     /// The file holds the cells of another map, or cannot be written.
@@ -335,22 +342,26 @@ impl BoundaryPlan {
     }
 }
 
-/// Largest stiffnesses of one column of the map, that is of one damping and delay.
+/// Largest stiffnesses of one column of the map, which has one damping and one delay. Stiffness is the angle in rad by which the
+/// oscillation on the wall advances per control period.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ColumnLimits {
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
-    /// `b T/J`: fraction of its speed that the free device loses per tick.
+    /// Damping as the fraction of its speed that the free device loses per control period.
     pub damping_per_tick: f64,
-    /// Largest `T sqrt(k_de/J)` up to which every wall rests within 5 % of `k_de`; absent if the softest wall does not.
+    /// Largest stiffness (rad per control period) up to which every wall rests within 5 % of the requested stiffness. Absent if the
+    /// softest wall does not.
     pub rests_up_to: Option<f64>,
-    /// Largest `T sqrt(k_de/J)` at which a wall rests within 5 % of `k_de`, even if a softer one does not.
+    /// Largest stiffness (rad per control period) at which a wall rests within 5 % of the requested stiffness, even if a softer
+    /// wall does not.
     pub highest_at_rest: Option<f64>,
-    /// Largest `T sqrt(k_de/J)` up to which every wall rests and also has the right stiffness for a moving hand.
+    /// Largest stiffness (rad per control period) up to which every wall rests and also has the requested stiffness for a moving
+    /// hand.
     pub holds_up_to: Option<f64>,
-    /// Largest `T sqrt(k_de/J)`, not above `rests_up_to`, whose wall is certified stable.
+    /// Largest stiffness (rad per control period), at most `rests_up_to`, whose wall is certified stable.
     pub certified_up_to: Option<f64>,
-    /// `k_de` at `rests_up_to`, divided by the stiffness that the device's own damping makes passive.
+    /// Stiffness of the wall at `rests_up_to`, divided by the stiffness that the device's own damping makes passive.
     pub times_critical: Option<f64>,
 }
 
@@ -395,8 +406,10 @@ pub fn limits(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<ColumnLimits> 
     found
 }
 
-/// Slope of the line of `rests_up_to` over the damping at one delay, on logarithmic axes: 0 where inertia sets the limit, 0.5 where
-/// damping does. Columns with a damping above `most`, or without a wall that rests, are left out; `None` if fewer than two remain.
+/// Slope of the stiffness limit `rests_up_to` over the damping at one delay, on logarithmic axes. It is 0 where inertia sets the
+/// limit, 0.5 where damping does.
+///
+/// Columns with a damping above `most`, or without a wall that rests, are left out; `None` if fewer than two remain.
 #[must_use]
 pub fn slope(limits: &[ColumnLimits], delay_ticks: f64, most: f64) -> Option<f64> {
     let points: Vec<(f64, f64)> = limits

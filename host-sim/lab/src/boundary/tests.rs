@@ -1,4 +1,5 @@
-//! Tests of the map: damping limits a spring, inertia limits a tuned wall, and cells in the file are not computed again.
+//! Tests of the map of tuned walls: damping limits a spring, inertia limits a tuned wall, and cells in the file are not computed
+//! again.
 
 use super::map::{figures, picture, words};
 use super::*;

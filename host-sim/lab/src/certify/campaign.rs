@@ -2,13 +2,14 @@
 //! simulated run.
 //!
 //! Devices are those of [`crate::random_device`], each in three simulated grips (light, medium, firm). The stiffness is 0.3 to 30
-//! times the largest that sampling allows without delay (`k_c`), at most `J/T²`, and soft enough that 1 N·m goes 20 encoder counts
-//! deep. The law is random too: a spring, a spring-damper, or the enhanced law. The enhanced law has the shipped settings in
-//! proportion to the device, or a stiff coupling. Its loan of energy is 4 to 32 times `F²/(2 k_f)`, the energy in its coupling
-//! under the press. TDPA, FBA and the original augmentation are not drawn.
+//! times the largest one that sampling allows without delay. It is at most `J/T²` (inertia `J`, control period `T`), and soft
+//! enough that 1 N·m goes 20 encoder counts deep. The law is random too: a spring, a spring-damper, or enhanced successive force
+//! augmentation. The last has the shipped settings in proportion to the device, or a stiff coupling. Its energy loan (energy that
+//! it may give out beyond what it took) is 4 to 32 times the energy in its coupling under the press. The laws TDPA, FBA and
+//! original augmentation are not drawn.
 //!
-//! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. Nobody had looked at these seeds
-//! when the limits of the certificate were set. The verdict is that for each run's own hand; other seeds are in `docs/tuning.md`.
+//! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. These seeds were not used when the
+//! limits of the certificate were set. The verdict is that for each run's own hand; other seeds are in `docs/tuning.md`.
 //!
 //! | certificate | run rests | limit cycle | unstable |
 //! |---|---|---|---|
@@ -27,11 +28,11 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
 use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scene};
 
-/// Least `k_v` (soft stiffness of the enhanced law) that its settings accept, N·m/rad.
+/// Least stiffness of the soft spring that the settings of enhanced successive force augmentation accept, N·m/rad.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// Random scene, generated from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ
-/// in the grip. With estimated states the device that the estimator assumes is random too: half to twice the true values.
+/// Makes a random scene from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ in
+/// the grip. With estimated states, the device that the estimator assumes is random too: half to twice the true values.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -133,7 +134,7 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     }
 }
 
-/// How a simulated run ended, in the classes of a certificate.
+/// How a simulated run ended, in the classes that a certificate predicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
@@ -141,7 +142,7 @@ pub enum Ended {
     Rest,
     /// The knob keeps oscillating in the wall.
     LimitCycle,
-    /// The knob leaves the wall repeatedly, the force is at its limit, or the run diverges.
+    /// The knob leaves the wall repeatedly, the force is at its limit, or the simulation diverges.
     Unstable,
 }
 
@@ -158,30 +159,31 @@ impl Ended {
     }
 }
 
-/// Certificate and simulated run of one random scene.
+/// Certificate and simulated run of one random scene, as one row of the results.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
     /// Number of the random scene within its seed.
     pub index: u64,
     /// Name of the control law.
     pub law: String,
-    /// Whether the coupling of the enhanced law is stiffer than the critical stiffness `k_c`.
+    /// Whether the coupling of the enhanced law (virtual mass behind a spring) is stiffer than the largest stiffness that sampling
+    /// allows.
     pub stiff_coupling: bool,
     /// Name of the grip.
     pub grip: String,
     /// Verdict of the certificate for this hand.
     pub said: Verdict,
-    /// Causes of the certificate's verdict where it is not stable.
+    /// Causes of the certificate's verdict if it is not "stable".
     pub cause: String,
     /// How the simulated run ended.
     pub outcome: Ended,
     /// Motion at the end of the hold, peak to peak, encoder counts.
     pub motion_counts: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness of the wall as the angle in rad by which the device's oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
-    /// Largest magnitude of an eigenvalue of the loop over the linear phases of the control law.
+    /// Largest magnitude of an eigenvalue of the loop, per control period, over the linear phases of the control law.
     pub radius: f64,
     /// Rate at which the slowest motion of the loop decays, 1/s.
     pub decay_per_s: f64,
@@ -189,18 +191,19 @@ pub struct Row {
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
-    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
+    /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// lend.
     pub loan_used: Option<f64>,
-    /// Largest magnitude of an eigenvalue of the loop, if measured penetrations are scaled by as much as rounding to counts may
-    /// scale them.
+    /// Largest magnitude of an eigenvalue of the loop while measured penetrations are multiplied by the largest gain that rounding
+    /// to encoder counts can have.
     pub radius_rounded: f64,
-    /// Motion that rounding to counts causes at rest, root mean square, counts.
+    /// Motion at rest that rounding to encoder counts causes, root mean square, counts.
     pub rounding_rms_counts: Option<f64>,
-    /// Least cosine of the circle criterion for the gains between the control law's linear phases; the criterion holds above 0.
+    /// Smallest cosine in the circle criterion for gains between the control law's linear phases. Above 0 the criterion holds.
     pub switching: Option<f64>,
-    /// Amplitude below which dry friction stops a growing oscillation, counts.
+    /// Amplitude below which dry friction stops a growing oscillation, encoder counts.
     pub friction_holds_counts: f64,
     /// Depth of the press, encoder counts.
     pub depth_counts: f64,
@@ -266,14 +269,15 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
     })
 }
 
-/// Numbers of runs by the certificate's verdict and the run's outcome.
+/// Numbers of runs by the certificate's verdict and the outcome of the simulated run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// Numbers of runs: first index is the verdict, second whether the run rested, kept oscillating or was unstable.
+    /// Numbers of runs. The first index is the verdict; the second says whether the run rested, kept oscillating or was unstable.
     counts: [[u32; 3]; 3],
-    /// Numbers of runs by verdict and outcome, for classes of `T sqrt(k_de/J)` that are 0.1 wide.
+    /// Numbers of runs by verdict and outcome, for classes of the wall's stiffness. Stiffness is the angle in rad by which the
+    /// oscillation advances per control period, in classes 0.1 rad wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
-    /// Numbers of the scenes that were certified stable but did not rest.
+    /// Numbers of the random scenes that were certified stable but did not come to rest.
     wrong: Vec<u64>,
 }
 
@@ -307,7 +311,7 @@ impl Tally {
         self.counts[Verdict::Undecided as usize].iter().sum()
     }
 
-    /// Numbers of the scenes that were certified stable but did not rest.
+    /// Numbers of the random scenes that were certified stable but did not come to rest.
     #[must_use]
     pub fn wrong(&self) -> &[u64] {
         &self.wrong

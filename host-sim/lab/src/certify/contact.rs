@@ -1,5 +1,5 @@
-//! A control law in contact with a hand, as a certificate examines it: the loop's matrix for each phase of the law, and the
-//! quantities that are not in the matrix.
+//! A control law in contact with a hand, as a certificate examines it: the loop's matrix for each linear phase of the law, and
+//! quantities that the matrices do not contain.
 
 use super::estimator::Estimator;
 use super::law::{Phases, Switching};
@@ -15,8 +15,8 @@ use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
 
-/// Amplitude that is assumed for the oscillation of a press, as a multiple of its depth, where dry friction has to end it. A press
-/// that comes as a step oscillates by 1.
+/// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. A press that comes as
+/// a step oscillates by 1.
 pub const SWING: f64 = 1.25;
 
 /// A control law on a device, in the form that the certificate examines.
@@ -28,29 +28,29 @@ pub struct Contact {
     pub device: Device,
     /// Control period, and delay from sample to force.
     pub clock: Clock,
-    /// Bandwidth of the current loop, Hz. It comes from the options of the certificate, because scenes have none.
+    /// Bandwidth of the current controller, Hz, from the options of the certificate; scenes have no such field.
     pub current_loop_hz: Option<f64>,
-    /// Estimator between encoder and law; absent if the law uses measured penetrations.
+    /// State estimator between encoder and law; absent if the law uses measured penetrations.
     pub estimator: Option<Estimator>,
-    /// Size of one encoder count, rad.
+    /// Angle of one encoder count, rad; `None` without an encoder.
     pub count_rad: Option<f64>,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
     /// Torque of the scene's press, N·m; absent if the hand's motion in the scene has no press.
     pub press_n_m: Option<f64>,
-    /// Torque of the press that is simulated, N·m: the scene's, or else one that the wall can give.
+    /// Torque of the press that is simulated, N·m: the scene's press, or else a torque that the wall can give.
     pub played_press_n_m: f64,
     /// Torque of the light touch before the press, N·m; absent if the hand's motion in the scene has none.
     pub touch_n_m: Option<f64>,
     /// Duration of the scene's last hold, s; absent if the hand's motion in the scene has none.
     pub hold_s: Option<f64>,
-    /// Damping of the device that the law assumes, `c_i`, N·m·s/rad.
+    /// Damping of the device that the control law assumes, N·m·s/rad.
     pub c_i: f64,
 }
 
 impl Contact {
-    /// Creates the contact of law, device and hand that a scene describes. The law's coefficients are those of its implementation
-    /// in `f64`.
+    /// Makes the contact of law, device and hand that a scene describes. The law's coefficients are those of its implementation in
+    /// `f64`.
     ///
     /// # Errors
     /// The control law does not accept the scene's settings.
@@ -97,7 +97,7 @@ impl Contact {
         Some(SWING * self.press_n_m? / self.k_desired / self.count_rad?)
     }
 
-    /// Device, hand, delay and current loop as one discrete system. `None` if a value is not physically possible.
+    /// Device, hand, delay and current controller as one discrete linear system. `None` if a value is not physically possible.
     #[must_use]
     pub fn plant(&self, hand: Option<&Hand>) -> Option<StateSpace> {
         let mechanics = Mechanics {
@@ -108,7 +108,7 @@ impl Contact {
         sampled(&mechanics, self.clock).ok()
     }
 
-    /// A linear phase of the control law as a system from position to force, with the estimator if there is one.
+    /// A linear phase of the control law as a system from position to force, including the state estimator if there is one.
     #[must_use]
     pub fn law(&self, phase: &LinearLaw) -> StateSpace {
         match &self.estimator {
@@ -117,7 +117,7 @@ impl Contact {
         }
     }
 
-    /// Largest eigenvalue over the linear phases in which the control law can stay, and the name of its phase.
+    /// Largest eigenvalue over the linear phases in which the control law can stay, and the name of the phase that has it.
     #[must_use]
     pub fn worst(&self, hand: Option<&Hand>) -> (Mode, &'static str) {
         let lost = Mode {
@@ -142,7 +142,7 @@ impl Contact {
         self.worst(hand).0.radius
     }
 
-    /// Largest magnitude of an eigenvalue if every measured penetration is multiplied by `gain`.
+    /// Largest magnitude of an eigenvalue of the loop while every measured penetration is multiplied by `gain`.
     #[must_use]
     pub fn radius_at_gain(&self, hand: Option<&Hand>, gain: f64) -> f64 {
         let Some(plant) = self.plant(hand) else {
@@ -171,7 +171,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// The same contact with the device's inertia multiplied by a factor; the estimator's assumed inertia stays.
+    /// The same contact with the device's inertia multiplied by a factor. The inertia that the estimator assumes does not change.
     #[must_use]
     pub fn with_inertia(&self, factor: f64) -> Self {
         let mut other = self.clone();
@@ -195,10 +195,10 @@ impl Contact {
         other
     }
 
-    /// Motion in encoder counts that rounding to counts causes at rest: `(root mean square, largest)`.
+    /// Motion at rest that rounding to encoder counts causes, in counts: `(root mean square, largest)`.
     ///
-    /// The first value is for rounding errors that are independent from tick to tick. The second is the worst case, half the sum of
-    /// the impulse response. `None` where a phase is not stable or its impulse response is too long to be summed.
+    /// The root mean square assumes rounding errors that are independent from tick to tick. The largest value is the worst case,
+    /// half the sum of the impulse response. `None` if a phase is not stable, or if its impulse response is too long to be summed.
     #[must_use]
     pub fn rounding(&self, hand: Option<&Hand>) -> Option<(f64, f64)> {
         let plant = self.plant(hand)?;
@@ -213,13 +213,13 @@ impl Contact {
     }
 }
 
-/// Gains that are tried between two phases: 0 would be the first phase, 1 the second.
+/// Gains between two linear phases that are tried: 0 would be the first phase, 1 the second.
 const SHARES: [f64; 8] = [0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85];
 
-/// Most ticks over which an impulse response is summed.
+/// Largest number of ticks (control periods) over which an impulse response is summed.
 const LONGEST: usize = 300_000;
 
-/// Sum of squares and sum of magnitudes of the position's response to one reading that is wrong by 1.
+/// Sum of squares and sum of magnitudes of the position's response to one encoder reading that is wrong by 1.
 fn impulse(plant: &StateSpace, law: &StateSpace, matrix: &DMatrix<f64>) -> Option<(f64, f64)> {
     let radius = Mode::dominant(matrix).radius;
     if radius >= 1.0 {

@@ -1,8 +1,8 @@
-//! The spring-damper with a filtered velocity as matrices.
+//! Matrices of the control law `spring-damper` with a filtered velocity.
 //!
-//! Its states are those of the filters in `touchstone_control::velocity`. A first-order filter has the last position and its
+//! The states are those of the filters in `touchstone_control::velocity`. A first-order filter has the last position and its
 //! velocity, a Kalman filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any
-//! length, so each length is a phase. The matrices do not describe what happens when the length changes.
+//! length, so each length is a phase. The matrices do not describe the moment when the length changes.
 
 use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::Damped;
@@ -60,7 +60,7 @@ mod tests {
         AnyLaw, Controller, LawKind, Position, Settings, StatesKind, VelocityKind,
     };
 
-    /// Checks that the matrices give the same forces as the law, around a point of rest inside the wall.
+    /// Checks that the matrices give the same forces as the control law, around a point of rest inside the wall.
     #[test]
     fn the_matrices_say_what_the_law_says() {
         let all = [

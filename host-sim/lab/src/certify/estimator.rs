@@ -1,5 +1,5 @@
-//! The control crate's state estimator as a linear system. It has the estimator's own coefficients in `f64`, without the limits
-//! beyond which the estimator restarts.
+//! The control crate's state estimator as a linear system, with its own coefficients in `f64`. The limits beyond which the
+//! estimator restarts are left out.
 
 use touchstone_control::estimator::EstimatedMotion;
 use touchstone_control::law::Sample;
@@ -13,10 +13,10 @@ use touchstone_sim::scene::Scene;
 pub struct Estimator(touchstone_control::Estimator<f64>);
 
 impl Estimator {
-    /// Number of states: penetration, displacement per tick, push, then the last three forces, the latest first.
+    /// Number of states: penetration, displacement per tick, push of the hand, and the last three forces, the latest first.
     pub const ORDER: usize = 6;
 
-    /// The estimator of a scene's law; `None` if the law uses measured states.
+    /// The state estimator of a scene's law; `None` if the law uses measured states.
     ///
     /// # Errors
     /// The estimator does not accept its settings.
@@ -29,8 +29,8 @@ impl Estimator {
         })
     }
 
-    /// Updates the estimator's state by a measured penetration; returns the control law's input. [`Estimator::command`] must follow
-    /// with the law's force.
+    /// Updates the estimator's state by a measured penetration, and returns the control law's input. The caller must then pass the
+    /// law's force to [`Estimator::command`].
     pub fn update(&self, state: &mut [f64], measured: f64) -> Sample<f64> {
         let (estimate, commands) = state.split_at_mut(3);
         let commands = [commands[0], commands[1], commands[2]];
@@ -55,7 +55,7 @@ impl Estimator {
         }
     }
 
-    /// Tells the estimator the force that the law commands for this sample, N·m (N on three axes).
+    /// Passes to the estimator the force that the law commands for this sample, N·m (N on three axes).
     pub fn command(&self, state: &mut [f64], force: f64) {
         let forces = &mut state[3..];
         forces.rotate_right(1);

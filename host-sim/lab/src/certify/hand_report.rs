@@ -1,4 +1,4 @@
-//! Builds the report on a loop with one hand: the eigenvalues of each phase, and the results that are not in the matrices.
+//! Builds the report on a loop with one hand: the eigenvalues of each phase, and results that the matrices do not contain.
 
 use super::contact::Contact;
 use super::contact::SWING;
@@ -9,16 +9,17 @@ use super::state_space::Mode;
 use super::{Verdict, hands, sector};
 use touchstone_world::plant::Hand;
 
-/// Results of simulated touches and presses, which no matrix describes: see [`super::touch`].
+/// Results of simulated touches and presses, which the matrices do not describe, see [`super::touch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Played {
-    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
+    /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// lend.
     pub loan_used: Option<f64>,
 }
 
-/// Creates the report on one hand, with its verdict.
+/// Makes the report on one hand, with its verdict.
 #[must_use]
 pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played) -> HandReport {
     let rate_hz = 1.0 / contact.clock.period_s;
@@ -96,9 +97,9 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     report
 }
 
-/// The contact with dry friction replaced by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
-/// times the press' depth. The damping is the describing function `4 F/(π ω A)` of friction `F`; friction damps a smaller
-/// oscillation more.
+/// Replaces the dry friction of a contact by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
+/// times the press' depth. The damping is the describing function `4 F/(π ω A)` of a friction torque `F`, frequency `ω` and
+/// amplitude `A`; friction damps a smaller oscillation more.
 fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     let friction = contact.device.friction?;
     let swing = SWING * contact.press_n_m? / contact.k_desired;
@@ -109,7 +110,8 @@ fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
 }
 
 /// Amplitude in rad below which dry friction stops the growing oscillation `mode`. At that amplitude the describing function of
-/// friction, `4 F/(π ω A)`, equals the additional damping that just makes the loop stable.
+/// friction, `4 F/(π ω A)`, equals the additional damping that just makes the loop stable. `F` is the friction torque, `ω` the
+/// frequency and `A` the amplitude.
 fn friction_holds(contact: &Contact, hand: Option<&Hand>, mode: &Mode) -> f64 {
     let Some(friction) = contact.device.friction.filter(|_| mode.radius >= 1.0) else {
         return 0.0;

@@ -1,7 +1,7 @@
 //! The set of hands for which a certificate holds.
 //!
-//! A hand is two passive masses as in [`touchstone_world::plant::Hand`], at a knob gripped at a radius of 15 mm. The ranges, at the
-//! fingertip and from published figures where there are any:
+//! A hand is a mass behind a fingertip pad as in [`touchstone_world::plant::Hand`], at a knob gripped at a radius of 15 mm. The
+//! ranges below are values at the fingertip, from published figures where there are any:
 //!
 //! - mass of the hand 0.1 to 1 kg: teleoperation studies use 0.1 kg to 1 kg, a study of force bounding 0.8 kg
 //! - damping 1 to 10 N·s/m: reported for a delta.3; 5.5 N·s/m in the study of force bounding
@@ -9,12 +9,12 @@
 //! - stiffness of the finger pad 300 to 2000 N/m; its damping 0.15 to 1.5 N·s/m is this project's choice, see [`plant::MEDIUM`]
 //!
 //! Hasser and Cutkosky (2002) and Kuchenbecker, Park and Niemeyer (2003) find a second-order hand whose damping and stiffness rise
-//! with the grip; their numbers were not available. So the ranges are chosen, not measured.
+//! with the grip; their numbers were not available. The ranges are therefore chosen, not measured.
 
 use serde::Serialize;
 use touchstone_world::plant::{self, Hand};
 
-/// Square of the grip's radius, m². It converts N/m to N·m/rad and kg to kg·m².
+/// Square of the grip's radius of 15 mm, m². It converts stiffness in N/m to N·m/rad and mass in kg to kg·m².
 const RADIUS_SQUARED_M2: f64 = 2.25e-4;
 
 /// The set of hands that a certificate examines.
@@ -74,8 +74,8 @@ pub const GRIPS: [(&str, Hand); 3] = [
 /// Name of the worst hand within [`RANGES`], which is found by a search.
 pub const HYPOTHETICAL: &str = "worst of all";
 
-/// The hand at a position within [`RANGES`]. Each coordinate goes from 0 to 1, on a logarithmic scale except for the stiffness,
-/// which may be zero.
+/// The hand at a position within [`RANGES`]. Each coordinate goes from 0 to 1 over the range of one parameter. The scale is
+/// logarithmic, except for the stiffness, which may be zero.
 fn at(place: [f64; 5]) -> Hand {
     from_parameters(std::array::from_fn(|index| {
         let [low, high] = RANGES[index];
@@ -87,8 +87,8 @@ fn at(place: [f64; 5]) -> Hand {
     }))
 }
 
-/// Searches the hand in the ranges with the greatest `badness`. The search tries all corners and the middle, then goes from the
-/// worst of them along each coordinate with steps that halve.
+/// Searches the ranges for the hand with the greatest `badness`. The search tries all corners and the middle, then goes from the
+/// worst of them along each coordinate with steps that are halved.
 pub fn worst(badness: impl Fn(&Hand) -> f64) -> (Hand, f64) {
     let corner = |bits: usize| std::array::from_fn(|index| f64::from((bits >> index & 1) as u8));
     let mut place = [0.5; 5];

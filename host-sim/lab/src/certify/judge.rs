@@ -1,45 +1,48 @@
-//! Limits on the matrices' results, and the verdict for one hand from them.
+//! Derives the verdict for one hand from the matrices' results, and holds the limits that decide it.
 
 use super::Verdict;
 use super::contact::Contact;
 use super::law::OFFSET_UPDATED;
 use serde::Serialize;
 
-/// Slowest decay that is called stable, 1/s, in a scene without a hold. In a hold the motion must have decayed in time instead.
+/// Slowest decay of a motion that is called stable, 1/s, in a scene without a hold. With a hold, the motion must decay within
+/// [`DECAYS_WITHIN`] of it.
 pub const SLOWEST_PER_S: f64 = 1.0;
 /// Fraction of a hold within which a motion must have decayed to be called stable from the matrices. The rest of the hold is left
-/// for bounces and other phases of the law.
+/// for bounces and other phases of the control law.
 pub const DECAYS_WITHIN: f64 = 0.5;
 /// Fraction of a hold after which the simulation judges whether the knob rests.
 pub const JUDGED_AFTER: f64 = 0.75;
-/// Largest fraction of the enhanced law's loan of energy that a press may use.
+/// Largest fraction of the law's energy loan (energy that it may give out beyond what it took) that a press may use.
 pub const LOAN_USED: f64 = 1.0;
 /// Rate of exponential growth above which a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
-/// Largest gain of rounding to the nearest count, by its describing function, on a sinusoid of four counts or more peak to peak.
+/// Largest gain of rounding to the nearest encoder count, by its describing function, for a sinusoid of four counts or more peak to
+/// peak.
 pub const ROUNDING_GAIN: f64 = 1.05;
-/// Largest motion from rounding that is called stable, root mean square, counts. The threshold of a limit cycle, four counts peak
-/// to peak, is nine times as much.
+/// Largest motion caused by rounding that is called stable, root mean square, encoder counts. The threshold of a limit cycle, four
+/// counts peak to peak, is nine times as much.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
 /// Limit for calling a wall stable: the largest ratio of a bounce's return speed to the speed of its touch, over all moments of
 /// touch within a tick. Up to this ratio bounces die away.
 pub const BOUNCE: f64 = 1.0;
 /// Limit for calling a wall unstable: ratio of a bounce's return speed to the speed of its touch.
 pub const BOUNCE_GROWS: f64 = 1.7;
-/// Largest `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of a wall that is called stable. The validation
-/// runs go up to it. Beyond it, a device may rest after every simulated touch and yet keep bouncing after a harder one.
+/// Stiffest wall that is called stable: angle in rad by which the device's oscillation on the wall advances per control period. The
+/// validation runs go up to this value. On a stiffer wall a device may rest after every simulated touch and yet keep bouncing after
+/// a harder one.
 pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion below which the knob counts as at rest, encoder counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
-/// Largest motion at the end of all simulated touches and presses that is called rest, as a fraction of a limit cycle's threshold
+/// Largest motion at the end of all simulated touches and presses that counts as rest, as a fraction of a limit cycle's threshold
 /// (four encoder counts).
 pub const RESTS: f64 = 0.5;
-/// Largest motion at the end of simulated touches that is called rest, as [`RESTS`], where the matrices alone have called the wall
-/// stable.
+/// Largest motion at the end of simulated touches that counts as rest if the matrices alone have called the wall stable. It is a
+/// fraction of a limit cycle's threshold (four encoder counts).
 pub const RESTS_AS_SAID: f64 = 0.75;
-/// Least motion at the end of every simulated touch and press, over the threshold of a limit cycle (four encoder counts), from
-/// which a wall is called unstable.
+/// Least motion at the end of every simulated touch and press from which a wall is called unstable, as a multiple of the threshold
+/// of a limit cycle (four encoder counts).
 pub const MOVES: f64 = 1.5;
 
 /// Results for one linear phase of the control law with one hand.
@@ -47,7 +50,7 @@ pub const MOVES: f64 = 1.5;
 pub struct PhaseReport {
     /// Name of the control law's linear phase.
     pub phase: &'static str,
-    /// Largest magnitude of an eigenvalue of the loop in this phase.
+    /// Largest magnitude of an eigenvalue of the loop in this phase; the loop is stable below 1.
     pub radius: f64,
     /// Rate at which the slowest motion of this phase decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
@@ -64,11 +67,11 @@ pub struct HandReport {
     pub parameters: Option<[f64; 5]>,
     /// Verdict for this hand.
     pub verdict: Verdict,
-    /// Reasons why the verdict is not "stable", and what the simulations decided.
+    /// Reasons why the verdict is not "stable", and which of them the simulations decided.
     pub causes: Vec<String>,
-    /// Results of every linear phase of the control law; the spring of the first contact comes last.
+    /// Results of every linear phase of the control law. The phase of the first contact, in which the law is a spring, comes last.
     pub phases: Vec<PhaseReport>,
-    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay; the loop is stable below 1.
     pub radius: f64,
     /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
@@ -81,27 +84,29 @@ pub struct HandReport {
     pub radius_rounded: f64,
     /// Motion that rounding to counts causes at rest, root mean square, counts; absent without an encoder or a stable loop.
     pub rounding_rms_counts: Option<f64>,
-    /// Largest possible motion from rounding to counts at rest, counts.
+    /// Largest possible motion at rest that rounding to encoder counts causes, counts.
     pub rounding_most_counts: Option<f64>,
-    /// Largest magnitude of an eigenvalue over gains between the control law's linear phases.
+    /// Largest magnitude of an eigenvalue over the gains between the control law's linear phases.
     pub radius_between: f64,
-    /// Least cosine of the circle criterion (16). Above 0 the loop is stable however the gain changes between two phases. Absent if
-    /// the law has no such gain, or an end of its range is unstable.
+    /// Smallest cosine in the circle criterion, equation (16) in `sector.rs`. Above 0 the loop is stable however the gain changes
+    /// between two phases. Absent if the law has no such gain, or an end of its range is unstable.
     pub switching: Option<f64>,
-    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
+    /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan);
-    /// `None` without a loan or a press.
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// lend; `None` without a loan or a press.
     pub loan_used: Option<f64>,
     /// Least and largest motion at the end of the simulated touches, as multiples of a limit cycle's threshold (four encoder
     /// counts).
     pub ends: Option<[f64; 2]>,
     /// Least and largest motion at the end of simulated slow presses, as multiples of a limit cycle's threshold (four encoder
-    /// counts). They are simulated where an offset decays too slowly or a press uses more than the loan.
+    /// counts). Presses are simulated if an offset of the law decays too slowly, or if a press uses more than the energy that the
+    /// law may lend.
     pub presses: Option<[f64; 2]>,
-    /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
+    /// Amplitude below which dry friction stops a motion that would grow without friction, rad; 0 without friction.
     pub friction_holds_rad: f64,
-    /// Whether the slowest motion is that of the law's offset, which decays too slowly. A slow press excites it more than a touch.
+    /// Whether the slowest motion is that of the law's offset (shift of the wall's surface), which decays too slowly. A slow press
+    /// excites it more than a touch.
     #[serde(skip)]
     pub stirred_by_ramp: bool,
 }
@@ -206,7 +211,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
 }
 
-/// Changes "stable" to "undecided" for a wall that is stiffer than those on which the certificates were validated.
+/// Changes the verdict "stable" to "undecided" for a wall that is stiffer than those on which the certificates were validated.
 pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     if report.verdict == Verdict::Stable && stiffness_per_tick > STIFFEST_PER_TICK {
         report.verdict = Verdict::Undecided;
@@ -216,13 +221,13 @@ pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     }
 }
 
-/// Whether slow presses have to be simulated, because they may show motions that no touch shows.
+/// Whether slow presses have to be simulated, because they may excite motions that a touch does not excite.
 pub(super) fn asks_for_presses(report: &HandReport) -> bool {
     report.stirred_by_ramp || report.loan_used.is_some_and(|used| used > LOAN_USED)
 }
 
-/// Sets the verdict from the ends of simulated touches and slow presses where the matrices decided nothing, and checks a verdict
-/// "stable" against the simulations. Where some come to rest and others do not, the verdict is undecided.
+/// Sets the verdict from the ends of simulated touches and slow presses if the matrices decided nothing, and checks a verdict
+/// "stable" against the simulations. If some simulations come to rest and others do not, the verdict is undecided.
 pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option<[f64; 2]>) {
     (report.ends, report.presses) = (Some(touches), presses);
     let [mut least, mut most] = touches;

@@ -1,15 +1,19 @@
 //! The control laws as linear systems, in the phases in which they are linear.
 //!
-//! A law gets the penetration `e` and the displacement in the tick `m` (from samples or from an estimator), and returns the force
-//! `f`. All signals are deviations from a point of rest inside the wall.
+//! A law receives the penetration `e` and the displacement `m` per tick (control period `T`), from samples or from an estimator,
+//! and returns the force `f`. All signals are deviations from a point of rest inside the wall. `k_de` is the requested stiffness.
 //!
-//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with `B = 0`
-//! for all but the spring-damper.
+//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the
+//! damping `B = 0` for all but the spring-damper.
 //!
-//! **Enhanced augmentation** after the first contact, with `M = m/T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`:
+//! **Enhanced augmentation** after the first contact. Its virtual mass at the position `e_f` is coupled to the device by a
+//! spring `k_f` and a damper `c_f`, and presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass'
+//! damping to ground, `d` its displacement per tick. `M` is the mass divided by `T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`. The
+//! stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` where the spring `k_f` is compensated (setting
+//! `mass-compensated`).
 //!
 //! ```text
-//! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the HIP      (6)
+//! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the device   (6)
 //! O(n)   = O(n-1) + κ (k_t e_f(n-1) - p(n-1))               regulated at the mass     (7)
 //! p(n)   = k_v (e_f(n-1) + O(n))                            the wall on the mass      (8)
 //! d(n)   = (M d(n-1) + k_f (e(n) - e_f(n-1)) + C m(n) - p(n))/D                       (9)
@@ -17,22 +21,22 @@
 //! f(n)   = k_f (e(n) - e_f(n)) + C (m(n) - d(n))                                      (11)
 //! ```
 //!
-//! As in the law, two values are one tick old: the force with which the offset `O` is compared, and the mass' position in the
-//! wall's force. `κ` is `c/k_v` or `c/k_de` (`of_ideal`) while the ideal step is the smallest of the law's three bounds, and less
-//! while another bound is smaller. Near rest the ideal step is always the smallest, because only that bound vanishes with the
-//! error. With a frozen offset `κ = 0`, and the constant `O` is left out.
+//! As in the implementation, two values are one tick old: the force with which the offset `O` is compared, and the mass' position
+//! in the wall's force. The gain `κ` is `c/k_v` or `c/k_de` (setting `of_ideal`) while the ideal step is the smallest of the law's
+//! three bounds on a step of the offset, and less while another bound is smaller. Near rest the ideal step is always the smallest,
+//! because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
-//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1`. So
-//! the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12). This is a stiffness times the displacement; the
-//! stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1` and
+//! the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12).
+//! This is a stiffness times the displacement; the stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
 //!
-//! First contact: every law is the spring `k_de` until the motion turns.
+//! In the first contact every law is the spring `k_de` until the motion turns.
 
 use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// Name of the linear phase in which the enhanced law changes its offset at every tick.
+/// Name of the linear phase in which the law changes its offset (shift of the wall's surface) at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
 /// How a control law may change between its linear phases.
@@ -45,28 +49,28 @@ pub enum Switching {
     Between(Box<[LinearLaw; 2]>),
 }
 
-/// A control law as a set of linear phases, with what the certificate needs to know about it.
+/// A control law as a set of linear phases, with further properties that the certificate needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
-    /// Linear phases in which the control law can stay; each of them must be stable.
+    /// Linear phases in which the control law can stay. The loop must be stable in each of them.
     pub lasting: Vec<Phase>,
-    /// How the law changes between its phases.
+    /// How the control law changes between its phases.
     pub switching: Switching,
     /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
     /// motion.
     pub by_direction: bool,
-    /// Largest press in N·m whose energy in the law's coupling spring, `F²/(2 k_f)`, is at most the energy that the law may lend;
-    /// absent for laws without a loan.
+    /// Largest press in N·m that the law's energy loan covers: the energy in the law's coupling spring under it is at most the
+    /// energy that the law may lend. Absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
-    /// Stiffness of the spring that the law starts a contact with, N·m/rad; absent if the law does not leave it when the motion
+    /// Stiffness of the spring that the law is at the start of a contact, N·m/rad. Absent if the law stays a spring when the motion
     /// turns.
     pub first_contact: Option<f64>,
-    /// The law's reduction of force by its energy account, if it has one. With it, a press may rest although the phases are
-    /// unstable.
+    /// How the law reduces its force by an energy account; `None` if it does not. With a reduction, a press may rest although the
+    /// phases are unstable.
     pub clamps: Option<Clamp>,
 }
 
-/// How a law reduces its force to keep an energy bound.
+/// How a control law reduces its force to keep an energy bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clamp {
     /// Time-domain passivity approach: the force is reduced where the wall would give out more energy than it took.
@@ -149,10 +153,10 @@ impl Phases {
     }
 }
 
-/// How the offset of the enhanced law is treated in a phase.
+/// Treatment of the law's offset (shift of the wall's surface) in a linear phase of enhanced successive force augmentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
-    /// The offset changes at every tick by the ideal step, equation (6) or (7).
+    /// The offset changes at every tick by the ideal step, equation (6) or (7) in `law.rs`.
     Updated,
     /// The offset is constant, but a state of the matrix.
     Held,
@@ -160,8 +164,8 @@ pub enum Offset {
     Frozen,
 }
 
-/// Matrices of the enhanced law, equations (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, or `[e_f, d]` with
-/// a frozen offset.
+/// Matrices of the enhanced law, equations (6) to (11) of the module. The states are position and displacement of the virtual mass,
+/// the offset, and the last force (`f` or `p`). With a frozen offset only position and displacement remain.
 #[must_use]
 pub fn enhanced(law: &EnhancedSfa<f64>, offset: Offset) -> LinearLaw {
     let share = if offset == Offset::Updated {

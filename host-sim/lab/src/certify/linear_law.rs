@@ -1,11 +1,11 @@
-//! The linear part of a law as matrices, from which every certificate is calculated.
+//! A linear phase of a control law as matrices, from which every certificate is computed.
 
 use super::estimator::Estimator;
 use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};
 
-/// A linear phase of a law: `s' = a s + b [e, m]`, `f = c s + d [e, m]`, with state `s`, penetration `e`, displacement per tick `m`
-/// and force `f`.
+/// A control law in a linear phase: `s' = a s + b [e, m]`, `f = c s + d [e, m]`, one step per control period. `s` is the state, `e`
+/// the penetration, `m` the displacement per period and `f` the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearLaw {
     /// Matrix from the state to the next state.
@@ -19,7 +19,7 @@ pub struct LinearLaw {
 }
 
 impl LinearLaw {
-    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for 1.
+    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for a `share` of 1.
     #[must_use]
     pub fn between(from: &Self, to: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -45,7 +45,7 @@ impl LinearLaw {
         }
     }
 
-    /// The spring-damper (5): stiffness in N·m/rad and damping force per displacement in a tick, N·m/rad.
+    /// The law spring-damper, from stiffness in N·m/rad and damping force per displacement in a control period, N·m/rad.
     #[must_use]
     pub fn spring(stiffness: f64, damping_per_tick: f64) -> Self {
         Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
@@ -78,8 +78,8 @@ impl LinearLaw {
         force
     }
 
-    /// The law on measured penetrations, as a system from position to force. The displacement is the difference to the last sample,
-    /// which is one more state, the last.
+    /// The law with measured penetrations, as a system from position to force. The displacement is the difference from the last
+    /// sample, which is an additional state, the last one.
     #[must_use]
     pub fn on_measured(&self) -> StateSpace {
         let order = self.order();
@@ -91,7 +91,7 @@ impl LinearLaw {
         })
     }
 
-    /// The law on estimated states, as a system from position to force. The law's states come first, then the estimator's.
+    /// The law with estimated states, as a system from position to force. The law's states come first, then the estimator's.
     #[must_use]
     pub fn on_estimated(&self, estimator: &Estimator) -> StateSpace {
         let order = self.order();
@@ -105,7 +105,7 @@ impl LinearLaw {
     }
 }
 
-/// A linear phase of a control law: a mode of operation in which it is linear.
+/// A linear phase of a control law: a mode of operation in which the law is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// Name of the phase in a certificate.

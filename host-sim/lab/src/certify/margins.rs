@@ -5,8 +5,8 @@ use serde::Serialize;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// Stability margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude
-/// 1.
+/// Stability margins: how much delay, inertia or stiffness may change until the largest eigenvalue of any phase, with any examined
+/// hand, reaches magnitude 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margins {
     /// Additional delay at which the loop becomes unstable, s; 0 if the loop is unstable as it is.
@@ -19,14 +19,14 @@ pub struct Margins {
     /// Largest factor on the inertia with which the loop is stable, at most 64, where the search ends. `None` if the loop is
     /// unstable as it is.
     pub inertia_up: Option<f64>,
-    /// Ranges of `k_de` in N·m/rad in which the loop is stable, between a hundredth and a hundred times the scene's. The law's
-    /// other settings are unchanged.
+    /// Ranges of the requested stiffness `k_de` in N·m/rad in which the loop is stable, between a hundredth and a hundred times the
+    /// scene's. The law's other settings are unchanged.
     pub k_desired: Vec<[f64; 2]>,
 }
 
-/// Longest additional delay that is examined, ticks.
+/// Longest additional delay that is examined, in ticks (control periods).
 const LONGEST_TICKS: f64 = 16.0;
-/// Number of stiffnesses `k_de` that are examined.
+/// Number of requested stiffnesses that are examined.
 const POINTS: i32 = 60;
 
 fn radius(contact: &Contact, hands: &[Hand]) -> f64 {
@@ -56,7 +56,7 @@ fn edge(mut stable: f64, mut unstable: f64, is_stable: impl Fn(f64) -> bool) -> 
     stable
 }
 
-/// Calculates the margins over the given hands.
+/// Computes the stability margins over the given hands.
 #[must_use]
 pub fn of(scene: &Scene, contact: &Contact, hands: &[Hand]) -> Margins {
     let stable_now = radius(contact, hands) < 1.0;

@@ -1,26 +1,26 @@
 //! Stability certificates: is the loop of law, plant, delay and hand stable for every hand of a set?
 //!
 //! The loop's matrix from one sample to the next is exact where law and plant are linear. [`plant`] derives the mechanical side,
-//! [`law`] the laws, [`estimator`] a state estimator between plant and law, [`sector`] the change between two linear phases of a
-//! law. [`hands`] has the set of hands. Equations (1) to (16) are numbered through these files.
+//! [`law`] the control laws, [`estimator`] a state estimator between plant and law, [`sector`] the change between two linear phases
+//! of a law. [`hands`] has the set of hands. Equations (1) to (16) are numbered through these modules.
 //!
-//! A loop with a hand is called **stable** by the matrices if all of these hold:
+//! The matrices call a loop with a hand **stable** if all of these conditions hold:
 //!
 //! - Every phase in which the law can stay decays faster than [`judge::SLOWEST_PER_S`], or within the hold if the scene has one.
 //!   Dry friction counts as damping for an oscillation as large as the press.
-//! - It also is stable while readings are multiplied by up to [`judge::ROUNDING_GAIN`], as rounding may do.
+//! - The loop is also stable while readings are multiplied by up to [`judge::ROUNDING_GAIN`], the effect that rounding may have.
 //! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
-//! - Every gain between the phases is stable. Such gains are tried one by one where they depend on the amplitude; where a gain
-//!   depends on the direction of the motion, (16) must hold.
-//! - Bounces die away, and the press uses no more energy than the enhanced law's loan.
+//! - Every gain between the phases is stable. Gains that depend on the amplitude are tried one by one; if a gain depends on the
+//!   direction of the motion, the circle criterion (16) must hold.
+//! - Bounces die away, and the press uses no more energy than the enhanced law may lend.
 //!
-//! It is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
+//! The loop is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
 //! [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
 //!
-//! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. So touches are simulated to
-//! their end unless the matrices say unstable. The verdict is **stable** if all come to rest, **unstable** if none does,
-//! **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, loan and touches are simulated
-//! by [`touch`]. The limits are judgement, set on the random runs of [`campaign`].
+//! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. Therefore touches are
+//! simulated to their end unless the matrices say unstable. The verdict is **stable** if all simulations come to rest, **unstable**
+//! if none does, **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, the law's energy
+//! loan and touches are simulated by [`touch`]. The limits of [`judge`] are judgement, set with the random runs of [`campaign`].
 
 pub mod campaign;
 pub mod contact;
@@ -66,7 +66,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Name of the verdict in lower case.
+    /// Name of the verdict in lower case, for results files.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -84,7 +84,7 @@ pub struct Options {
     pub family: Family,
     /// Whether stability margins are calculated, which takes most of the time.
     pub margins: bool,
-    /// Bandwidth of a current loop, Hz; absent if the torque follows its command at once, as in simulated runs.
+    /// Bandwidth of the current controller, Hz; absent if the torque follows its command at once, as in simulated runs.
     pub current_loop_hz: Option<f64>,
 }
 
@@ -103,18 +103,18 @@ impl Default for Options {
 pub struct Certificate {
     /// Name of the scene.
     pub scene: String,
-    /// Worst verdict over the scene's hand and the three simulated grips (light, medium, firm); without any hand, the verdict for
+    /// Worst verdict over the scene's hand and the three simulated grips (light, medium, firm). Without any hand, the verdict for
     /// the free device.
     pub verdict: Verdict,
     /// Verdict for the worst hand whose parameters are within [`hands::RANGES`]; `None` if it was not searched.
     pub every_hand: Option<Verdict>,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness of the wall as the angle in rad by which the device's oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
     /// Results for every examined hand.
     pub hands: Vec<HandReport>,
-    /// Index in `hands` of the hand that `verdict` comes from.
+    /// Index in `hands` of the hand that determines `verdict`.
     pub worst: usize,
     /// Stability margins over the scene's hand and the three simulated grips (light, medium, firm).
     pub margins: Option<Margins>,
@@ -122,7 +122,7 @@ pub struct Certificate {
     pub not_covered: Vec<String>,
 }
 
-/// Calculates the certificate of a scene.
+/// Computes the stability certificate of a scene.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -212,7 +212,8 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
     })
 }
 
-/// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+/// Angle in rad by which the device's oscillation on the wall advances per control period `T`: `T sqrt(k_de/J)`, with requested
+/// stiffness `k_de` and inertia `J`.
 fn per_tick(contact: &Contact) -> f64 {
     contact.clock.period_s * (contact.k_desired / contact.device.inertia).sqrt()
 }

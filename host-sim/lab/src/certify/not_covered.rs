@@ -7,7 +7,7 @@ use super::contact::Contact;
 use super::law::Clamp;
 use super::press::RAMPS_S;
 
-/// Effects in scenes that the certificate covers, or that it mentions elsewhere.
+/// Names of simulated effects that the certificate covers, or that it mentions elsewhere.
 const COVERED: [&str; 9] = [
     "encoder",
     "delay",

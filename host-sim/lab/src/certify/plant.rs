@@ -1,27 +1,30 @@
-//! Device, hand, current loop and delay between two samples, as one discrete system.
+//! Device, hand, current controller and delay between two samples, as one discrete system.
 //!
 //! ```text
 //! J   dv/dt   = τ + k_p (x_h - x) + b_p (v_h - v) - b v                  (1)
 //! J_h dv_h/dt =   - k_p (x_h - x) - b_p (v_h - v) - b_h v_h - k_h x_h    (2)
-//! dτ/dt = 2π f_c (u - τ), or τ = u without a current loop                 (3)
+//! dτ/dt = 2π f_c (u - τ), or τ = u without a current controller           (3)
 //! ```
 //!
-//! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later. So
-//! during the tick that begins at sample `n`, `u(n-w-1)` acts for `φ T` and `u(n-w)` for the rest; each part is integrated exactly
-//! (4).
+//! `x`, `v`, `J`, `b` are angle, velocity, inertia and damping of the device; those of the hand have the index `h`. `k_p` and `b_p`
+//! are stiffness and damping of the fingertip pad, `τ` is the motor's torque, and `f_c` the bandwidth of the current controller.
+//!
+//! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later: `w`
+//! whole control periods `T` and a fraction `φ` of one. In the period that begins at sample `n`, `u(n-w-1)` acts for `φ T` and
+//! `u(n-w)` for the rest. Each part is integrated exactly (4).
 
 use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};
 use touchstone_world::plant::{Device, Hand, Invalid};
 
-/// Parameters of device, hand and current loop.
+/// Parameters of device, hand and current controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
     /// The device; its dry friction is not part of the linear system.
     pub device: Device,
     /// The hand that holds the device, if any.
     pub hand: Option<Hand>,
-    /// Bandwidth `f_c` of the current loop, Hz; absent if the torque follows its command at once.
+    /// Bandwidth of the current controller, Hz; absent if the torque follows its command at once.
     pub current_loop_hz: Option<f64>,
 }
 
@@ -30,7 +33,7 @@ pub struct Mechanics {
 pub struct Clock {
     /// Control period `T`, s.
     pub period_s: f64,
-    /// Time `t_d` from a sample until the force that is computed from it acts, s.
+    /// Time from a sample until the force that is computed from it acts, s.
     pub delay_s: f64,
 }
 
@@ -48,8 +51,8 @@ impl Clock {
     }
 }
 
-/// System matrix and input vector of the continuous states `[x, v, x_h, v_h, τ]`, as far as the loop has them; the input is the
-/// command.
+/// System matrix and input vector of the continuous states: angle and velocity of the device, then those of a hand and the torque
+/// of a current controller, if present. The input is the torque command.
 fn rates(mechanics: &Mechanics) -> (DMatrix<f64>, DVector<f64>) {
     let device = &mechanics.device;
     let motion = if mechanics.hand.is_some() { 4 } else { 2 };
@@ -81,7 +84,7 @@ fn rates(mechanics: &Mechanics) -> (DMatrix<f64>, DVector<f64>) {
     (a, b)
 }
 
-/// Matrices `(Φ, Γ)` over an interval in seconds with a constant command (Van Loan, IEEE TAC 23(3) 395, 1978).
+/// State matrix and input vector over an interval in seconds with a constant command (Van Loan, IEEE TAC 23(3) 395, 1978).
 fn held(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> (DMatrix<f64>, DVector<f64>) {
     let order = b.len();
     let mut block = DMatrix::zeros(order + 1, order + 1);
@@ -98,9 +101,10 @@ fn held(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> (DMatrix<f64>, D
     )
 }
 
-/// Discrete system from command to position, one step per tick. The states are `[x, v]`, the hand's `[x_h, v_h]`, the current
-/// loop's `τ`, then the commands that do not act yet, the latest first. All are deviations from the point where the hand rests
-/// without a command.
+/// Discrete system from torque command to position, one step per control period.
+///
+/// The states are angle and velocity of the device, those of the hand, the torque of the current controller, then the commands that
+/// do not act yet, the latest first. All are deviations from the point where the hand rests without a command.
 ///
 /// # Errors
 /// [`Invalid`]: a value of device or hand is out of range.

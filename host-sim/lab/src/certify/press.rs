@@ -1,5 +1,5 @@
-//! Simulated slow presses, for walls on which touches do not show enough. A slow press excites an offset that decays slowly, and
-//! uses more of the enhanced law's loan than a touch.
+//! Simulated slow presses, for walls on which simulated touches do not show enough. A slow press excites an offset of the law that
+//! decays slowly, and uses more of the energy that the law may give out beyond what it took.
 
 use super::contact::Contact;
 use super::touch::{hold_s, of_plant};
@@ -10,12 +10,14 @@ use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, MotionSpec, Number, RampAndHold, Scene};
 use touchstone_world::plant::Hand;
 
-/// Times from rest outside the wall to the full push, s: one brisk, two slow. The validation campaign presses in 0.3 s.
+/// Durations of the simulated presses, from rest outside the wall to the full push, s: one brisk, two slow. The validation campaign
+/// presses in 0.3 s.
 pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
 /// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of a
-/// limit cycle's threshold (four encoder counts). They are infinite if the wall throws the device out. The simulation includes
-/// encoder counts, dry friction and the law's loan of energy, but not the guard.
+/// limit cycle's threshold (four encoder counts), and infinite if the wall throws the device out.
+///
+/// The simulation includes encoder counts, dry friction and the law's energy loan, but not the energy guard.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.

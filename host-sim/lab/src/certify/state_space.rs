@@ -4,7 +4,7 @@ use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix, DVector};
 use touchstone_world::plant::spectral_radius;
 
-/// A discrete system `s' = a s + b w`, `y = c s + d w`, one step per tick: state `s`, input `w`, output `y`.
+/// A discrete linear system `s' = a s + b w`, `y = c s + d w`, one step per control period: state `s`, input `w`, output `y`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpace {
     /// Matrix from the state to the next state.
@@ -54,16 +54,16 @@ impl StateSpace {
         self.b.len()
     }
 
-    /// Runs one tick: changes the state and returns the output.
+    /// Advances by one control period: changes the state and returns the output.
     pub fn advance(&self, state: &mut DVector<f64>, input: f64) -> f64 {
         let output = self.c.dot(state) + self.d * input;
         *state = &self.a * &*state + &self.b * input;
         output
     }
 
-    /// Matrix of the closed loop of a plant and a law. The plant (`self`) goes from command to position, without a direct path. The
-    /// law goes from position to force; it reads `gain` times the position and commands minus its force. The plant's states come
-    /// first, then the law's.
+    /// Matrix of the closed loop of a plant (`self`) and a control law. The plant goes from command to position, without a direct
+    /// path. The law goes from position to force; it reads `gain` times the position, and the command is minus its force. The
+    /// plant's states come first, then the law's.
     #[must_use]
     pub fn closed_by(&self, law: &StateSpace, gain: f64) -> DMatrix<f64> {
         debug_assert!(self.d == 0.0, "an algebraic loop");
@@ -101,9 +101,9 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 /// The motion of a loop that decays slowest or grows fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// Magnitude of the loop's largest eigenvalue.
+    /// Magnitude of the loop's largest eigenvalue; the loop is stable below 1.
     pub radius: f64,
-    /// Angle of the eigenvalue, rad per tick, 0 to π; NaN if only the magnitude was found.
+    /// Angle of the eigenvalue, rad per control period, 0 to π; NaN if only the magnitude was found.
     pub angle_rad: f64,
 }
 
@@ -134,7 +134,7 @@ impl Mode {
         }
     }
 
-    /// Rate at which the motion decays at this control rate, 1/s; negative if it grows.
+    /// Rate at which the motion decays, 1/s, at a control rate in Hz; negative if the motion grows.
     #[must_use]
     pub fn decay_per_s(&self, rate_hz: f64) -> f64 {
         -self.radius.ln() * rate_hz

@@ -1,4 +1,4 @@
-//! Tests that the certificate's matrices move as the real laws and plants do.
+//! Tests that the certificate's matrices move in the same way as the real control laws and plants.
 
 use super::contact::Contact;
 use super::estimator::Estimator;
@@ -51,7 +51,7 @@ fn law(scene: &Scene) -> EnhancedSfa<f64> {
 /// Penetration of the point of rest in the tests, rad.
 const DEPTH: f64 = 0.01;
 
-/// State of the law at rest at [`DEPTH`].
+/// State of the control law at rest at the penetration [`DEPTH`].
 fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
     // Regulated at the mass, the target is force over the mass' position.
     let coupling = law.mass.stiffness.0;
@@ -76,7 +76,8 @@ fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
     }
 }
 
-/// The law's states as `[e_f, d, O, f or p, e]`.
+/// State of the enhanced law as the matrices order it: position and displacement of the virtual mass, offset, last force,
+/// penetration.
 fn states(law: &EnhancedSfa<f64>, state: &EnhancedState<f64>) -> [f64; 5] {
     let held = &state.augmented;
     [
@@ -129,7 +130,7 @@ fn the_enhanced_law_near_rest_is_its_matrix() {
     }
 }
 
-/// Checks that the real law on the real plant, with delay, moves as the loop's matrix predicts.
+/// Checks that the real control law on the real plant, with delay, moves as the loop's matrix predicts.
 #[test]
 fn the_whole_loop_is_its_matrix() {
     for delay_ticks in [0.0, 0.3, 1.0, 1.6] {
@@ -226,7 +227,7 @@ fn a_fast_current_loop_changes_little_and_a_slow_one_much() {
     assert!(radius(Some(5.0)) > 1.0);
 }
 
-/// Checks that law and estimator as one linear system give the same forces as the controller.
+/// Checks that law and estimator, joined to one linear system, give the same forces as the controller.
 #[test]
 fn the_estimators_composition_does_what_the_controller_does() {
     let (k, damping) = (20.0, 0.02);
@@ -316,7 +317,8 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
     }
 }
 
-/// Checks a slowly decaying offset: every touch comes to rest, a slow press does not, and the certificate simulates the press.
+/// Checks a law whose offset decays slowly: every touch comes to rest, a slow press does not, and the certificate simulates the
+/// press.
 #[test]
 fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
     let mut scene = campaign::scene(61, 1121, StatesKind::Measured);
@@ -397,7 +399,7 @@ fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
     }
 }
 
-/// Seed of the campaign's scenes.
+/// Seed of the validation campaign's random scenes.
 const SEED: u64 = 1;
-/// Number of runs; they take some seconds.
+/// Number of simulated runs in the test; they take some seconds.
 const SAMPLE: u64 = 48;

@@ -1,12 +1,13 @@
 //! Simulated touches: the motion of a device that bounces between a wall and the hand.
 //!
-//! Several laws start a contact as the spring `k_de` until the motion turns, and only then behave as the matrices describe. So
-//! bounces are simulated. The pad of a hand at rest presses the device against the wall. The device meets the wall at various
-//! moments of the tick, comes out, and is pressed back. The wall throws the device out only if the device moves by more than the
-//! press' depth. Where such a device returns slower each time, bounces die away, and the matrices decide.
+//! Several laws start a contact as a spring of the requested stiffness until the motion turns, and only then behave as the matrices
+//! describe. Bounces are therefore simulated. The pad of a hand at rest presses the device against the wall. The device meets the
+//! wall at various moments of the tick (control period), comes out, and is pressed back. The wall throws the device out only if the
+//! device moves by more than the press' depth. If such a device returns slower each time, bounces die away, and the matrices
+//! decide.
 //!
-//! Where the matrices do not decide, touches are simulated to the end of the press, with encoder counts, dry friction and loan:
-//! [`ends`].
+//! If the matrices do not decide, touches are simulated to the end of the press, with encoder counts, dry friction and the law's
+//! energy loan: [`ends`].
 
 use super::contact::Contact;
 use super::judge::JUDGED_AFTER;
@@ -17,21 +18,22 @@ use touchstone_sim::run::{self, Recorder, Tick, plan};
 use touchstone_sim::scene::{self, Grip, MotionSpec, Number, RestPath, Scene};
 use touchstone_world::plant::Hand;
 
-/// Number of moments within a tick at which the device crosses the surface.
+/// Number of moments within a tick (control period) at which simulated devices cross the surface.
 const PHASES: u32 = 12;
-/// Speeds of the touches, as multiples of the speed that carries the device as deep as the press.
+/// Speeds of the simulated touches, as multiples of the speed that carries the device as deep as the press.
 const SPEEDS: [f64; 4] = [1.0, 1.5, 2.5, 4.0];
-/// Torque of the press in N·m where the scene has none.
+/// Torque of the simulated press in N·m for a scene without a press.
 pub(super) const PRESS_N_M: f64 = 0.1;
-/// Duration of a bounce simulation: oscillations of the device on `k_de`, and the least number of ticks.
+/// Duration of a bounce simulation, as a number of the device's oscillations on the wall. It is at least `TICKS` ticks.
 const SWINGS: f64 = 8.0 * RETURNS as f64;
 const TICKS: f64 = 400.0;
 
-/// Number of returns to the wall that are simulated.
+/// Number of returns to the wall that are simulated per touch.
 const RETURNS: u32 = 4;
 
 /// Speeds of the touches that are simulated to their end, as multiples of the speed that carries the device as deep as the press.
-/// They are few, because each takes a whole hold: a slow touch, one as deep as the press, and one that comes out of the wall.
+/// They are few, because each takes a whole hold. The three are a slow touch, one as deep as the press, and one that comes out of
+/// the wall.
 const SPEEDS_TO_THE_END: [f64; 3] = [0.2, 1.0, 3.0];
 const PHASES_TO_THE_END: u32 = 4;
 /// Duration of the hold in a scene without one, and the longest hold that is simulated, s.
@@ -43,7 +45,7 @@ pub(super) fn hold_s(contact: &Contact) -> f64 {
     contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S)
 }
 
-/// Records the range of the device's motion at the end of a run.
+/// Recorder of the range of the device's motion at the end of a run.
 struct Rest {
     from: u64,
     ticks: u64,
@@ -66,15 +68,15 @@ impl Recorder for Rest {
     }
 }
 
-/// Records when the device leaves the wall and how fast it returns.
+/// Recorder of the moment when the device leaves the wall, and of its speed when it returns.
 struct Bounce {
     surface_rad: f64,
     held: bool,
     inside: bool,
     was_inside: bool,
     returns: u32,
-    /// Speed of the last counted return to the wall; without a hand, which never brings the device back, the speed at which it
-    /// left.
+    /// Speed of the last counted return to the wall, rad/s. Without a hand, which would bring the device back, the speed at which
+    /// the device left.
     speed: Option<f64>,
 }
 
@@ -103,7 +105,7 @@ struct Touched {
     ahead_rad: f64,
     beyond_rad: f64,
     period_s: f64,
-    /// Speed that carries the device as deep as the press.
+    /// Speed that carries the device as deep as the press, rad/s.
     speed_rad_per_s: f64,
 }
 
@@ -131,9 +133,9 @@ impl Touched {
         }
     }
 
-    /// Simulates a touch for `ticks`, or until `done` says so. It starts with `share` of the speed [`Self::speed_rad_per_s`], at a
-    /// distance from the wall that takes the fraction `before` of a tick. The run goes in pieces, as most bounces end after a few
-    /// ticks.
+    /// Simulates a touch for `ticks` ticks, or until `done` returns true. The touch starts with `share` times
+    /// [`Self::speed_rad_per_s`], at a distance from the wall that takes the fraction `before` of a tick. The simulation goes in
+    /// pieces, because most bounces end after a few ticks.
     fn play<R: Recorder>(
         &self,
         (share, before): (f64, f64),
@@ -174,9 +176,11 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
     (0..count).map(move |phase| (f64::from(phase) + 0.5) / f64::from(count))
 }
 
-/// Ratio of a bounce's return speed to the speed of the touch before: the mean over `RETURNS` returns, the largest over all
-/// touches. It is 0 if the device stays inside or outside, infinite if a run diverges. Without a hand the speed at which the device
-/// leaves counts.
+/// Largest ratio, over all simulated touches, of a bounce's return speed to the speed of the touch before, as a mean over `RETURNS`
+/// returns.
+///
+/// It is 0 if the device stays inside or outside, and infinite if a simulation diverges. Without a hand, the speed at which the
+/// device leaves counts.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -250,7 +254,7 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the enhanced law gives out in the scene's press beyond what it took, if this loan is unlimited, divided by the
+/// Energy that the control law gives out in the scene's press beyond what it took, if it may lend without limit, divided by the
 /// scene's limit of the loan. `None` without a loan, a press or a hand.
 ///
 /// # Errors
@@ -270,7 +274,7 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// Limit of the enhanced law's loan of energy that is larger than any press can use, J.
+/// Limit of the law's energy loan (energy given out beyond what it took) that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
 
 /// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which

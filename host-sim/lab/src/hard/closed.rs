@@ -1,4 +1,4 @@
-//! Hard cases of the closed loop of law, plant and hand.
+//! Hard cases of the closed loop of control law, plant and hand: situations in which simulators and laws tend to fail.
 
 use super::plant::KNOB;
 use super::random::Random;
@@ -76,7 +76,8 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Whether a motion grows in the loop of the bare device and a sampled spring of this stiffness in N·m/rad, with this delay in s.
+/// Whether a motion grows in the loop of the device without a hand and a sampled spring of this stiffness in N·m/rad, with this
+/// delay in s.
 fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     let whole = (delay_s / PERIOD_S).floor();
     let fraction = delay_s - whole * PERIOD_S;
@@ -152,7 +153,7 @@ fn verdict(scene: &Scene) -> Result<f64> {
     )
 }
 
-/// Smallest stiffness in N·m/rad at which a spring on the scene's device and hand is unstable, calculated from eigenvalues.
+/// Smallest stiffness in N·m/rad at which a spring on the scene's device and hand is unstable, computed from eigenvalues.
 fn critical(scene: &Scene) -> f64 {
     let device = Device {
         friction: None,
@@ -215,7 +216,8 @@ fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     Ok(high)
 }
 
-/// Laws that stay in the wall at a hundred times the critical stiffness. Every other law is expected to leave it.
+/// Control laws whose knob stays in the wall at a hundred times the largest stable stiffness of a plain spring. With every other
+/// law the knob is expected to leave.
 const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
 
 fn hundred(_: Effort) -> Result<Vec<Finding>> {
@@ -285,8 +287,8 @@ fn shipped(_: Effort) -> Result<Vec<Finding>> {
         .collect()
 }
 
-/// Simulates a knob that a constant torque presses into a spring wall at angle 0; the control law calculates in the number format
-/// `N`. Calls `at` with the state at every tick.
+/// Simulates a knob that a constant torque presses into a spring wall at angle 0. The control law computes in the number format
+/// `N`. Calls `at` with the state at every tick (control period).
 fn pressed<N: Reported>(
     plant: &BareCoulomb,
     stiffness: f64,

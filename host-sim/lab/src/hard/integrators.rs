@@ -1,4 +1,4 @@
-//! Hard cases that textbook integration methods fail, with the limit from which on each one fails.
+//! Hard cases that textbook integration methods fail, each with the limit at which a method begins to fail.
 
 use super::plant::{KNOB, STICKY};
 use super::{Case, Effort, Finding};
@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Angle in rad after `ticks` ticks under a constant torque, with 16 substeps per tick.
+/// Angle in rad after `ticks` ticks (control periods) under a constant torque, with 16 substeps per tick.
 fn pushed<M: Method<3>>(model: &Model<3>, ticks: u32) -> f64 {
     let Ok(plant) = Substepped::<M, 3>::new(model, PERIOD_S, 16) else {
         return f64::NAN;

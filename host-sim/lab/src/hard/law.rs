@@ -1,4 +1,4 @@
-//! Hard cases for each control law without a plant, in every number format.
+//! Hard cases for each control law without a device, in every number format: situations in which laws tend to fail.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -74,7 +74,8 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Runs a check on every law in every number format: once alone with the thesis' settings, once on estimated states with the guard.
+/// Runs a check on every control law in every number format: once alone with the thesis' settings, once with state estimator and
+/// energy guard.
 macro_rules! every_law {
     ($check:ident) => {{
         let mut found = Vec::new();
@@ -91,7 +92,7 @@ macro_rules! every_law {
     }};
 }
 
-/// Runs a check on one control law in one number format. The check counts violations of the expected behaviour; the bound is 0.
+/// Runs a check on one control law in one number format. The check counts violations of the expected behaviour; none is allowed.
 fn subject<N: Reported>(
     stages: &str,
     settings: &Settings,
@@ -119,7 +120,7 @@ fn subject<N: Reported>(
     }
 }
 
-/// A law in one number format, in the state before its first tick.
+/// A control law in one number format, in the state before its first control period.
 struct Subject<N: Reported> {
     fresh: Controller<N>,
     limit: Force<N>,
@@ -127,7 +128,7 @@ struct Subject<N: Reported> {
 }
 
 impl<N: Reported> Subject<N> {
-    /// Whether a force is within the law's force limit; false for NaN.
+    /// Whether a force is within the force limit of the control law; false for NaN.
     fn is_within(&self, force: Force<N>) -> bool {
         force <= self.limit && force >= -self.limit
     }
@@ -136,8 +137,8 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law runs on measured states and without a guard. Such a law must forget everything outside the wall; estimator
-    /// and guard keep their states there.
+    /// Whether the law runs on measured states and without an energy guard. Outside the wall such a law must forget its past, while
+    /// estimator and guard keep their states.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
     }
@@ -146,12 +147,13 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Moves the knob far out of the wall, because a wall that a law has moved out may begin far outside of its configured surface.
+    /// Moves the knob far out of the wall. A law that has moved its wall outwards may begin to push far outside the configured
+    /// surface.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }
 
-    /// Forces of the law in a press that goes `counts` deep and out again in 200 ticks, with a jitter of one count.
+    /// Forces of the law in a press that goes `counts` encoder counts deep and out again in 200 ticks, with a jitter of one count.
     fn press(&self, law: &mut Controller<N>, counts: f64) -> Vec<Force<N>> {
         let Some(scale) = self.scale() else {
             return Vec::new();
@@ -165,7 +167,7 @@ impl<N: Reported> Subject<N> {
             .collect()
     }
 
-    /// Number of ticks in which a law that was used, and then left the wall, gives another force than a law that was never used.
+    /// Number of ticks in which a law that was used, and then left the wall, gives another force than an unused law.
     fn remembers(&self, law: &Controller<N>) -> f64 {
         if !self.is_alone() {
             return 0.0;
@@ -248,13 +250,14 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
     every_law!(check)
 }
 
-/// Depths of a long press that stay within the force limit, encoder counts; the limit is reached at 637 counts.
+/// Depths of long presses within the force limit, encoder counts. The limit is reached at 637 counts.
 const WITHIN_THE_LIMIT: [u32; 4] = [75, 150, 300, 600];
-/// Depth of a long press that is ten times as deep as the force limit reaches, encoder counts.
+/// Depth of a long press beyond the force limit, encoder counts: about ten times the depth at which the limit is reached.
 const BEYOND_THE_LIMIT: u32 = 6_000;
 
 fn windup(_: Effort) -> Result<Vec<Finding>> {
-    /// Distance outside the wall's surface at which the law stops pushing, after a press of one minute at this depth, rad.
+    /// Distance outside the wall's surface at which the law stops pushing, rad, after a press of one minute at `depth` encoder
+    /// counts.
     fn outside<N: Reported>(subject: &Subject<N>, depth: u32) -> f64 {
         let (mut law, mut random) = (subject.fresh, Random::new(8));
         let Some(scale) = subject.scale() else {

@@ -1,4 +1,4 @@
-//! Hard cases, each with a name: situations in which simulators and control laws fail, with an independent source of the right
+//! Hard cases: named situations in which simulators and control laws tend to fail, each with an independent source of the right
 //! answer.
 //!
 //! A case measures each of its subjects (a plant, an integration method, a law in a number format) and has a bound for the value.
@@ -21,7 +21,7 @@ use touchstone_sim::error::Result;
 
 use crate::report::ProgramVersion;
 
-/// How long the cases run.
+/// Whether the hard cases run in their short or their long form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Runs 10^9 ticks where the short form runs 10^7 or fewer.
@@ -31,13 +31,13 @@ pub struct Effort {
 /// Result of one case for one subject.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// Plant, integration method, or law with its number format.
+    /// The tested plant, integration method, or control law with its number format.
     pub subject: String,
     /// The measured value, in the case's unit.
     pub value: f64,
     /// Largest value at which the subject passes.
     pub bound: f64,
-    /// Why the value is known to exceed its bound; absent if the value must be within the bound.
+    /// Reason why the value is known to exceed its bound; absent if the value must be within the bound.
     pub fails_because: Option<String>,
 }
 
@@ -65,13 +65,13 @@ impl Finding {
         self.value <= self.bound
     }
 
-    /// Whether the finding is as expected: within its bound, or beyond it for a known failure.
+    /// Whether the result is as expected: within the bound, or beyond it for a known failure.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         self.holds() == self.fails_because.is_none()
     }
 
-    /// Value divided by its bound: 0 at best, 1 at the bound.
+    /// Measured value divided by its bound: 0 at best, 1 at the bound.
     #[must_use]
     pub fn used(&self) -> f64 {
         if self.value == 0.0 {
@@ -84,7 +84,7 @@ impl Finding {
     }
 }
 
-/// A hard case: a situation in which simulators or control laws fail.
+/// A hard case: a named situation in which simulators or control laws tend to fail.
 #[derive(Clone, Copy)]
 pub struct Case {
     /// Name of the case.
@@ -119,7 +119,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The finding closest to or furthest beyond its bound, known failures left out.
+    /// The result with the largest ratio of value to bound, known failures left out.
     #[must_use]
     pub fn worst(&self) -> Option<&Finding> {
         self.findings
@@ -128,7 +128,7 @@ impl Outcome {
             .max_by(|a, b| a.used().total_cmp(&b.used()))
     }
 
-    /// Findings that should be within their bound and are not, or the reverse.
+    /// Unexpected results: values beyond their bounds, and known failures within theirs.
     pub fn surprises(&self) -> impl Iterator<Item = &Finding> {
         self.findings
             .iter()

@@ -1,4 +1,4 @@
-//! Hard cases of the parts around a law: the encoder's counter and the virtual mass.
+//! Hard cases of the parts around a control law: the encoder's counter, and the virtual mass in front of the wall.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -65,8 +65,8 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Moves the virtual mass at random and sums the energy that goes in at the hand's point. Returns the most energy that came out,
-/// divided by the sum of all energies that flowed.
+/// Moves the virtual mass at random and sums the energy that the hand puts in. Returns the most energy that came out, divided by
+/// the sum of all exchanged energies.
 fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
     let gain = |value: f64| Stiffness::<f64>(value);
     let total = gain(inertia + stiffness + damping + ground);
@@ -137,7 +137,8 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest position in 2000 ticks of a mass on a spring, integrated by semi-implicit Euler from position 1; `ratio` is `k T²/m`.
+/// Largest position in 2000 steps of a mass on a spring that semi-implicit Euler integrates from position 1. `ratio` is `k T²/m`:
+/// stiffness times the square of the step's length, over the mass.
 fn semi_implicit_growth(ratio: f64) -> f64 {
     let (mut position, mut moved, mut largest) = (1.0_f64, 0.0_f64, 1.0_f64);
     for _ in 0..2000 {

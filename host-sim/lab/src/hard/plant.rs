@@ -1,4 +1,4 @@
-//! Hard cases of the plants (device and hand) that are integrated exactly.
+//! Hard cases of the plants (device and hand) with a closed-form solution.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -85,7 +85,7 @@ pub(super) fn torque(random: &mut Random) -> [f64; 2] {
     [0.05 * random.uniform(), 0.3 * random.uniform()]
 }
 
-/// Largest gap in the energy balance of a tick under random torques, divided by the energy that flowed in that tick.
+/// Largest error of a tick's energy balance under random torques, divided by the energy exchanged in the tick.
 fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, seed: u64) -> f64 {
     let mut random = Random::new(seed);
     let mut state = State::<N>::at_rest(0.1);
@@ -264,8 +264,8 @@ fn independent(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest difference of the exact plant's angle from the reference, divided by the largest angle, and the number of stops and
-/// starts.
+/// Largest difference of the angle in the closed-form solution from the reference, divided by the largest angle, and the number of
+/// stops and starts.
 fn compare(device: &Device, hand: Option<&Hand>, held: &[[f64; 2]]) -> (f64, u64) {
     let mut reference = Reference::new(device, hand, None, 4);
     let mut known = [Double::ZERO; 4];

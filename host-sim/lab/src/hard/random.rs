@@ -1,16 +1,16 @@
-//! Random numbers that are the same on every machine.
+//! A random number generator with the same numbers on every machine.
 
 /// Random number generator (xorshift).
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// Creates the generator of a seed above 0; each seed gives an independent sequence of random numbers.
+    /// Makes the generator of a seed above 0. Each seed gives an independent sequence of random numbers.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// Draws a number evenly in `[-1, 1)`.
+    /// Draws a uniformly distributed number in `[-1, 1)`.
     pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

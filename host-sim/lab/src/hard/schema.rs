@@ -1,4 +1,4 @@
-//! JSON schema of the results of `touchstone hard`. The file `docs/schema/hard.schema.json` holds its text.
+//! Makes the JSON schema of the results of `touchstone hard`, stored in `docs/schema/hard.schema.json`.
 
 use serde_json::Value;
 

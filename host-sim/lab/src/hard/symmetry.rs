@@ -121,8 +121,8 @@ fn jitter(_: Effort) -> Result<Vec<Finding>> {
         .collect())
 }
 
-/// Largest difference of two states, divided by the largest entry of `b` or `before`; angles and velocities each have their own
-/// scale.
+/// Largest difference of the states `a` and `b`, divided by the largest entry of `b` or of the state `before` the step. Angles and
+/// velocities each have their own scale.
 fn relative<const N: usize>(a: &State<N>, b: &State<N>, before: &State<N>) -> f64 {
     let (a, b, before) = (a.to_array(), b.to_array(), before.to_array());
     let mut worst = 0.0_f64;
@@ -143,8 +143,8 @@ fn mirror(_: Effort) -> Result<Vec<Finding>> {
     }))
 }
 
-/// Number of ticks in which the states differ. `plant` gets random inputs, `scaled` the same inputs times `factor`; its state
-/// should be exactly `factor` times the state of `plant`.
+/// Number of ticks in which a scaled plant breaks the symmetry. `plant` gets random inputs, `scaled` the same inputs times
+/// `factor`. The state of `scaled` should be exactly `factor` times the state of `plant`.
 fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, factor: f64) -> f64 {
     let mut random = Random::new(17);
     let (mut state, mut other) = (State::<N>::at_rest(0.0), State::<N>::at_rest(0.0));

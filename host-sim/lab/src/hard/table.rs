@@ -1,10 +1,10 @@
-//! Results of the hard cases as a text table for a terminal.
+//! Formats the results of the hard cases as a text table for a terminal.
 
 use std::fmt::Write;
 
 use super::{Hard, Outcome};
 
-/// Line of the table for one case.
+/// Formats the result of one case as one line of the table.
 #[must_use]
 pub fn line(outcome: &Outcome) -> String {
     let failing = outcome
@@ -32,7 +32,7 @@ pub fn line(outcome: &Outcome) -> String {
     )
 }
 
-/// The whole table, followed by the known failures and the unexpected findings.
+/// Formats the whole table, followed by the known failures and the unexpected results.
 #[must_use]
 pub fn render(hard: &Hard) -> String {
     let mut out = String::new();

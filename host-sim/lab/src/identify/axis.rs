@@ -1,16 +1,15 @@
-//! Identifies mass, damping and friction of one axis of a haptic device from the commanded forces and the positions that were read
-//! while the device was moved about.
+//! Identifies mass, damping and friction of one axis of a haptic device, from recorded forces and positions of an axis in motion.
 //!
-//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`. Each side is multiplied by a bump function `φ`, which is zero
-//! at its ends, and integrated by parts:
+//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`, with mass `M`, damping `b`, dry friction `F_c`, velocity `v`
+//! and commanded force `F`. `c` is a constant force: a weight that is not compensated, or a motor's offset. Each side is multiplied
+//! by a bump function `φ` of time, which is zero at its ends, and integrated by parts over the position `x`:
 //!
 //! ```text
 //! M ∫φ'' x  -  b ∫φ' x  +  F_c ∫φ sign(v)  +  c ∫φ  =  ∫φ F
 //! ```
 //!
-//! These are Shinbrot's modulating functions. So no measured value is differentiated, and the start of a bump does not matter.
-//! Every bump gives one equation; all are solved by least squares. `c` is a constant force: a weight that is not compensated, or a
-//! motor's offset.
+//! These are Shinbrot's modulating functions. No measured value is differentiated, and position and speed at the start of a bump
+//! are not needed. Every bump gives one equation; all equations are solved by least squares.
 
 use super::Estimate;
 use nalgebra::{Matrix4, Vector4};
@@ -20,18 +19,18 @@ use nalgebra::{Matrix4, Vector4};
 pub struct AxisMechanics {
     /// Mass that moves with the axis, kg.
     pub mass_kg: Estimate,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the axis, N·s/m.
     pub damping_n_s_per_m: Estimate,
     /// Dry friction while the axis moves, N.
     pub friction_n: Estimate,
     /// Constant force, such as a weight that is not compensated, N.
     pub offset_n: Estimate,
-    /// Fraction of the force that mass, damping and friction do not explain: rms residual of the equations divided by the rms of
-    /// their forces.
+    /// Fraction of the force that mass, damping, friction and offset do not explain: rms residual of the equations divided by the
+    /// rms of their forces.
     pub unexplained: f64,
 }
 
-/// Why an axis was not identified.
+/// Reason why an axis was not identified.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unidentified {
     /// The record is too short for the equations; the value is its length in seconds.
@@ -40,7 +39,7 @@ pub enum Unidentified {
     /// The axis moved too little, or not in a way that separates mass from damping; the value is the travel in millimetres.
     #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
     Still(f64),
-    /// The forces do not explain the motion, because a hand holds the device or ticks were missed.
+    /// The forces do not explain the motion, for example because a hand holds the device or control periods were missed.
     #[error(
         "its forces do not explain its motion: a mass of {mass_kg:.3} ± {uncertainty_kg:.3} kg"
     )]
@@ -52,23 +51,24 @@ pub enum Unidentified {
     },
 }
 
-/// Length of a bump function, s: a few periods of the slowest motions that can be distinguished from a constant force.
+/// Duration of a bump function (weighting over time), s: a few periods of the slowest motion that can be distinguished from a
+/// constant force.
 const BUMP_S: f64 = 0.4;
-/// Number of bump functions (equations) per second of the record.
+/// Number of bump functions, and so of equations, per second of the record.
 const BUMPS_PER_S: f64 = 40.0;
-/// The direction of motion at a tick is taken from the positions this much earlier and later, s.
+/// Time before and after a tick at which positions are compared to find the direction of motion, s.
 const AROUND_S: f64 = 3e-3;
-/// Least travel that is enough for an identification, encoder counts.
+/// Least travel that is enough for an identification, in position counts.
 const LEAST_COUNTS: f64 = 50.0;
 
-/// Value, first and second derivative of the bump function `φ = (s (1 - s))³`.
+/// Value, first and second derivative over `s` of the bump function `φ = (s (1 - s))³`, for `s` from 0 to 1.
 fn bump(s: f64) -> [f64; 3] {
     let (p, d) = (s * (1.0 - s), 1.0 - 2.0 * s);
     [p * p * p, 3.0 * p * p * d, 6.0 * p * (d * d - p)]
 }
 
-/// Identifies an axis from the positions at the ticks in m and the force from each tick to the next in N. `count_m` is the size of
-/// a position count in m.
+/// Identifies an axis from the position in m at each tick (control period), and the force in N from each tick to the next.
+/// `count_m` is the resolution of the position in m.
 ///
 /// # Errors
 /// The record is too short, the axis moved too little, or the forces do not explain the motion.
@@ -185,7 +185,8 @@ mod tests {
     const RATE_HZ: u32 = 4000;
     const COUNT_M: f64 = 1e-5;
 
-    /// Simulated positions and forces of an axis that three sines move on a soft spring, rounded to counts.
+    /// Simulated positions and forces of an axis on a soft spring, moved by the sum of three sines. Positions are rounded to
+    /// counts.
     fn moved(stepper: &impl Stepper<State = State<2>>, offset_n: f64) -> (Vec<f64>, Vec<f64>) {
         let mut state = State::<2>::at_rest(0.0);
         let (mut positions, mut forces) = (Vec::new(), Vec::new());

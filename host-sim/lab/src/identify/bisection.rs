@@ -1,12 +1,13 @@
 //! Measures the damping of a device by Algorithm 2.1 of the thesis: bisection on the damping `c_i` that the force bounding approach
 //! (FBA) assumes.
 //!
-//! FBA limits the stiffness to `2 c_i/T`, however stiff the requested wall is. That is stable as long as the real damping is at
-//! least `c_i`. So a press against a wall that is far too stiff comes to rest up to a certain `c_i`. The largest such `c_i` is the
-//! damping of device and finger together, plus what dry friction adds.
+//! FBA limits the displayed stiffness to `2 c_i/T` (`T` is the control period), however stiff the requested wall is. The press is
+//! stable as long as the real damping is at least `c_i`, so a press against a far too stiff wall comes to rest up to a certain
+//! `c_i`. The largest such `c_i` is the damping of device and finger together, plus what dry friction adds.
 //!
-//! Near the limit a motion neither grows nor decays quickly, because the remaining damping `b - c_i` is small. So a trial is judged
-//! by whether the motion grows from the second quarter of the hold to the last, not by its size.
+//! Near the limit a motion neither grows nor decays quickly, because the remaining damping (real damping minus `c_i`) is small. A
+//! trial is therefore judged by whether the motion grows from the second quarter of the hold to the last, not by the size of the
+//! motion.
 
 use super::swing::Mechanics;
 use touchstone_control::{LawKind, StatesKind};
@@ -21,14 +22,14 @@ pub struct Search {
     pub low: f64,
     /// Upper end of the searched interval of damping, N·m·s/rad.
     pub high: f64,
-    /// Number of bisections per press; the result is exact to `(high - low)/2^steps`.
+    /// Number of bisections per press. Half the width of the searched interval divided by `2^steps` remains as the error.
     pub steps: u32,
 }
 
-/// One step of the bisection: a press with one assumed damping.
+/// One step of the bisection: a press at one assumed damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Damping that the law (force bounding approach, FBA) assumed, N·m·s/rad.
+    /// Damping that the control law (force bounding approach, FBA) assumed, N·m·s/rad.
     pub damping: f64,
     /// Motion in the second quarter of the hold, peak to peak, rad.
     pub early_rad: f64,
@@ -47,10 +48,10 @@ impl Trial {
     }
 }
 
-/// Peak-to-peak motion below which the knob counts as at rest, rad: a tenth of a count of a good encoder.
+/// Peak-to-peak motion below which the knob counts as at rest, rad: a tenth of an encoder count of a good encoder.
 const REST_RAD: f64 = 1e-5;
 
-/// Records the knob's range of motion in two windows of ticks.
+/// Recorder of the knob's range of motion in two windows of ticks.
 struct Windows {
     bounds: [(u64, u64); 2],
     ranges: [(f64, f64); 2],
@@ -89,28 +90,29 @@ impl Recorder for Windows {
     }
 }
 
-/// Where the limit lies relative to the searched interval.
+/// Position of the limit of damping relative to the searched interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
     /// The press comes to rest with the least damping that was tried, and grows with the largest, so the limit lies between.
     Holds,
-    /// The press comes to rest even with the largest damping that was tried: the device has more damping than that.
+    /// The press comes to rest even with the largest damping that was tried: the device has more damping than the search allows.
     TooLow,
-    /// The press grows even with the least damping that was tried: the device has less damping than that, or the press never rests.
+    /// The press grows even with the least damping that was tried: the device has less damping than the search allows, or the press
+    /// never rests.
     TooHigh,
 }
 
 /// Result of the identification: the device's damping with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
-    /// Damping of the device, N·m·s/rad: the largest that the force bounding approach (FBA) may assume in its law, as the mean over
+    /// Damping of the device, N·m·s/rad: the largest damping that the force bounding approach (FBA) may assume, as the mean over
     /// the presses.
     pub damping: f64,
     /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses, and the
     /// damping that dry friction adds.
     pub uncertainty: f64,
     /// Damping that dry friction adds at the amplitude of the last trial, N·m·s/rad. By its describing function it is `4 F_k/(π A
-    /// ω)`.
+    /// ω)`, with the friction torque `F_k`, the amplitude `A` and the frequency `ω`.
     pub friction_share: f64,
     /// Resolution of the bisection, N·m·s/rad: half the width of the last interval of damping.
     pub resolution: f64,
@@ -125,11 +127,11 @@ pub struct Identified {
 /// Torques of the presses, as fractions of the scene's push.
 pub const PRESSES: [f64; 3] = [1.0, 0.6, 1.4];
 
-/// Runs the bisection for every press. The scene's law is replaced by the force bounding approach (FBA), its wall by one of four
-/// times the stiffness that FBA can render.
+/// Runs the bisection for every press. The scene's law is replaced by the force bounding approach (FBA), and its wall by one of
+/// four times the stiffness that FBA can display.
 ///
-/// If `mechanics` from [`super::swing`] is given, the damping that dry friction adds is calculated. `Ok(Err(bracket))`: the limit
-/// is outside the searched interval, so there is no result.
+/// If `mechanics` from [`super::swing`] is given, the damping that dry friction adds is computed. `Ok(Err(bracket))`: the limit is
+/// outside the searched interval, so there is no result.
 ///
 /// # Errors
 /// The scene cannot be run.
@@ -199,7 +201,7 @@ pub fn identify(
     }))
 }
 
-/// Simulates one press with the force bounding approach (FBA) that assumes this damping of the device.
+/// Simulates one press with the force bounding approach (FBA) that assumes `damping` for the device.
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;

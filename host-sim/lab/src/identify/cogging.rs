@@ -1,11 +1,12 @@
-//! Measures the cogging of a real knob from the current that a slow, even turn needs at each angle. Also measures what remains of
-//! the cogging when the device compensates it by a map.
+//! Measures the cogging of a real knob from the current that a slow, even turn needs at each angle. Also measures the cogging that
+//! remains when the device compensates it by a map.
 //!
 //! The data are those that the device sends during a sweep (`touchstone_drive::sweep`): two turns in each direction, with positions
-//! from the encoder's own zero. Forward `J a = k_t i + T(x) - F`, backward `J a = k_t i + T(x) + F`. The mean of both does not
-//! contain the friction `F`, so the current that compensates the cogging is `-T/k_t = i - J a/k_t`. The acceleration follows from
-//! the motion: a ripple `δ` with `n` periods per turn has `a = -(n ω)² δ`. The means of two different turns show how well the
-//! measurement repeats.
+//! from the encoder's own zero. The equations are `J a = k_t i + T(θ) - F` forward and `J a = k_t i + T(θ) + F` backward. `θ` is
+//! the angle, `J` the inertia, `a` the acceleration, `k_t` the torque constant, `i` the current, `T` the cogging torque, `F` the
+//! friction. The mean of both directions does not contain `F`, so the current that compensates the cogging is `-T/k_t = i - J
+//! a/k_t`. The acceleration follows from the motion: a ripple `δ` with `n` periods per turn at the speed `ω` has `a = -(n ω)² δ`.
+//! The means of two different turns show how well the measurement repeats.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -14,16 +15,16 @@ use touchstone_protocol::settings::cogging::{
     CURRENT_BITS, CoggingHarmonic, CoggingMap, HARMONICS,
 };
 
-/// Data that a device sends for one control tick of a sweep.
+/// Data that a device sends for one control period (tick) of a cogging sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Direction of the turn in which the data were measured.
     pub part: MeasuringPart,
     /// Position from the encoder's own zero, encoder counts.
     pub count: i32,
-    /// Current along the rotor's q axis, A.
+    /// Current along the rotor's q axis (the one that makes torque), A.
     pub current_a: f64,
 }
 
@@ -40,24 +41,25 @@ pub struct KnownKnob {
     pub inertia_kg_m2: f64,
     /// Whether the motor's electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// Largest current that a cogging map may have, A.
+    /// Largest current that a cogging map may contain, A.
     pub most_a: f64,
 }
 
-/// Harmonics of a sweep over a turn of the shaft.
+/// Fourier harmonics over a turn of the shaft, from a cogging sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swept {
-    /// Current that compensates the cogging, A, one entry per harmonic from order 1: `re cos(n θ) - im sin(n θ)`.
+    /// Current that compensates the cogging, A, one entry per harmonic from order `n` = 1: `re cos(n θ) - im sin(n θ)` at the angle
+    /// `θ`.
     current_a: Vec<Complex<f64>>,
-    /// Half of the difference between the results of two pairs of turns, A, per harmonic.
+    /// Half of the difference between the results of two pairs of turns, A, one entry per harmonic.
     apart_a: Vec<Complex<f64>>,
-    /// Ripple of the shaft's angle around an even motion, rad, per harmonic.
+    /// Ripple of the shaft's angle around an even motion, rad, one entry per harmonic.
     ripple_rad: Vec<Complex<f64>>,
-    /// Half of the torque difference between the two directions, N·m: friction and damping.
+    /// Half of the torque difference between the two directions, N·m, caused by friction and damping.
     pub drag_n_m: f64,
 }
 
-/// A cogging map and its quality.
+/// A measured cogging map, with its torque and repeatability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCogging {
     /// The cogging map, in the form that the device stores.
@@ -66,23 +68,23 @@ pub struct MeasuredCogging {
     pub rms_n_m: f64,
     /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
-    /// Difference between turns, root mean square, as a fraction of the map's torque.
+    /// Root mean square difference between turns, as a fraction of the map's torque.
     pub unrepeated: f64,
 }
 
-/// Why no cogging map was calculated.
+/// Reason why no cogging map was computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMap {
     /// Data of the sweep are missing.
     #[error("the sweep is not whole: a turn is missing, or {lost} records in a row were lost")]
     Incomplete {
-        /// Longest gap in the data, ticks.
+        /// Longest gap in the data, in ticks (control periods).
         lost: u32,
     },
     /// No harmonic of the cogging exceeds the noise.
     #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
     Nothing {
-        /// Torque from which on a harmonic would have exceeded the noise, N·m.
+        /// Torque above which a harmonic would have exceeded the noise, N·m.
         n_m: f64,
     },
     /// The turns differ too much from each other.
@@ -91,38 +93,38 @@ pub enum NoMap {
         /// Difference between the turns, % of the map.
         percent: f64,
     },
-    /// The cogging needs more current than a map may have.
+    /// The cogging needs more current than a map may contain.
     #[error(
         "the cogging takes {ampere:.3} A, more than the {most:.3} A of a map (a quarter of motor.current_limit_a)"
     )]
     TooLarge {
         /// Largest current that compensates the cogging, A.
         ampere: f64,
-        /// Largest current that a map may have, A.
+        /// Largest current that a map may contain, A.
         most: f64,
     },
 }
 
-/// Number of harmonics that are examined.
+/// Number of harmonics that are examined, from order 1.
 const ORDERS: usize = 255;
 /// Turns of the shaft per direction in a sweep.
 const TURNS: usize = 2;
 /// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// A harmonic is kept in the map if it exceeds the median difference between turns by this factor. With noise alone, one sweep in
+/// Factor by which a harmonic must exceed the median difference between turns to be kept in the map. With noise alone, one sweep in
 /// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
-/// A harmonic is kept in the map only if its amplitude also exceeds its own difference between two pairs of turns by this factor.
+/// Factor by which a harmonic's amplitude must exceed its own difference between two pairs of turns to be kept in the map.
 const ITS_OWN: f64 = 2.0;
-/// Harmonics up to this order count as slow; a hand at the knob or a loose part shows in them.
+/// Largest order of a harmonic that counts as slow. A hand at the knob or a loose part appears in slow harmonics.
 const SLOW: usize = 12;
-/// Turns disagree if slow harmonics differ by more than this factor times the median difference, and by more than the fraction
-/// `UNREPEATED_MOST` of the map.
+/// Factor on the median difference above which the slow harmonics of two turns count as disagreeing. They must also differ by more
+/// than the fraction `UNREPEATED_MOST` of the map.
 const SLOW_MOST: f64 = 5.0;
 const UNREPEATED_MOST: f64 = 0.2;
 
 impl Swept {
-    /// Calculates harmonics from a device's telemetry.
+    /// Computes the harmonics of a sweep from a device's telemetry.
     ///
     /// # Errors
     /// [`NoMap::Incomplete`]: data are missing.
@@ -154,7 +156,7 @@ impl Swept {
         })
     }
 
-    /// Calculates the cogging map of this sweep.
+    /// Computes the cogging map of this sweep.
     ///
     /// # Errors
     /// No harmonic exceeds the noise, the turns differ too much, or the current is too large for a map; see [`NoMap`].
@@ -223,7 +225,7 @@ impl Swept {
         })
     }
 
-    /// Ripple of the shaft's angle in the harmonics of a map, root mean square, rad.
+    /// Root mean square ripple of the shaft's angle in the harmonics of a map, rad.
     #[must_use]
     pub fn ripple_rad(&self, map: &CoggingMap) -> f64 {
         let of = |it: &CoggingHarmonic| self.ripple_rad.get(usize::from(it.order).checked_sub(1)?);
@@ -236,7 +238,7 @@ impl Swept {
     }
 }
 
-/// Root mean square of the sum of harmonics.
+/// Root mean square of the sum of the given harmonics.
 fn rms(harmonics: &[Complex<f64>]) -> f64 {
     let squares: f64 = harmonics.iter().map(|it| it.norm_sqr()).sum();
     (0.5 * squares).sqrt()
@@ -250,7 +252,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// Harmonics of the last turn in a direction (`back_by` 0), or of the one before it (1).
+    /// Computes the harmonics of the last turn in a direction (`back_by` 0), or of the turn before the last (`back_by` 1).
     fn new(way: &[&SweepTick], back_by: usize, known: &KnownKnob) -> Result<Self, NoMap> {
         let incomplete = NoMap::Incomplete { lost: 0 };
         let (Some(first), Some(last)) = (way.first(), way.last()) else {

@@ -1,14 +1,15 @@
-//! Treats an axis of a translational device as a knob on a lever, and converts a knob's law settings back to the axis. So tools for
-//! knobs, above all `touchstone tune`, work for such axes.
+//! Treats an axis of a translational device as a knob on a lever, and converts a knob's law settings back to the axis. Tools for
+//! knobs, such as `touchstone tune`, can thus be used for translational axes.
 //!
-//! On a lever of length `r` a mass becomes an inertia `M r²`; damping and stiffness are converted alike. A force becomes a torque
-//! `F r`, a length an angle `x/r`. Times and energies stay the same, so a law behaves the same.
+//! On a lever of length `r`, a mass `M` becomes an inertia `M r²`; damping and stiffness are converted with the same factor. A
+//! force `F` becomes a torque `F r`, and a displacement `x` an angle `x/r`. Times and energies do not change, so a control law
+//! behaves the same.
 
 use std::fmt::Write;
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{EstimatorSettings, Settings, Si};
 
-/// A lever that converts between an axis and a knob.
+/// A lever that converts between a translational axis and a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lever {
     /// Length of the lever, m.
@@ -18,19 +19,19 @@ pub struct Lever {
 /// Properties of a translational axis that the caller has to give, SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisOfDevice {
-    /// Name of the axis, for people.
+    /// Name of the axis, for users.
     pub name: String,
     /// Mass that moves with the axis, kg.
     pub mass_kg: f64,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the axis, N·s/m.
     pub damping_n_s_per_m: f64,
     /// Dry friction of the axis, N.
     pub friction_n: f64,
     /// Largest force of the axis, N.
     pub force_n: f64,
-    /// Size of a position count, m.
+    /// Resolution of the measured position, m.
     pub count_m: f64,
-    /// Time from reading a position until its force acts, s.
+    /// Time from reading a position until the force computed from it acts, s.
     pub delay_s: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
@@ -38,13 +39,13 @@ pub struct AxisOfDevice {
     pub k_desired_n_per_m: f64,
 }
 
-/// Inertia of the thesis' knob, kg·m²; the simulated hands for one axis are made for such a knob.
+/// Inertia of the thesis' knob, kg·m². The simulated hands for one axis were chosen for such a knob.
 const KNOB_KG_M2: f64 = 1e-4;
-/// Fraction of the largest force with which the simulated hand presses the wall.
+/// Force with which the simulated hand presses the wall, as a fraction of the largest force of the axis.
 pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
-    /// Creates the lever on which an axis with this mass has the inertia of the thesis' knob.
+    /// Makes the lever on which an axis with this mass has the inertia of the thesis' knob.
     #[must_use]
     pub fn of(mass_kg: f64) -> Self {
         Self {
@@ -94,7 +95,7 @@ impl Lever {
         text
     }
 
-    /// Converts a knob's law settings to the axis. Guard and estimator are not converted; for the estimator see
+    /// Converts a knob's law settings to the axis. Energy guard and state estimator are not converted; for the estimator see
     /// [`Lever::estimator`].
     #[must_use]
     pub fn settings(&self, knob: &Settings) -> Settings {
@@ -115,7 +116,7 @@ impl Lever {
         }
     }
 
-    /// Converts a knob's estimator settings to the axis.
+    /// Converts a knob's settings of the state estimator to the axis.
     #[must_use]
     pub fn estimator(&self, knob: &EstimatorSettings) -> EstimatorSettings {
         EstimatorSettings {

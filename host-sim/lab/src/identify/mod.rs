@@ -1,4 +1,4 @@
-//! Identification of a device's properties, as on a real device: only commanded torques and encoder counts are used.
+//! Identifies a device's properties from commanded torques and encoder counts alone, as is possible on a real device.
 //!
 //! - [`swing`] pushes the free device at several speeds in both directions, lets it coast to rest, and fits inertia, viscous
 //!   damping and dry friction at once;
@@ -6,9 +6,9 @@
 //! - [`cogging`] makes a cogging map from the current that a slow, even turn of a real knob needs;
 //! - [`eccentricity`] measures the error of the angle from an encoder disc or magnet that is off the axis;
 //! - [`axis`] fits mass, damping and friction of an axis of a haptic device that was moved about;
-//! - [`bisection`] is Algorithm 2.1 of the thesis: the largest damping that the force bounding approach may assume, with a finger
-//!   on the device. Dry friction counts as damping there, by an amount that depends on how hard the finger presses. So presses are
-//!   repeated, and their spread is part of the result.
+//! - [`bisection`] is Algorithm 2.1 of the thesis. It finds the largest damping that the force bounding approach may assume, with a
+//!   finger on the device. Dry friction acts as damping there, by an amount that depends on how hard the finger presses. The
+//!   presses are therefore repeated, and their spread is part of the result.
 
 pub mod axis;
 pub mod bisection;

@@ -1,5 +1,5 @@
-//! Identifies the motor of a real knob: resistance, inductance and flux from the voltages of its current loop, then inertia,
-//! damping and friction by [`super::swing`], with torques calculated from current and flux.
+//! Identifies the motor of a real knob. Resistance, inductance and flux come from the voltages of its current controller. Inertia,
+//! damping and friction then come from [`super::swing`], with torques computed from current and flux.
 //!
 //! The data are those that the device sends during a measurement (`touchstone_drive::measurement`). First a current of two sizes
 //! turns far faster than the rotor can follow. Then the device is pushed to two speeds in both directions; each push ends in a
@@ -11,18 +11,19 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use touchstone_protocol::MeasuringPart;
 
-/// Data that a device sends for one control tick of the motor's measurement.
+/// Data that a device sends for one control period (tick) of the motor's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Part of the measurement to which the tick belongs.
     pub part: MeasuringPart,
-    /// Position, encoder counts.
+    /// Position of the shaft, encoder counts.
     pub count: i32,
-    /// Current `d + jq` in the rotating frame that the current loop has just used, A.
+    /// Current in A that the current controller has just used, as the complex number `d + jq` in the rotating frame (`d` along the
+    /// field, `q` across it).
     pub current_a: Complex<f64>,
-    /// Voltage in the same frame as the current, V.
+    /// Voltage in V, in the same rotating frame as the current.
     pub voltage_v: Complex<f64>,
 }
 
@@ -33,28 +34,28 @@ pub struct KnownMotor {
     pub rate_hz: f64,
     /// Encoder counts per turn.
     pub counts_per_rev: f64,
-    /// Pole pairs; the motor's alignment has confirmed them.
+    /// Number of pole pairs, which the motor's alignment has confirmed.
     pub pole_pairs: f64,
-    /// Electrical turns per second of the fast current.
+    /// Frequency of the fast rotating current, electrical turns per second.
     pub fast_field_hz: f64,
 }
 
 /// Identified properties of a motor with its knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredMotor {
-    /// Resistance of one phase to the star point, including the bridge's, Ω.
+    /// Resistance of one phase to the star point, Ω, including that of the bridge.
     pub resistance_ohm: Estimate,
     /// Inductance of one phase to the star point, H.
     pub inductance_h: Estimate,
     /// Flux linkage of the motor, Wb.
     pub flux_linkage_wb: Estimate,
-    /// Torque constant `3/2 p λ`, N·m per ampere of phase amplitude.
+    /// Torque constant, N·m per ampere of phase amplitude: 3/2 times pole pairs times flux linkage.
     pub torque_constant_n_m_per_a: Estimate,
     /// Inertia, damping and friction of rotor and knob.
     pub mechanics: Mechanics,
 }
 
-/// Why the motor cannot be identified.
+/// Reason why the motor was not identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotMeasured {
     /// Data of the measurement are missing.
@@ -72,24 +73,24 @@ pub enum NotMeasured {
     /// A push was too short: it reached its speed after too few samples.
     #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
     ShortPush {
-        /// Duration of the push, ticks.
+        /// Duration of the push, in ticks (control periods).
         ticks: usize,
     },
-    /// A calculated value is not possible for a motor.
+    /// A computed value is impossible for a motor.
     #[error("the {what} comes out as {value:.3e}, which no motor has")]
     Absurd {
-        /// Name of the quantity whose value is not possible.
+        /// Name of the quantity whose value is impossible.
         what: &'static str,
-        /// The value that is not possible, in its SI unit.
+        /// The impossible value, in its SI unit.
         value: f64,
     },
     /// The motion does not fit a free knob.
     #[error("the motion is none of a free knob: {0}")]
     Motion(#[from] swing::NotFound),
-    /// The swings give different inertias, because a hand holds the knob, for example.
+    /// The swings (pushes with coasts) give different inertias, for example because a hand holds the knob.
     #[error("the swings disagree about the inertia by {percent:.0} %")]
     Disagree {
-        /// Four standard uncertainties of the inertia, % of the inertia.
+        /// Four times the standard uncertainty of the inertia, % of the inertia.
         percent: f64,
     },
 }
@@ -173,8 +174,8 @@ pub fn motor(
     })
 }
 
-/// An estimate from the value for all data, and the values for two parts of the data. Half the difference of the parts is the
-/// uncertainty.
+/// Makes an estimate from the value for all data, and from the values for two parts of the data. Half the difference of the two
+/// values is the uncertainty.
 fn positive(
     what: &'static str,
     [value, first, second]: [f64; 3],
@@ -225,8 +226,8 @@ fn parts(ticks: &[MotorTick]) -> Vec<(MeasuringPart, Range<usize>)> {
         .collect()
 }
 
-/// Impedance `ΔV/ΔI` between the two currents: from the last quarter of a second of each current, and from the two halves of that
-/// time.
+/// Impedance: difference of the voltages over difference of the two currents. It is computed from the last quarter of a second of
+/// each current, and from the two halves of that time.
 fn impedance(
     ticks: &[MotorTick],
     low: &Range<usize>,
@@ -255,8 +256,11 @@ fn impedance(
     })
 }
 
-/// Flux linkage in Wb: slope of `v_q - R i_q` over the electrical speed. Each push has its own offset, for the voltage lost to dead
-/// time. The slope is negative if the electrical angle falls when the count rises.
+/// Flux linkage in Wb: slope of `v_q - R i_q` over the electrical speed, with the q-axis voltage and current and the resistance
+/// `R`.
+///
+/// Each push has its own offset, for the voltage lost to dead time. The slope is negative if the electrical angle falls when the
+/// count rises.
 fn flux(
     ticks: &[MotorTick],
     pushes: &[&Range<usize>],
@@ -293,7 +297,7 @@ fn flux(
     Ok(product / square)
 }
 
-/// The swing of a push with its coast. The current that a tick reports acted in the period before it.
+/// Makes the swing of a push with its coast. The current that a tick reports acted in the control period before the tick.
 fn of_swing(ticks: &[MotorTick], whole: Range<usize>, constant: f64, known: &KnownMotor) -> Swing {
     let per_count = TAU / known.counts_per_rev;
     let first = ticks[whole.start].count;

@@ -1,8 +1,9 @@
 //! Identifies inertia, viscous damping and dry friction from swings: the device is pushed, released, and coasts to rest.
 //!
-//! The coast separates damping from friction: in `J dv/dt = -b v - F_k sign(v)` damping dominates at high speed, friction at low
-//! speed. The pushes give the scale, because their torque is known. The fit compares whole motions, predicted by the exact plant,
-//! with the counts that were read. So no measured value is differentiated, which would add noise.
+//! The coast separates damping from friction: in `J dv/dt = -b v - F_k sign(v)` the damping `b` dominates at high speed `v`, the
+//! friction `F_k` at low speed. The pushes give the scale of the inertia `J`, because their torque is known. The fit compares whole
+//! motions, computed by the closed-form plant model, with the recorded counts. No measured value is differentiated, which would add
+//! noise.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use touchstone_sim::error::Result;
@@ -10,10 +11,10 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Kinematics as _, State, Stepper as _};
 
-/// Commanded torque and read angle of one swing, one entry per tick.
+/// Commanded torque and measured angle of one swing (push and coast), one entry per control period.
 #[derive(Debug, Clone, Default)]
 pub struct Swing {
-    /// Torque from this sample to the next, N·m.
+    /// Torque from each sample to the next, N·m.
     pub torque_n_m: Vec<f64>,
     /// Angle as read from the encoder, rad.
     pub angle_rad: Vec<f64>,
@@ -24,11 +25,11 @@ pub struct Swing {
 pub struct Swings {
     /// Torque of a push, N·m; above the device's friction and below its torque limit.
     pub torque_n_m: f64,
-    /// Angles over which the pushes act, rad. Each gives one speed, in both directions.
+    /// Angles over which the pushes act, rad. Each angle gives one speed, in both directions.
     pub pushes_rad: [f64; 3],
     /// Longest push, s. A device that has not turned far enough by then is held, or pushed too weakly.
     pub longest_push_s: f64,
-    /// Time for the coast after each push, s. A device that has not come to rest by then is pushed again while it moves.
+    /// Time for the coast after each push, s. If the device has not come to rest by then, it is pushed again while it moves.
     pub coast_s: f64,
 }
 
@@ -55,18 +56,18 @@ pub struct Estimate {
 /// Identified properties of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia_kg_m2: Estimate,
-    /// Viscous damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: Estimate,
-    /// Dry friction while sliding, N·m.
+    /// Dry friction of the device while sliding, N·m.
     pub friction_n_m: Estimate,
-    /// Residual between predicted and read angles, root mean square, rad. If it exceeds a few encoder counts, the device has
+    /// Root mean square difference between predicted and measured angles, rad. If it exceeds a few encoder counts, the device has
     /// properties besides inertia, damping and friction.
     pub residual_rms_rad: f64,
 }
 
-/// Why the device was not identified.
+/// Reason why the device was not identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotFound {
     /// A push did not turn the device far enough.
@@ -86,12 +87,12 @@ pub enum NotFound {
         "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
     )]
     NoFit {
-        /// Residual between predicted and read angles, root mean square, rad.
+        /// Root mean square difference between predicted and measured angles, rad.
         residual_rad: f64,
     },
 }
 
-/// Simulates swings of the scene's device without a hand, read through the scene's encoder.
+/// Simulates swings (pushes with coasts) of the scene's device without a hand, measured by the scene's encoder.
 ///
 /// # Errors
 /// The plant cannot be built. The inner error is a push that did not turn the device.
@@ -151,8 +152,8 @@ fn tick(
     plant.step(state, torque, 0.0);
 }
 
-/// Predicted angles of a device with these parameters in a swing from rest, minus their mean. The commanded torque is multiplied by
-/// `torques`.
+/// Predicts the angles of a device with these parameters in a swing from rest, and subtracts their mean. The commanded torque is
+/// multiplied by `torques`.
 fn predicted(
     parameters: &DVector<f64>,
     swing: &Swing,
@@ -178,26 +179,26 @@ fn predicted(
     Some(angles)
 }
 
-/// Subtracts the mean from the angles. It is subtracted from read and predicted angles alike, because the start within the first
+/// Subtracts the mean from the angles. It is used for measured and predicted angles alike, because the start within the first
 /// encoder count is unknown.
 fn centre(angles: &mut [f64]) {
     let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
     angles.iter_mut().for_each(|angle| *angle -= mean);
 }
 
-/// Result of a fit by Gauss–Newton steps; a step is halved while it makes the fit worse.
+/// Result of a fit by Gauss–Newton steps. A step that makes the fit worse is halved.
 struct Fit {
     parameters: Vector3<f64>,
     /// Variances of inertia, damping and friction.
     variance: Vector3<f64>,
     residual_rms: f64,
-    /// Deviation of the torques from the commanded ones, root mean square, as a fraction.
+    /// Root mean square deviation of the torques from the commanded ones, as a fraction.
     torques_apart: f64,
 }
 
 /// Fits inertia, damping and friction. If the torques are uncertain, it also fits a factor on each swing's torque; the mean of the
-/// factors is 1. So the mean of the pushes sets the scale. Differences between the pushes do not distort the coasts, which alone
-/// separate damping from friction.
+/// factors is 1. The mean of the pushes thus sets the scale of the inertia. Differences between the pushes do not distort the
+/// coasts, which alone separate damping from friction.
 fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -> Option<Fit> {
     let measured: Vec<Vec<f64>> = swings
         .iter()
@@ -286,7 +287,7 @@ fn times(parameters: &DVector<f64>, index: usize) -> f64 {
     }
 }
 
-/// How exactly the torques of the swings are known.
+/// How exactly the torques of the swings (pushes) are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Torques {
     /// The torques are exactly as commanded.
@@ -295,7 +296,7 @@ pub enum Torques {
     Unsure,
 }
 
-/// Fits inertia, damping and friction to swings (pushes with the coasts that follow).
+/// Fits inertia, damping and friction to swings (pushes with the coasts after them).
 ///
 /// # Errors
 /// The fit failed or leaves too large a residual.
@@ -350,8 +351,8 @@ pub fn mechanics(
     })
 }
 
-/// Start values of the fit: inertia `J` from `x = u t²/(2 J)` of the longest push; damping and friction each take a tenth of its
-/// torque.
+/// Start values of the fit. The inertia `J` follows from the angle `x = u t²/(2 J)` of the longest push, with torque `u` and time
+/// `t`; damping and friction each take a tenth of the torque.
 fn guess(swings: &[Swing], period_s: f64) -> Option<Vector3<f64>> {
     let (torque, time, way) = swings
         .iter()

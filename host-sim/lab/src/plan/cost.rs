@@ -1,4 +1,4 @@
-//! Computing cost of a simulated tick (control period): in counted instructions, and in measured time.
+//! Computing cost of a simulated tick (control period): counted instructions, and measured time.
 
 use std::collections::BTreeMap;
 
@@ -10,18 +10,19 @@ use touchstone_sim::scene::Scene;
 
 use crate::accuracy::clock::{Spread, Work, race};
 
-/// Instruction counts, written by `cargo xtask bench --ladder --write`.
+/// Table of instruction counts, written by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
-/// How often each simulated run is timed.
+/// Number of times that each simulated run is timed.
 pub(super) const REPEATS: u32 = 15;
 
-/// Counted instructions per tick for each configuration: the bare loop, and the loop with one law, effect or pair of effects.
+/// Counted instructions per tick (control period) of each configuration: the bare loop, and the loop with one law, effect or pair
+/// of effects.
 pub struct Ladder {
     counted: BTreeMap<&'static str, f64>,
 }
 
 impl Ladder {
-    /// The instruction counts that were stored last.
+    /// Reads the instruction counts that were stored last.
     pub fn known() -> Self {
         let counted = COUNTED
             .lines()
@@ -35,7 +36,7 @@ impl Ladder {
         Some(self.counted.get(name)? - self.counted.get("bare")?)
     }
 
-    /// Instructions per tick that an effect adds when no other effect is on.
+    /// Instructions per tick that an effect adds to the bare loop when no other effect is on.
     pub fn alone(&self, name: &str) -> Option<f64> {
         self.beyond_bare(&format!("with:{name}"))
     }
@@ -45,8 +46,8 @@ impl Ladder {
             .or_else(|| self.beyond_bare(&format!("with:{b}+{a}")))
     }
 
-    /// Predicted instructions per tick: bare loop, law, each effect alone, and what each pair of effects adds beyond the sum of the
-    /// two. `None` if a count is missing.
+    /// Predicted instructions per tick (control period): bare loop, law and each effect alone, plus what each pair of effects adds
+    /// beyond its sum. `None` if a count is missing.
     pub fn predicted(&self, scene: &Scene, names: &[&str]) -> Option<f64> {
         let mut sum = *self.counted.get("bare")?;
         if scene.law.kind != LawKind::Spring {
@@ -72,7 +73,7 @@ impl Ladder {
     }
 }
 
-/// Measured computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
+/// Measures the computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
 ///
 /// # Errors
 /// The scene cannot be run.

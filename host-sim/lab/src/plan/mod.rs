@@ -1,5 +1,5 @@
-//! How the simulator runs a scene: states, eigenvalues, integration of the plant over a tick and the reason for it, computing cost
-//! of every effect, and which omitted effects would change the result.
+//! Describes how the simulator runs a scene: states, eigenvalues, how the plant is advanced over a control period and why,
+//! computing cost of every effect, and which omitted effects would change the result.
 
 mod cost;
 mod equations;
@@ -27,9 +27,9 @@ pub use omitted::{Moved, Omitted};
 pub struct Asked {
     /// Relative change of a result above which an omitted effect is listed.
     pub tolerance: f64,
-    /// Whether the computing time of a tick is measured.
+    /// Whether the computing time of a tick (control period) is measured.
     pub times: bool,
-    /// Whether effects that the scene does not have are tried.
+    /// Whether effects that the scene does not have are tried, to see if they would change the result.
     pub omitted: bool,
 }
 
@@ -43,21 +43,21 @@ impl Default for Asked {
     }
 }
 
-/// An effect that the scene has, such as friction or a current loop.
+/// A simulated effect that the scene has, such as friction or a current loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct Named {
     /// Name of the simulated effect.
     pub name: &'static str,
-    /// Where in the loop the effect acts.
+    /// Place in the control loop at which the effect acts, in words.
     pub place: &'static str,
-    /// Instructions per tick that the effect adds alone at its typical magnitude, as counted.
+    /// Counted instructions per tick (control period) that the effect alone adds to the bare loop, at its typical magnitude.
     pub instructions: Option<f64>,
-    /// Computing time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without
-    /// it. `None` if it was not measured, or if the scene cannot run without the effect.
+    /// Computing time per tick that the effect adds to this scene, ns: difference of the least measured times with and without the
+    /// effect. `None` if it was not measured, or if the scene cannot run without the effect.
     pub ns: Option<f64>,
 }
 
-/// How the simulator runs a scene.
+/// Description of how the simulator runs a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planned {
     /// Version of the results' format.
@@ -70,18 +70,18 @@ pub struct Planned {
     pub states: Vec<String>,
     /// Eigenvalues of the linear part of device and hand.
     pub eigenvalues: Vec<Eigenvalue>,
-    /// How the plant (device and hand) is integrated over a tick, in words.
+    /// Method by which the plant (device and hand) is advanced over a control period, in words.
     pub tier: String,
-    /// Substeps per tick; 1 for an exact step.
+    /// Substeps per control period; 1 for the closed-form solution.
     pub substeps: u32,
-    /// Reasons for this integration, one sentence each.
+    /// Reasons for the method and the number of substeps, one sentence each.
     pub reasons: Vec<String>,
     /// Effects that the scene has, with their computing cost.
     pub effects: Vec<Named>,
-    /// Predicted instructions per tick from counts: bare loop, law, each effect, and what each pair of effects adds, at typical
-    /// magnitudes.
+    /// Predicted instructions per tick from counts at typical magnitudes: bare loop, law and each effect, plus what each pair of
+    /// effects adds beyond its sum.
     pub predicted_instructions: Option<f64>,
-    /// Measured computing time per tick of a run without a recorder.
+    /// Measured computing time per tick (control period) of a run without a recorder.
     pub measured: Option<Spread>,
     /// Effects that the scene does not have, each tried alone.
     pub omitted: Vec<Omitted>,
@@ -89,7 +89,7 @@ pub struct Planned {
     pub tolerance: f64,
 }
 
-/// How often [`plan`] calls its `step`.
+/// Number of times that [`plan`] calls its argument `step`.
 #[must_use]
 pub fn steps(scene: &Scene, asked: Asked) -> u64 {
     let rounds = if asked.times {
@@ -104,7 +104,8 @@ pub fn steps(scene: &Scene, asked: Asked) -> u64 {
     rounds + tried
 }
 
-/// Describes how the simulator runs a scene, with the measurements that the options request. `step` is called after each round of timing and for each effect that is tried.
+/// Describes how the simulator runs a scene, with the measurements that the options request. Calls `step` after each round of
+/// timing and for each effect that is tried.
 ///
 /// # Errors
 /// A scene that cannot be run.
@@ -160,7 +161,7 @@ pub fn plan(
     })
 }
 
-/// How the plant is integrated over a tick, the number of substeps, and the reasons.
+/// Method by which the plant is advanced over a control period, the number of substeps, and the reasons.
 fn tier(scene: &Scene) -> (String, u32, Vec<String>) {
     let timing = &scene.timing;
     let mut reasons = Vec::new();

@@ -9,18 +9,18 @@ use touchstone_sim::run::effects::{EFFECTS, Effect, Place, exclude_each_other};
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::scene::Scene;
 
-/// A result that an effect changes.
+/// A result of a run, before and after an effect is added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moved {
     /// Name of the result, as in `results.json`.
     pub output: &'static str,
-    /// The result without the effect; `None` if the run has none.
+    /// The result without the effect; `None` if it does not apply.
     pub without: Option<f64>,
-    /// The result with the effect; `None` if the run has none.
+    /// The result with the effect; `None` if it does not apply.
     pub with: Option<f64>,
 }
 
-/// An effect that the scene does not have, and what it would change.
+/// A simulated effect that the scene does not have, with the results that it would change.
 #[derive(Debug, Clone, Serialize)]
 pub struct Omitted {
     /// Name of the simulated effect.
@@ -31,7 +31,7 @@ pub struct Omitted {
     pub typical: &'static str,
     /// Source of the typical magnitude.
     pub source: &'static str,
-    /// Verdict on the run with the effect, if it differs from that without.
+    /// Verdict on the run with the effect, if it differs from the verdict without the effect.
     pub verdict: Option<&'static str>,
     /// Results that the effect changes by more than the tolerance.
     pub moves: Vec<Moved>,
@@ -39,17 +39,17 @@ pub struct Omitted {
     pub not_tried: Option<String>,
 }
 
-/// A result of a run, and the change of it that is negligible.
+/// A result of a run, with the largest change that counts as negligible.
 struct Output {
     name: &'static str,
     of: fn(&Summary) -> Option<f64>,
-    /// Negligible change in the result's unit; the argument is the size of an encoder count in rad.
+    /// Largest negligible change, in the result's unit; the argument is the angle of an encoder count in rad.
     floor: fn(f64) -> f64,
 }
 
-/// Negligible change of a torque, N·m: a thousandth of the thesis' press.
+/// Largest negligible change of a torque, N·m: a thousandth of the torque of the thesis' press.
 const TORQUE_N_M: f64 = 1e-4;
-/// Negligible change of an energy, J. Rounding of sums over many ticks is of this size.
+/// Largest negligible change of an energy, J. Rounding of sums over many ticks is of this size.
 const ENERGY_J: f64 = 1e-7;
 
 const OUTPUTS: &[Output] = &[
@@ -100,10 +100,10 @@ const OUTPUTS: &[Output] = &[
     },
 ];
 
-/// Change of the start angle with which the loop's own sensitivity is measured, rad.
+/// Change of the start angle by which the sensitivity of the loop itself is measured, rad.
 const NUDGE_RAD: f64 = 1e-9;
 
-/// The effects that a scene could name and does not.
+/// Simulated effects that the scene does not have.
 pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
     let named = |effect: &Effect| (effect.is_named)(scene);
     EFFECTS.iter().filter(move |effect| {
@@ -112,8 +112,8 @@ pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
     })
 }
 
-/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one of the
-/// scene's are left out.
+/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one
+/// of the scene's are left out.
 ///
 /// # Errors
 /// A scene that cannot be run.
@@ -174,8 +174,8 @@ pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<
         .collect())
 }
 
-/// Returns the result if the effect changes it: by more than the tolerance, more than a negligible change, and more than three
-/// times the change that a start moved by [`NUDGE_RAD`] makes.
+/// Returns the result if the effect changes it significantly: by more than the tolerance, more than a negligible change, and more
+/// than three times the change that a start angle moved by [`NUDGE_RAD`] causes.
 fn moved(
     output: &Output,
     [plain, nudged, with]: [&Summary; 3],

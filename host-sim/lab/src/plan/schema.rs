@@ -1,4 +1,4 @@
-//! JSON schema of the description of how a scene is simulated. The file `docs/schema/plan.schema.json` holds its text.
+//! Makes the JSON schema of the description of how a scene is simulated, stored in `docs/schema/plan.schema.json`.
 
 use serde_json::{Value, json};
 

@@ -1,10 +1,10 @@
-//! How the simulator runs a scene, as text for a terminal.
+//! Formats the description of how the simulator runs a scene as text for a terminal.
 
 use std::fmt::Write;
 
 use super::{Omitted, Planned};
 
-/// Formats all results as text.
+/// Formats the description of how a scene is simulated as text.
 #[must_use]
 pub fn render(plan: &Planned) -> String {
     let mut out = String::new();

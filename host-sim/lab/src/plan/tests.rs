@@ -35,7 +35,7 @@ fn the_documented_schema_is_this_one() {
     );
 }
 
-/// Rows of the table of effects in `docs/effects.md`.
+/// The rows that the table of effects in `docs/effects.md` must have.
 fn rows() -> String {
     let row = |effect: &touchstone_sim::run::effects::Effect| {
         format!(

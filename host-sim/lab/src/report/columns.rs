@@ -1,4 +1,4 @@
-//! The columns of a trace file for every file format: name, unit, meaning and values.
+//! The columns of a trace file (one row per control period), the same for every file format: name, unit, meaning and values.
 
 use touchstone_sim::run::record::Trace;
 
@@ -29,7 +29,7 @@ macro_rules! columns {
             let Trace { $($field: _),* } = trace;
         };
 
-        /// Builds a trace from columns in the order of [`COLUMNS`].
+        /// Builds a trace from columns of numbers in the order of [`COLUMNS`].
         #[cfg(test)]
         pub(super) fn from_columns(columns: Vec<Vec<f64>>) -> Trace {
             let mut columns = columns.into_iter();
@@ -55,7 +55,8 @@ columns! {
     guard_account_j, "J", "what the energy guard would still pay the hand (NaN: there is none)";
 }
 
-/// Number of samples in every column. The columns of a [`Trace`] have equal length; the shortest counts, so that no reader panics.
+/// Number of samples in a trace. All columns of a [`Trace`] should have equal length; the shortest counts, so that no reader
+/// panics.
 pub fn len(trace: &Trace) -> usize {
     let len = COLUMNS
         .iter()

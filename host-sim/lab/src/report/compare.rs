@@ -14,10 +14,10 @@ use super::quantity::plain;
 use super::svg::escape;
 use touchstone_sim::run::record::Trace;
 
-/// Most ticks of a trace that are embedded in the page. Of a longer trace, which is divided into stretches, only the lowest and
-/// highest angle of each stretch are embedded.
+/// Largest number of ticks of a trace that are embedded in the page. A longer trace is divided into stretches, of which only the
+/// lowest and highest angle are embedded.
 const MOST: usize = 4000;
-/// Number of integer steps from the lowest to the highest value of a column.
+/// Number of integer steps into which the range of a column is divided.
 const STEPS: f64 = 8000.0;
 
 /// Writes the section that compares two runs, with its data; nothing if fewer than two runs have a recorded trace.
@@ -80,7 +80,8 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     page.push_str("}</script>\n</section>\n");
 }
 
-/// A trace as integers. Each column has its lowest value, the size of a step, and the differences from tick to tick in steps.
+/// Encodes a trace as integers: for each column its lowest value, the size of a step, and the differences from tick to tick in
+/// steps.
 fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     let kept = kept(&trace.angle_rad);
     let column = |values: &[f64]| {

@@ -1,6 +1,6 @@
 //! Tests that the colours of `page.css` have enough contrast in the light and the dark theme.
 
-/// A colour of the style sheet. `variables` is the block of variables of the light or the dark theme.
+/// Reads a colour from the style sheet. `variables` is the block of variables of the light or the dark theme.
 fn colour(variables: &str, name: &str) -> [f64; 3] {
     let hex = variables
         .split(&format!("--{name}: #"))

@@ -1,4 +1,4 @@
-//! A trace as CSV: one header line, one line per tick, with the columns of [`COLUMNS`].
+//! Writes a trace as CSV: one header line, then one line per tick (control period), with the columns of [`COLUMNS`].
 
 use std::io::{self, Write};
 
@@ -27,8 +27,8 @@ pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     csv.flush()
 }
 
-/// A number with a decimal point, as in every table of the program. Without it, a reader that sees thousands of rows of `0` may
-/// take the column for integers, and round or refuse later values.
+/// Writes a number with a decimal point, as in every table of the program. Without the point, a reader that sees thousands of rows
+/// of `0` may take the column for integers, and round or refuse later values.
 pub fn decimal(number: impl Display) -> String {
     let mut text = number.to_string();
     let digits = text.strip_prefix('-').unwrap_or(&text);
@@ -38,7 +38,7 @@ pub fn decimal(number: impl Display) -> String {
     text
 }
 
-/// Shortest decimal form that reads back the same `f64`; with an exponent where plain digits would be long.
+/// A number in its shortest decimal form that reads back the same `f64`, with an exponent where plain digits would be long.
 struct Decimal {
     text: [u8; 32],
     len: usize,

@@ -1,23 +1,24 @@
 //! Reduces traces to the points that a plot can show, so that a page with many plots stays small. Extremes are kept.
 //!
-//! Coordinates are in fine steps of the drawing: [`super::svg::FINE`] of them are a pixel at the plot's nominal size.
+//! Coordinates are in fine steps of the drawing; [`super::svg::FINE`] steps make a pixel at the plot's nominal size.
 
 use std::collections::HashSet;
 
-/// A point of a drawing, in fine steps.
+/// A point of a drawing, in fine steps (tenths of a pixel).
 pub type Point = (i32, i32);
 
-/// Largest deviation of a simplified line, fine steps: a sixth of a pixel.
+/// Largest deviation of a simplified line, in fine steps: a sixth of a pixel.
 const TOLERANCE: f64 = 1.6;
 
-/// Width of a column in [`series`], fine steps: half a pixel, so that an enlarged plot or a dense screen looks sharp.
+/// Width of a column in which [`series`] keeps extremes, in fine steps. Half a pixel looks sharp even in an enlarged plot or on a
+/// dense screen.
 const COLUMN: i32 = 5;
 
-/// Most points of a position–force path. A path with more points is drawn on coarser grids.
+/// Largest number of points of a force–position path. A path with more points is drawn on coarser grids.
 const PATH_POINTS: usize = 6000;
 
-/// Reduces a time series with points in order of `x`. Of each column half a pixel wide, the first, lowest, highest and last sample
-/// are kept; others are not visible. Then points on straight stretches are dropped. A NaN ends a stretch.
+/// Reduces a time series with points in order of `x`. In each column half a pixel wide, the first, lowest, highest and last sample
+/// are kept; others are not visible. Then points on straight stretches are dropped. A NaN interrupts the line.
 pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
     let mut stretches = Vec::new();
     let mut stretch: Vec<Point> = Vec::new();
@@ -66,11 +67,11 @@ pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
     stretches
 }
 
-/// Reduces a path that may turn back on itself. Points that do not move the pen visibly are dropped, then Douglas–Peucker
-/// simplifies.
+/// Reduces a path that may turn back on itself. Points that do not move the pen visibly are dropped, then the Douglas–Peucker
+/// algorithm simplifies the path.
 ///
 /// An oscillation draws the same lines repeatedly. If the path still has too many points, it is rounded to a grid and each line of
-/// the grid is drawn once. The grid becomes coarser until the points suffice, from a tenth of a pixel up to three pixels.
+/// the grid is drawn once. The grid becomes coarser until the points are few enough, from a tenth of a pixel up to three pixels.
 pub fn path(stretches: Vec<Vec<(f64, f64)>>) -> Vec<Vec<Point>> {
     let snap = |stretch: &Vec<(f64, f64)>, grid: f64| {
         let mut points: Vec<Point> = stretch
@@ -120,7 +121,8 @@ fn draw_once(points: &[Point], drawn: &mut HashSet<(Point, Point)>) -> Vec<Vec<P
     stretches
 }
 
-/// Douglas–Peucker without recursion: reduces the corners so that no point is further than [`TOLERANCE`] from the line.
+/// Simplifies a path by the Douglas–Peucker algorithm without recursion, so that no dropped point is further than [`TOLERANCE`]
+/// from the line.
 fn simplify(points: &[Point]) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();

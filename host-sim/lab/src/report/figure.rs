@@ -1,6 +1,7 @@
-//! A figure as data: axes with units, and lines with their roles. The renderer chooses colours, dashes and pixels.
+//! A figure as data: axes with units, and lines with their roles. The code that draws the figure chooses colours, dashes and
+//! pixels.
 //!
-//! All numbers are in SI units. `svg.rs` renders figures as SVG; the page's script renders the same lines from JSON.
+//! All numbers are in SI units. `svg.rs` draws figures as SVG; the page's script draws the same lines from JSON.
 
 use serde::Serialize;
 
@@ -15,13 +16,13 @@ pub struct Figure {
     pub x: Axis,
     /// Vertical axis of the figure.
     pub y: Axis,
-    /// Which side of the figure is inside the wall.
+    /// The side of the figure that is inside the wall; `None` for a figure without a wall.
     pub wall: Option<Wall>,
     /// Lines in drawing order; later ones cover earlier ones.
     pub lines: Vec<Line>,
 }
 
-/// The part of a figure that is inside the wall.
+/// The side of a figure that is inside the wall.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub enum Wall {
     /// The wall is to the right of this coordinate of the horizontal axis.
@@ -39,12 +40,12 @@ pub struct Axis {
     pub unit: String,
     /// Lower and upper end of the axis.
     pub range: Range,
-    /// Coordinates of the marks, with their labels; `None` for round numbers that the renderer chooses.
+    /// Coordinates of the axis' tick marks, with their labels; `None` for round numbers that the drawing code chooses.
     pub marks: Option<Vec<(f64, String)>>,
 }
 
 impl Axis {
-    /// Creates an axis over `range` with round marks.
+    /// Makes an axis over `range` with round tick marks.
     pub fn new(title: &str, unit: &str, range: Range) -> Self {
         Axis {
             title: title.to_owned(),
@@ -54,8 +55,8 @@ impl Axis {
         }
     }
 
-    /// Creates an axis of decimal logarithms over `range`, which also is in logarithms. Powers of ten are marked, and values
-    /// between them if there are few powers.
+    /// Makes an axis of decimal logarithms over `range`, which is also in logarithms. Powers of ten are marked, and values between
+    /// them if there are few powers.
     pub fn powers_of_ten(title: &str, unit: &str, range: Range) -> Self {
         let mut axis = Axis::new(title, unit, range);
         let width = axis.range.max - axis.range.min;
@@ -95,9 +96,9 @@ impl Axis {
 /// One line of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Line {
-    /// Role of the line, which is also the name of its CSS class: `hip`, `surf`, `force`, …
+    /// Role of the line, which is also the name of its CSS class: `hip` (device position), `surf` (surface), `force`, …
     pub role: &'static str,
-    /// Name in the legend and in read-outs; empty for a line without.
+    /// Name of the line in the legend and in read-outs; empty for a line without a name.
     pub name: String,
     /// Points or position of the line.
     pub shape: Shape,
@@ -116,22 +117,22 @@ pub enum Shape {
     Vertical(f64),
     /// Filled rectangles, each as left, right, bottom, top.
     Tiles(Vec<[f64; 4]>),
-    /// Single points, each with a sign.
+    /// Single points, each with a symbol for a verdict.
     Signs(Vec<(f64, f64, Sign)>),
 }
 
-/// A sign for a verdict. Signs differ in shape as well as in colour.
+/// A symbol that stands for a verdict in a figure. Symbols differ in shape as well as in colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Sign {
-    /// The sign is a full dot.
+    /// A full dot.
     Dot,
-    /// The sign is an open triangle.
+    /// An open triangle.
     Triangle,
-    /// The sign is two waves.
+    /// Two waves.
     Waves,
-    /// The sign is a cross.
+    /// A cross.
     Cross,
-    /// The sign is an open circle.
+    /// An open circle.
     Ring,
 }
 
@@ -179,7 +180,7 @@ impl Range {
         values.into_iter().fold(Range::EMPTY, Range::with)
     }
 
-    /// The interval that also includes `value`, if it is finite.
+    /// The interval extended to include `value`, if `value` is finite.
     pub fn with(self, value: f64) -> Self {
         if value.is_finite() {
             Range {
@@ -207,7 +208,7 @@ impl Range {
         }
     }
 
-    /// The interval, extended below and above by these fractions of its width.
+    /// The interval, extended below and above by the given fractions of its width.
     pub fn padded(self, below: f64, above: f64) -> Self {
         let width = self.max - self.min;
         Range {
@@ -216,7 +217,7 @@ impl Range {
         }
     }
 
-    /// The interval itself, or one that can be drawn if it is empty or has zero width.
+    /// The interval itself, or a drawable one if it is empty or has zero width.
     pub fn or_unit(self) -> Self {
         if self.min < self.max && (self.max - self.min).is_finite() {
             // In a range narrower than `f64` can divide, ticks and positions would be NaN.

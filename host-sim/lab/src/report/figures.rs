@@ -1,4 +1,4 @@
-//! The figures of a run, as data: force over position, and force, positions, stiffness, hand and energies over time.
+//! Makes the figures of a run as data: force over position, and force, positions, stiffness, hand and energies over time.
 
 use super::figure::{Axis, Figure, Range, Shape, Wall};
 use super::label;
@@ -8,17 +8,17 @@ use super::view::{Ranges, View};
 /// The types of figures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Force over position, thesis Figs. 5.2–5.5.
+    /// Force over position, as in the thesis' Figs. 5.2 to 5.5.
     PositionForce,
     /// Force over time.
     Force,
-    /// Positions over time, thesis Fig. 5.6.
+    /// Positions over time, as in the thesis' Fig. 5.6.
     Trajectory,
-    /// Displayed stiffness over time, thesis Fig. 5.7.
+    /// Displayed stiffness over time, as in the thesis' Fig. 5.7.
     Stiffness,
     /// Angles of the hand and of its rest point over time.
     Hand,
-    /// Energy over time: as the law observes it, and the true one.
+    /// Energy of the wall over time: the true energy, and the energy that the control law observes.
     Energy,
 }
 
@@ -33,7 +33,7 @@ impl Kind {
         Kind::Energy,
     ];
 
-    /// Figures that are drawn side by side for all laws, because laws differ visibly in them.
+    /// Types of figures that are drawn side by side for all control laws, because the laws differ visibly in them.
     pub const SIDE_BY_SIDE: [Kind; 4] = [
         Kind::PositionForce,
         Kind::Trajectory,
@@ -67,8 +67,8 @@ impl Kind {
 }
 
 impl View<'_> {
-    /// Creates one figure of the run. With `detail` it has the lines that matter only for a single run: offset, virtual mass,
-    /// device losses.
+    /// Makes one figure of the run. With `detail` it also has lines that matter only for a single run: offset of the surface,
+    /// virtual mass, device losses.
     pub fn figure(&self, kind: Kind, ranges: &Ranges, detail: bool) -> Figure {
         let mut figure = match kind {
             Kind::PositionForce => self.position_force(ranges),

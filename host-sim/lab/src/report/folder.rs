@@ -1,4 +1,4 @@
-//! Writes a folder of results other than runs of scenes: either all files or none, and never over files of another command.
+//! Writes a folder of results that are not runs of scenes: either all files or none, and never over files of another command.
 
 use std::fs;
 use std::path::{Path, PathBuf};

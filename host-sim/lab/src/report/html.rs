@@ -12,8 +12,8 @@ use super::try_cell;
 use super::view::View;
 use super::{Block, PARQUET, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
-/// The whole page. Heading, picture, sentences and one table come first; everything else is folded below. `origin` lists the files
-/// beside the page; with the default value the page has no links to files.
+/// The whole page as HTML. Heading, picture, sentences and one table come first; the rest is folded. `origin` lists the files
+/// beside the page; an empty `origin` gives a page without links to files.
 pub fn render(input: &ReportInput, origin: &Origin) -> String {
     let matrices = matrices(input.runs);
     let rows: Vec<(usize, usize)> = matrices
@@ -125,7 +125,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     }
 }
 
-/// Writes a section that the caller has composed.
+/// Writes a section that the caller has composed; `folded` says whether the section starts folded.
 pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) {
     let (id, title) = (anchor(&section.title), escape(&section.title));
     let end = if folded {
@@ -239,7 +239,7 @@ pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
     );
 }
 
-/// Converts a heading to an identifier for links.
+/// Converts a heading to an HTML identifier for links.
 fn anchor(title: &str) -> String {
     let safe: String = title
         .chars()

@@ -25,7 +25,7 @@ struct Results<'a> {
     program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
-    /// Number of ticks per row of a trace file; absent if no files were written.
+    /// The trace files contain every n-th tick (control period), with this n; absent if no files were written.
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_every: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,7 +49,7 @@ struct Entry<'a> {
     trace_parquet: Option<&'a str>,
 }
 
-/// Output of `--json`: as [`written`], without files.
+/// Output of the option `--json`: same as [`written`], without the list of files.
 pub fn render(input: &ReportInput) -> String {
     text(input, &Origin::default(), None)
 }
@@ -94,7 +94,7 @@ fn text(input: &ReportInput, origin: &Origin, files: Option<&[String]>) -> Strin
     text
 }
 
-/// Metadata of a trace file that say where the trace comes from, as keys and values.
+/// Metadata of a trace file about its origin (program, command, scene), as keys and values.
 pub fn trace_origin(
     input: &ReportInput,
     inputs: &[Input],
@@ -115,7 +115,7 @@ pub fn trace_origin(
     more
 }
 
-/// Text of the metadata file beside a trace's CSV file.
+/// Text of the metadata file that accompanies a trace's CSV file.
 pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
     let columns: Vec<[&str; 4]> = COLUMNS
         .iter()
@@ -124,8 +124,8 @@ pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
     tabular(csv, &columns, origin)
 }
 
-/// Text of the metadata file beside a CSV file, in the W3C's vocabulary for tabular data: name, type, meaning and unit of each
-/// column, and the origin of the data.
+/// Text of the metadata file that accompanies a CSV file, in the W3C's vocabulary for tabular data. It gives name, type, meaning
+/// and unit of each column, and the origin of the data.
 pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String)]) -> String {
     let columns: Vec<Value> = columns
         .iter()

@@ -1,19 +1,19 @@
-//! Texts for readers: names and explanations of laws, verdicts and the conditions of a run.
+//! Texts for readers of reports: names and explanations of control laws, verdicts and the conditions of a run.
 
 use super::figure::Sign;
 use super::quantity::{grouped, plain};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Summary, Verdict};
 
-/// Name and explanation of a control law.
+/// Name and explanation of a control law, for readers.
 pub struct LawWords {
     /// Short name of the law for readers.
     pub name: &'static str,
-    /// What the law does, in a clause.
+    /// What the control law does, as a clause.
     pub meaning: &'static str,
 }
 
-/// Name and explanation of a law. A new law needs one more arm here.
+/// Name and explanation of a control law. A new law needs one more arm here.
 pub fn law_words(law: LawKind) -> LawWords {
     let (name, meaning) = match law {
         LawKind::Spring => ("Spring", "force in proportion to the penetration"),
@@ -47,7 +47,7 @@ pub fn law(law: LawKind) -> &'static str {
     law_words(law).name
 }
 
-/// Name of a run for readers: the name of its law, unless the report gives the run another.
+/// Name of a run for readers: the name of its law, or the name that the report gives to the run.
 pub fn run_name(run: &Summary) -> &'static str {
     run.shown_as.unwrap_or(law(run.law))
 }
@@ -61,15 +61,15 @@ pub fn law_order(law: LawKind) -> usize {
 pub struct VerdictWords {
     /// Name of the verdict in one or two words.
     pub name: &'static str,
-    /// Name of the verdict in results, and of its CSS class.
+    /// Name of the verdict in results files, and of its CSS class.
     pub key: &'static str,
-    /// A character that stands for the verdict, so that colour is never the only difference.
+    /// A character that stands for the verdict, so that verdicts do not differ by colour alone.
     pub sign: &'static str,
-    /// The verdict's sign in a figure.
+    /// The verdict's symbol in a figure.
     pub mark: Sign,
     /// ANSI colour code of the verdict in a terminal.
     pub ansi: &'static str,
-    /// Meaning of the verdict.
+    /// Meaning of the verdict, in words.
     pub meaning: &'static str,
 }
 
@@ -137,7 +137,7 @@ impl Condition {
     }
 }
 
-/// Name of a run's trace file without ending. It contains everything that usually differs between runs of a report.
+/// Name of a run's trace file without extension. It contains everything that usually differs between runs of a report.
 pub fn file_stem(summary: &Summary) -> String {
     let counts = summary
         .encoder_counts_per_rev
@@ -158,8 +158,8 @@ pub fn file_stem(summary: &Summary) -> String {
         .to_owned()
 }
 
-/// `text` with every character replaced that a file name must not contain. The name of a scene comes from a file and may contain
-/// any character, even a path separator.
+/// Replaces every character of `text` that a file name must not contain. The name of a scene comes from a file and may contain any
+/// character, even a path separator.
 pub fn safe(text: &str) -> String {
     let safe = |c: char| {
         if c.is_ascii_alphanumeric() || c == '.' || c == '-' || c == '_' {

@@ -1,20 +1,21 @@
-//! Sorts runs into tables, one for each set of conditions: requested stiffness downwards, control laws across.
+//! Sorts runs into tables, one for each set of conditions. Rows are requested stiffnesses, columns are control laws.
 
 use super::label::{self, Condition};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Summary};
 
-/// A column of a table: a control law, or one set of its settings to which the report gives a name.
+/// A column of a table: a control law, or a set of its settings that the report has named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Column {
-    /// Name of the column in place of the law's own. It is the first field, so that columns with such a name are sorted last.
+    /// Name of the column in place of the law's name. The field comes first, so that columns with a name of their own are sorted
+    /// last.
     shown_as: Option<&'static str>,
     /// The control law of the column.
     pub law: LawKind,
 }
 
 impl Column {
-    /// The column in which a run stands.
+    /// The column to which a run belongs.
     pub fn of(run: &Summary) -> Self {
         Self {
             shown_as: run.shown_as,
@@ -41,9 +42,9 @@ pub struct Matrix {
     pub distinction: String,
     /// Requested stiffness of each row, N·m/rad, ascending.
     pub stiffnesses: Vec<f64>,
-    /// Control law of each column.
+    /// Control law (or named set of its settings) of each column.
     pub laws: Vec<Column>,
-    /// Indices of the runs in `cells[row][column]`; several if the same cell was run more than once.
+    /// Indices of the runs in `cells[row][column]`; several if the same conditions were run more than once.
     pub cells: Vec<Vec<Vec<usize>>>,
 }
 

@@ -1,9 +1,9 @@
-//! The measures of a run, defined once for table, page, `results.json` and its schema. A new measure needs one new row here.
+//! The list of measures of a run, used by table, page, `results.json` and its schema. A new measure needs one new entry here.
 
 use super::quantity::{grouped, significant, with_unit};
 use touchstone_sim::run::record::Summary;
 
-/// A measure of a run.
+/// A measure of a run, with its names, unit and value.
 pub struct Measure {
     /// Name of the measure in `results.json`: the name of the field in [`Summary`].
     pub field: &'static str,
@@ -13,7 +13,7 @@ pub struct Measure {
     pub unit: &'static str,
     /// Meaning of the measure, for the schema.
     pub meaning: &'static str,
-    /// The measure's value; `None` where it does not apply.
+    /// The measure's value in SI units; `None` where it does not apply.
     pub value: fn(&Summary) -> Option<f64>,
     /// Formats the measure's value for readers.
     pub shown: fn(&Summary, f64) -> String,
@@ -108,7 +108,7 @@ measures! {
         |s| Some(s.contact_ticks as f64), |s, x| format!("{} of {} ticks", grouped(x), grouped(s.ticks as f64));
 }
 
-/// Settings of a run that are numbers: field, unit, meaning.
+/// Settings of a run that are numbers, each with field, unit and meaning.
 pub const SETTINGS: &[(&str, &str, &str)] = &[
     ("k_desired", "N·m/rad", "desired stiffness k_de of the wall"),
     (
@@ -120,7 +120,7 @@ pub const SETTINGS: &[(&str, &str, &str)] = &[
     ("ticks", "1", "ticks that were simulated"),
 ];
 
-/// Results of a run in words and rounded numbers, for readers; `results.json` has all digits.
+/// Results of a run as texts with rounded numbers, for readers; `results.json` has all digits.
 pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     let fact = |m: &Measure| (m.value)(s).map(|value| (m.words, (m.shown)(s, value)));
     let why = s.not_judged.as_ref().map(|why| ("why", why.clone()));

@@ -3,7 +3,7 @@
 //!
 //! [`ReportInput`] has the results. [`write::write`] writes the folder, from which every run can be repeated. [`table::render`]
 //! makes the terminal's table, and [`json::render`] the output of `--json`. All numbers are in SI units; only texts for readers use
-//! prefixes.
+//! prefixes such as milli.
 
 mod anchor;
 pub mod columns;
@@ -57,11 +57,11 @@ use std::path::PathBuf;
 use touchstone_sim::run::record::Run;
 use touchstone_sim::scene::Scene;
 
-/// Contents of a report. Everything but the runs may be empty: `ReportInput { title, command, runs, ..Default::default() }`.
+/// Contents of a report. All fields but the runs may be empty: `ReportInput { title, command, runs, ..Default::default() }`.
 ///
-/// Runs are sorted by their conditions (scene, grip, encoder, rate, number format) into tables of requested stiffness `k_de` ×
-/// control law. So a list of runs is enough for the thesis' comparison, a single run and a sweep over grips alike. A run without a
-/// trace appears with its numbers, without plots.
+/// Runs are sorted by their conditions (scene, grip, encoder, rate, number format) into tables with one row per requested stiffness
+/// and one column per control law. A list of runs is therefore enough for the thesis' comparison, a single run or a sweep over
+/// grips. A run without a trace appears with its numbers, without plots.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ReportInput<'a> {
     /// Heading of the page.
@@ -76,19 +76,20 @@ pub struct ReportInput<'a> {
     pub scenes: &'a [Scene],
     /// Files from which the scenes were read. Recordings are not among them; the scenes name those.
     pub inputs: &'a [PathBuf],
-    /// Which files the report writes.
+    /// Options on the files that the report writes.
     pub files: FileOptions,
-    /// Critical stiffness `k_c` of device and control rate, N·m/rad. It is drawn beside the displayed stiffness.
+    /// Largest stable stiffness of a plain sampled spring for device and control rate, N·m/rad. It is drawn next to the displayed
+    /// stiffness.
     pub k_critical: Option<f64>,
     /// The runs with their results.
     pub runs: &'a [Run],
     /// Warnings that a reader has to know, such as settings beyond a passivity bound.
     pub notes: &'a [String],
-    /// References for one requested stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
+    /// Notes on single requested stiffnesses: the stiffness in N·m/rad, and a text such as a figure number of the thesis.
     pub row_notes: &'a [(f64, String)],
-    /// Further sections between the tables and the plots; they are folded if there are several sections or runs.
+    /// Further sections between the tables and the plots. They are folded if the report has several sections or runs.
     pub sections: &'a [Section],
-    /// Text of the interactive page. If given, every run whose scene is written out can be tried in the report.
+    /// Text of the interactive page. If given, readers can try every run whose scene is written out.
     pub live_page: Option<&'a str>,
 }
 
@@ -104,7 +105,7 @@ pub struct Section {
     pub folded: bool,
 }
 
-/// A part of a [`Section`]. Texts are plain; the page escapes them.
+/// A part of a [`Section`]. Its texts are plain; the page escapes them.
 #[derive(Debug, Clone)]
 pub enum Block {
     /// A paragraph of text.
@@ -130,7 +131,7 @@ pub const PARQUET: bool = cfg!(feature = "parquet");
 pub struct FileOptions {
     /// Writes traces as Parquet only and not as CSV, if the program has [`PARQUET`].
     pub no_csv: bool,
-    /// Traces contain every `every`th tick; 0 and 1 mean all ticks.
+    /// Traces contain every n-th tick (control period), with this n; 0 and 1 mean all ticks.
     pub every: usize,
     /// Whether files of another command in the folder are replaced.
     pub force: bool,

@@ -1,4 +1,5 @@
-//! Where a report comes from, so that it can be repeated: program, command, scenes with every value, input files with their hashes.
+//! Records the origin of a report, so that it can be repeated: program, command, scenes with every value, and input files with
+//! their hashes.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ impl Default for ProgramVersion {
     }
 }
 
-/// An input file that was read.
+/// An input file that a report was made from.
 #[derive(Debug, Clone, Serialize)]
 pub struct Input {
     /// The path as the user gave it.
@@ -58,7 +59,7 @@ pub struct Input {
 /// The files that belong to one run, relative to the report's folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunFiles {
-    /// A name of the run that no other run of the report has, nor a run of another scene.
+    /// Name of the run, unique among the runs of the report and of other scenes.
     pub name: String,
     /// The scene file with every value; absent if no scenes are written.
     pub scene: Option<SceneFile>,
@@ -195,7 +196,7 @@ fn read(path: &Path, copy: Option<String>) -> Result<Input> {
     })
 }
 
-/// Texts of the scene files; `up` is the path from a scene's folder to the report's folder.
+/// Texts of the scene files that are written out; `up` is the path from a scene's folder to the report's folder.
 fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) -> Vec<String> {
     let text = |scene: &Scene| {
         let mut scene = scene.clone();
@@ -209,11 +210,11 @@ fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) ->
     scenes.iter().map(text).collect()
 }
 
-/// Longest name of a trace file without its endings, bytes; file systems accept 255.
+/// Longest name of a trace file without its extension, bytes; file systems accept 255.
 const STEM_MAX: usize = 160;
 
-/// Names of the runs from their conditions. If several runs share a name, the values in which their scenes differ are added, or a
-/// number if that would be too long for a file name.
+/// Makes the names of the runs from their conditions. If several runs share a name, the values in which their scenes differ are
+/// added, or a number if the name would be too long for a file.
 fn stems(input: &ReportInput) -> Vec<String> {
     let mut stems: Vec<String> = input
         .runs

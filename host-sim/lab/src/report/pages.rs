@@ -26,7 +26,7 @@ pub struct Page<'a> {
     pub sections: &'a [Section],
     /// Name and value of the results' entry in `results.json`.
     pub results: (&'a str, &'a Value),
-    /// Further files: their names and texts.
+    /// Further files in the folder: their names and texts.
     pub files: &'a [(String, String)],
     /// Whether files of another command in the folder are replaced.
     pub force: bool,

@@ -1,5 +1,5 @@
-//! A trace as a Parquet file, for pandas, polars, DuckDB and similar tools: columns of doubles, with units and the run's summary in
-//! the metadata. Also writes any other table.
+//! Writes a trace as a Parquet file, for pandas, polars, DuckDB and similar tools: columns of doubles, with units and the run's
+//! summary in the metadata. Also writes any other table.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -16,8 +16,8 @@ use super::columns::{self, COLUMNS};
 use touchstone_control::Choice;
 use touchstone_sim::run::record::{Run, Trace};
 
-/// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can be read
-/// in parts.
+/// Number of ticks in a row group: a minute at 1 kHz, about 6 MB before compression. Usual traces are one group; a long recording
+/// can be read in parts.
 const GROUP: usize = 60_000;
 
 /// Writes the trace of `run`, every `every`th tick from the first on.
@@ -122,7 +122,7 @@ fn builder<'a>(metadata: impl Iterator<Item = (&'a str, String)>) -> WriterPrope
         ))
 }
 
-/// Values of one column of a table that is no trace.
+/// Values of one column of a table other than a trace.
 #[derive(Debug, Clone)]
 pub enum Values<'a> {
     /// Numbers; a missing value is NaN.

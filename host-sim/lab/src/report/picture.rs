@@ -1,4 +1,5 @@
-//! The picture at the top of a report: how much of the requested stiffness each law displays, and two runs drawn over each other.
+//! The picture at the top of a report: which fraction of the requested stiffness each law displays, and two runs drawn over each
+//! other.
 
 use std::fmt::Write;
 
@@ -44,7 +45,7 @@ pub fn figures(input: &ReportInput) -> Vec<Figure> {
     figures
 }
 
-/// CSS class of the lines for a column of the table.
+/// CSS class of the lines for a column of the table of runs.
 fn column_class(column: Column) -> &'static str {
     if column.is_named() {
         "law-h"
@@ -53,7 +54,7 @@ fn column_class(column: Column) -> &'static str {
     }
 }
 
-/// CSS class of the lines for a law.
+/// CSS class of the lines for a control law.
 pub fn law_class(law: LawKind) -> &'static str {
     match law {
         LawKind::Spring => "law-a",
@@ -66,7 +67,7 @@ pub fn law_class(law: LawKind) -> &'static str {
     }
 }
 
-/// Figure of the displayed stiffness in percent of the requested one, for each law at each requested stiffness.
+/// Figure of the displayed stiffness in percent of the requested stiffness, for each law at each requested stiffness.
 fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     let share = |index: usize| {
         let s = &runs[index].summary;
@@ -129,7 +130,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     Some(figure)
 }
 
-/// Explains the signs that occur, with the verdict for each.
+/// Explains the verdict symbols that occur among the runs `members`.
 fn signs(runs: &[Run], members: &[usize]) -> String {
     let mut verdicts: Vec<Verdict> = members.iter().map(|&i| runs[i].summary.verdict).collect();
     verdicts.sort();
@@ -147,8 +148,8 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// Two runs of the first table to draw over each other: the best and the worst law at the highest stiffness that more than one law
-/// ran at.
+/// Chooses two runs of the first table to draw over each other: the best and the worst law at the highest stiffness at which more
+/// than one law was run.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {
         let members = table.row(row);
@@ -310,8 +311,8 @@ pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     out
 }
 
-/// The lines of a figure that have a name, each with its distance from the figure's left edge and its row in the legend; and the
-/// number of rows.
+/// Layout of the legend: the lines of a figure that have a name, each with its distance from the figure's left edge and its row.
+/// Also the number of rows.
 fn legend(figure: &Figure, size: Size) -> (Vec<(&Line, u32, u32)>, u32) {
     let (mut x, mut row) = (40, 0);
     let mut entries = Vec::new();

@@ -63,7 +63,7 @@ pub fn document(title: &str, description: &str, mut object: Value) -> Value {
     object
 }
 
-/// Path of the first part of a value that does not fit a schema of this module; `None` if the value fits. For tests.
+/// Path of the first part of a value that does not fit a schema made by this module; `None` if the value fits. Used by tests.
 pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
     let types: Vec<&str> = match &schema["type"] {
         Value::String(one) => vec![one],
@@ -102,8 +102,8 @@ pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
         })
 }
 
-/// Checks that a file in `docs/schema` has the text of this schema. It writes the file instead if `TOUCHSTONE_WRITE_SCHEMA` is set.
-/// For tests.
+/// Checks that a file in `docs/schema` has the text of this schema. With the variable `TOUCHSTONE_WRITE_SCHEMA` it writes the file
+/// instead. Used by tests.
 #[cfg(test)]
 pub fn is_documented(file: &str, schema: &Value) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

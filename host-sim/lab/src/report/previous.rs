@@ -1,4 +1,5 @@
-//! Results of an earlier command in a folder: the same command replaces them, any other command refuses.
+//! Checks for results of an earlier command in a folder. Results of the same command may be replaced, those of another command may
+//! not.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,7 +12,7 @@ struct Previous {
     files: Vec<String>,
 }
 
-/// Refuses a folder that holds the results of another command than `command`, unless `force` is set. To be called before a long
+/// Refuses a folder that holds the results of another command than `command`, unless `force` is set. Callers check before a long
 /// run.
 ///
 /// # Errors
@@ -20,7 +21,7 @@ pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
     stale(folder, command, force, &[]).map(drop)
 }
 
-/// Files of the earlier report that are not among `names`, relative to `folder`.
+/// Files of the earlier results that are not among `names`, relative to `folder`; they are out of date.
 ///
 /// # Errors
 /// The errors of [`check`]; also if a file of `names` exists that no earlier report lists.
@@ -75,7 +76,7 @@ fn read(folder: &Path) -> Option<Previous> {
     })
 }
 
-/// The words of a command line, without the option that only says whether files may be replaced.
+/// The words of a command line, without the option that says whether files may be replaced.
 fn plain(command: &str) -> Vec<&str> {
     let words = command.split_whitespace();
     words.filter(|word| *word != "--force").collect()

@@ -3,7 +3,7 @@
 /// A unit with an SI prefix: `shown = si / factor`, where `shown` is the number that readers see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// Size of the prefixed unit in the SI unit, for example 0.001 for `mN·m`.
+    /// Size of the prefixed unit in SI units, for example 0.001 for `mN·m`.
     pub factor: f64,
     /// The unit with its prefix, e.g. `mN·m`.
     pub unit: String,
@@ -19,7 +19,7 @@ const PREFIXES: [(f64, &str); 7] = [
     (1e6, "M"),
 ];
 
-/// Chooses the prefix with which `largest` (in SI units, sign ignored) is between 1 and 1000.
+/// Chooses the prefix with which the magnitude of `largest` (in SI units) is shown as a number between 1 and 1000.
 ///
 /// Quotients such as N·m/rad keep their plain unit: 500 mN·m/rad is harder to compare with 2.5 N·m/rad than 0.5 N·m/rad is.
 pub fn scale_for(largest: f64, unit: &str) -> Scale {
@@ -76,7 +76,7 @@ pub fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     format!("{} {}", significant(shown, digits), scale.unit)
 }
 
-/// Shortest decimal form of a setting: `2.5`, `20`, `0.5`.
+/// Formats a setting in its shortest decimal form: `2.5`, `20`, `0.5`.
 pub fn plain(value: f64) -> String {
     format!("{value}")
 }
@@ -98,8 +98,8 @@ pub fn grouped(value: f64) -> String {
     out + rest
 }
 
-/// Tick marks with their labels at multiples of 1, 2 or 5 times a power of ten inside `min..=max`. Their number is about `wanted`,
-/// at most two fifths more.
+/// Tick marks of an axis with their labels, at multiples of 1, 2 or 5 times a power of ten inside `min..=max`. Their number is
+/// about `wanted`, at most two fifths more.
 pub fn ticks(min: f64, max: f64, wanted: usize) -> Vec<(f64, String)> {
     let span = max - min;
     if !(span > 0.0 && span.is_finite()) {

@@ -1,4 +1,4 @@
-//! The part of the page below the tables: for each stiffness the figures of all laws side by side, then each run.
+//! The part of the page below the tables: for each requested stiffness the figures of all laws side by side, then each run.
 
 use std::fmt::Write;
 
@@ -125,7 +125,7 @@ pub fn row(
     page
 }
 
-/// Results at one requested stiffness as sentences, from its runs.
+/// Describes the results at one requested stiffness in sentences.
 fn found(views: &[(usize, View)]) -> String {
     let mut text = String::new();
     let mut verdicts: Vec<Verdict> = views.iter().map(|(_, v)| v.run.summary.verdict).collect();
@@ -158,7 +158,7 @@ fn found(views: &[(usize, View)]) -> String {
     text.trim_end().to_owned()
 }
 
-/// Rows of small figures: one row per type of figure, one column per law, all on the same axes.
+/// Writes rows of small figures: one row per type of figure, one column per law, all on the same axes.
 fn side_by_side(page: &mut String, views: &[(usize, View)]) {
     let ranges: Vec<Ranges> = views.iter().map(|(_, view)| view.ranges()).collect();
     let mut shared = ranges

@@ -1,5 +1,4 @@
-//! JSON schema of `results.json`, made from the same lists as the results. The file `docs/schema/results.schema.json` holds its
-//! text.
+//! Makes the JSON schema of `results.json` from the same lists as the results; it is stored in `docs/schema/results.schema.json`.
 
 use serde_json::{Map, Value, json};
 

@@ -32,7 +32,7 @@ const RESULTS: &str = "results.json";
 /// Names of the files in the report's folder.
 pub(super) const FILES: [&str; 2] = [RESULTS, PAGE];
 
-/// Contents of the report page.
+/// Contents of the report page in three degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
     /// Command line that repeats the report.
@@ -53,8 +53,8 @@ pub struct Input<'a> {
     pub cards: &'a [DirectionCard],
 }
 
-/// Table rows of a check on walls that were not used to choose a setting: figure, worst value, median, number of walls beyond the
-/// limit, and the wall with the worst value.
+/// Table rows on walls that were not used to choose a setting: measure, worst value, median, number of walls beyond the limit, and
+/// the wall with the worst value.
 fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     let rows = found.worst().into_iter().map(|it| {
         let (heading, factor) = match it.measure {
@@ -76,7 +76,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// Result of a check on walls that were not used to choose a setting, as text.
+/// Formats the results on walls that were not used to choose a setting as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(
@@ -158,7 +158,7 @@ fn claims_section(page: &mut String, claims: &[Claim]) {
     page.push_str("</section>\n");
 }
 
-/// Writes the section on the tuned law in each direction.
+/// Writes the section on the tuned law, with one scorecard per direction.
 fn directions_section(page: &mut String, mechanism: Mechanism, cards: &[DirectionCard]) {
     page.push_str("<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n");
     table(
@@ -245,7 +245,7 @@ pub fn runs_text(runs: &[Record]) -> String {
     text + "\n"
 }
 
-/// Writes the table of the runs' figures.
+/// Writes the table of the runs' measures.
 fn runs_section(page: &mut String, runs: &[Record]) {
     page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n");
     table(

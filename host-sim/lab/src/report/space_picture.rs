@@ -1,5 +1,5 @@
-//! The picture at the top of the report on three axes: how much of the requested stiffness each law displays, and a spring compared
-//! with the shipped wall.
+//! The picture at the top of the report in three degrees of freedom: which fraction of the requested stiffness each law displays,
+//! and a spring compared with the shipped wall.
 
 use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
 use super::quantity::plain;
@@ -8,7 +8,7 @@ use crate::thesis::space::claims::AT_REST_MM;
 use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
 
-/// CSS class of the lines for a way to calculate the force: that of the same law on the page for one axis.
+/// CSS class of the lines for an approach (way to compute the force): the class of the same law on the page for one axis.
 fn class(approach: Approach) -> &'static str {
     match approach {
         Approach::Spring => "law-a",
@@ -41,7 +41,7 @@ pub fn figures(runs: &[Record]) -> Vec<Figure> {
     figures
 }
 
-/// Figure of the displayed stiffness at rest in percent of the requested one, by object and law.
+/// Figure of the displayed stiffness at rest in percent of the requested stiffness, by object and law.
 fn displayed(runs: &[&Record]) -> Figure {
     let range = Range {
         min: -0.5,

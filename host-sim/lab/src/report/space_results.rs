@@ -34,7 +34,7 @@ pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
     ]
 }
 
-/// Contents of `results.json`.
+/// Contents of `results.json` for the comparison in three degrees of freedom.
 #[must_use]
 pub fn results(input: &Input) -> serde_json::Value {
     let runs: Vec<_> = input
@@ -79,7 +79,7 @@ pub fn results(input: &Input) -> serde_json::Value {
     })
 }
 
-/// Entries for every direction: its worst figures, and the figures of every device.
+/// Entries of `results.json` for every direction: the worst measures, and the measures of every device.
 fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
     let cells = |card: &DirectionCard| -> Vec<_> {
         let cells = card.cells.iter();
@@ -108,7 +108,7 @@ fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// Entry for a wall with a figure beyond its limit; `None` if all its figures are within the limits.
+/// Entry of `results.json` for a wall with a measure beyond its limit; `None` if all measures are within the limits.
 fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
     let fails = cell.fails();
     let names = || fails.iter().map(|(it, _)| it.heading().0);
@@ -122,7 +122,7 @@ fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
     })
 }
 
-/// Entry for a check on walls that were not used to choose a setting.
+/// Entry of `results.json` for the walls that were not used to choose a setting.
 fn held_out_value(found: &HeldOut) -> serde_json::Value {
     serde_json::json!({
         "seed": found.seed,

@@ -1,5 +1,5 @@
-//! JSON schemas of two types of `results.json`: of the comparison in three degrees of freedom, and of a run on a haptic device.
-//! Files in `docs/schema` hold their texts.
+//! Makes JSON schemas of two types of `results.json`: the comparison in three degrees of freedom, and a run on a haptic device. The
+//! texts are stored in `docs/schema`.
 
 use super::plain_schema::{array, document, object};
 use crate::scorecard::measure::Measure;

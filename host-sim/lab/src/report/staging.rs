@@ -1,7 +1,7 @@
 //! A temporary folder in which a report is prepared. It is removed when the program ends, however it ends.
 //!
-//! The folder holds a file that is locked while its process runs; the operating system unlocks it when the process ends in any way.
-//! So another process can distinguish a folder that is being written from one that was left behind, see [`sweep`].
+//! The folder holds a file that is locked while its process runs; the operating system unlocks the file when the process ends in
+//! any way. Another process can thus distinguish a folder that is being written from one that was left behind, see [`sweep`].
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -11,13 +11,13 @@ use std::time::Duration;
 
 use touchstone_sim::error::Error;
 
-/// Start of the folders' names; the process number follows.
+/// Beginning of a temporary folder's name; the number of the process follows.
 const PREFIX: &str = ".touchstone-report-";
-/// Name of the locked file in the folder.
+/// Name of the locked file in a temporary folder.
 const LOCK: &str = ".lock";
-/// Ending that a folder's name gets before it is removed.
+/// Ending that a temporary folder's name gets before the folder is removed.
 const GOING: &str = ".going";
-/// A lock file younger than this counts as in use, because its process may not have locked it yet.
+/// Age below which a lock file counts as in use, because its process may not have locked it yet.
 const SETTLED: Duration = Duration::from_secs(10);
 
 /// The temporary folders of this process, each with the parent folders that were created for it, innermost first.
@@ -33,7 +33,7 @@ pub(super) struct Staging {
     /// Path of the temporary folder, to write into.
     pub path: PathBuf,
     target: PathBuf,
-    /// Whether the target folder did not exist. The temporary folder is then renamed to the target as a whole.
+    /// Whether the target folder did not exist before. The temporary folder is then renamed to the target as a whole.
     whole: bool,
     /// The locked file; it is unlocked when it is dropped.
     lock: Option<File>,
@@ -177,8 +177,8 @@ fn remove_empty(made: &[PathBuf]) {
     }
 }
 
-/// For a process that is about to end: removes every temporary folder, then calls `last`, which ends the process. Other threads
-/// that want to start or publish a report wait meanwhile.
+/// Removes every temporary folder before the process ends, then calls `last`, which ends the process. Other threads that want to
+/// start or publish a report wait in the meantime.
 pub fn abandon(last: impl FnOnce(&[PathBuf])) {
     let mut present = present();
     let folders: Vec<(PathBuf, Vec<PathBuf>)> = present.drain(..).collect();

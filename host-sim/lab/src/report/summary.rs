@@ -1,5 +1,5 @@
-//! The first part of a report: picture, a sentence on what was compared, explanations, one table. Tables for other conditions are
-//! folded.
+//! The first part of a report: picture, a sentence on what was compared, explanations, and one table. Tables for other conditions
+//! are folded.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use super::svg::{self, escape, typeset};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Verdict};
 
-/// A verdict as sign and name, so that colour is never the only difference.
+/// A verdict as symbol and name, so that verdicts do not differ by colour alone.
 pub fn verdict(verdict: Verdict) -> String {
     let words = label::verdict_words(verdict);
     format!("<i aria-hidden=\"true\">{}</i> {}", words.sign, words.name)
@@ -26,7 +26,7 @@ pub fn badge(of: Verdict) -> String {
     format!("<span class=\"badge {key}\">{}</span>", verdict(of))
 }
 
-/// What was compared, in one or two sentences.
+/// Describes in one or two sentences what the report compares.
 pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
     let runs = input.runs;
     let conditions = match matrices {
@@ -174,7 +174,7 @@ pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices:
     page.push_str("</details>\n");
 }
 
-/// In how many of all conditions the law came to rest at this stiffness, and in how many it ran.
+/// Number of conditions in which the law came to rest at this stiffness, and number in which it was run.
 fn over_conditions(runs: &[Run], all: &[Matrix], law: Column, k: f64) -> (usize, usize) {
     let mut held = 0;
     let mut total = 0;
@@ -295,7 +295,7 @@ fn without_figures(page: &mut String, input: &ReportInput, origin: &Origin) {
     page.push_str("</ul>\n");
 }
 
-/// Command that makes a run's own report; empty if its scene was not written out.
+/// Command that makes a report of this run alone; empty if the run's scene was not written out.
 pub fn command(origin: &Origin, index: usize) -> String {
     let files = origin.runs.get(index);
     let Some((files, scene)) = files.and_then(|f| f.scene.as_ref().map(|scene| (f, scene))) else {

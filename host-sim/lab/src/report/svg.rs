@@ -11,7 +11,7 @@ use super::decimate;
 use super::figure::{Axis, Figure, Line, Shape, Sign, Wall};
 use super::quantity::{Scale, scale_for, ticks};
 
-/// Drawing steps per nominal pixel; lines are written in whole steps.
+/// Fine drawing steps per nominal pixel; coordinates of lines are whole steps.
 pub const FINE: f64 = 10.0;
 
 /// Nominal size of a plot with its labels, pixels. The page scales it to the available width.
@@ -100,7 +100,8 @@ fn axis_title(axis: &Axis, scale: &Scale) -> String {
     }
 }
 
-/// HTML attributes with the axis' ends in the displayed unit, and the unit, for the script that reads out values.
+/// HTML attributes with the ends of the axis in the displayed unit, and with the unit. The page's script uses them to read out
+/// values.
 fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
     let (min, max) = (axis.range.min / scale.factor, axis.range.max / scale.factor);
     format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)
@@ -123,8 +124,8 @@ impl Plot<'_> {
         )
     }
 
-    /// Position of a point in fine steps of the drawing. A point far outside is moved nearer so that its numbers stay short; it is
-    /// clipped anyway.
+    /// Position of a point in fine steps of the drawing. A point far outside the plot is moved nearer so that its numbers stay
+    /// short; it is clipped anyway.
     fn fine(&self, x: f64, y: f64) -> (f64, f64) {
         let (width, height) = self.area();
         let near = |place: f64| place.clamp(-30.0, 30.0);
@@ -294,7 +295,7 @@ impl Plot<'_> {
     }
 }
 
-/// CSS class of a sign: that of the verdict that the sign stands for.
+/// CSS class of a symbol: that of the verdict for which the symbol stands.
 fn sign_class(sign: Sign) -> &'static str {
     match sign {
         Sign::Dot => "dot",
@@ -302,7 +303,7 @@ fn sign_class(sign: Sign) -> &'static str {
     }
 }
 
-/// Path of a sign, relative to the pen position, in fine steps.
+/// SVG path of a symbol, relative to the pen position, in fine steps.
 fn sign_path(sign: Sign) -> &'static str {
     match sign {
         // A line of zero length: its stroke's round caps are the dot, equally large on any screen.

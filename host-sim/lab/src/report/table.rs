@@ -1,4 +1,5 @@
-//! Results as text for a terminal: a table of stiffness `k_de` × control law for several runs, a list of numbers for one.
+//! Formats results as text for a terminal: for several runs a table of requested stiffness and control law, for a single run a list
+//! of numbers.
 
 use std::io::IsTerminal;
 
@@ -37,7 +38,8 @@ impl Colour {
         }
     }
 
-    /// Pads `text` to `width` columns, then colours it for `verdict`. Padding comes first, because escape codes take no columns.
+    /// Pads `text` to `width` columns, then colours it for `verdict`. Padding comes first, because colour codes take no columns on
+    /// the screen.
     fn verdict(self, text: &str, width: usize, verdict: Verdict) -> String {
         let padded = format!("{text:<width$}");
         let code = label::verdict_words(verdict).ansi;
@@ -88,7 +90,8 @@ fn single(s: &Summary, colour: Colour) -> String {
     out
 }
 
-/// The table of several runs. Each cell has three lines, so that five laws fit into 80 columns; with one line they would need 130.
+/// Formats the table of several runs. Each cell has three lines, so that five laws fit into 80 columns; with one line they would
+/// need 130.
 fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
     let all = || {
         matrix

@@ -1,4 +1,4 @@
-//! The interactive page inside a report ("Try this cell"), with the scenes of its runs.
+//! The interactive page inside a report ("Try this cell"), on which a reader can try a run's wall with the mouse.
 
 use super::ReportInput;
 use super::origin::Origin;
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchstone_sim::scene::MotionSpec;
 
-/// Controls with which a reader tries a run's wall with the mouse: a button if the report contains the interactive page, and the
-/// command. Empty if the scene was not written out.
+/// Controls with which a reader tries a run's wall with the mouse: a button, if the report contains the interactive page, and a
+/// command line. Empty if the scene was not written out.
 pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
     let Some(scene) = origin.runs.get(index).and_then(|run| run.scene.as_ref()) else {
         return String::new();

@@ -1,4 +1,4 @@
-//! What the plots of one run show: where it touches the wall, its displayed stiffness, its path, and suitable axes.
+//! Prepares a run for its plots: where it touches the wall, its displayed stiffness, its force–position path, and suitable axes.
 
 use super::figure::Range;
 use touchstone_sim::run::record::{Run, Trace};
@@ -12,11 +12,11 @@ pub struct View<'a> {
     pub run: &'a Run,
     /// The recorded trace of the run.
     pub trace: &'a Trace,
-    /// Critical stiffness `k_c`, N·m/rad.
+    /// Largest stable stiffness of a plain sampled spring on the device, N·m/rad; `None` if it is not drawn.
     pub k_critical: Option<f64>,
     /// Indices from the first to the last sample with a force or inside the wall.
     pub contact: std::ops::Range<usize>,
-    /// Penetration below which the displayed stiffness |f|/e is not drawn, rad.
+    /// Penetration below which the displayed stiffness (force over penetration) is not drawn, rad.
     pub shallow: f64,
 }
 
@@ -31,7 +31,7 @@ pub struct Ranges {
     pub force: Range,
     /// Range of the displayed stiffness, N·m/rad.
     pub stiffness: Range,
-    /// Range of the energies, true and as the law observes them, J.
+    /// Range of the energies, J: the true energy, and the energy that the control law observes.
     pub energy: Range,
 }
 
@@ -88,7 +88,7 @@ impl<'a> View<'a> {
         super::columns::len(self.trace)
     }
 
-    /// Angle of the undeformed surface at the first contact, rad; only for runs with a contact.
+    /// Angle of the wall's surface at the first contact, before the law moves it, rad; only for runs with a contact.
     pub fn surface(&self) -> f64 {
         self.trace.surface_rad[self.contact.start]
     }
@@ -98,7 +98,7 @@ impl<'a> View<'a> {
         self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
     }
 
-    /// Displayed stiffness |f|/e of a sample, N·m/rad; NaN if the penetration is too small.
+    /// Displayed stiffness of a sample (magnitude of force over penetration), N·m/rad; NaN if the penetration is too small.
     pub fn displayed(&self, index: usize) -> f64 {
         let e = self.penetration(index);
         // A small tolerance, because exactly two counts may come out slightly below in `f64`.
@@ -109,7 +109,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Axes that fit this run alone.
+    /// Ranges of the axes that fit this run alone.
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;
@@ -162,8 +162,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The path of angle and force, split where the motion turns by more than `hysteresis` in rad: first the inward, then the
-    /// outward stretches.
+    /// The path of angle and force, split where the motion turns by more than `hysteresis` in rad. Returns the inward stretches,
+    /// then the outward stretches.
     ///
     /// The force is constant between samples while the device moves, so the path is a staircase. The area that it encloses is the
     /// true energy that the wall exchanges. Straight lines between samples would hide exactly what makes a stiff wall active.

@@ -13,10 +13,10 @@ use super::staging::{Staging, io_error};
 use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
-/// What was written for a report: page, files, size.
+/// The files that were written for a report.
 #[derive(Debug, Clone)]
 pub struct Written {
-    /// Path of the page, which a reader can open.
+    /// Path of the report's page `index.html`.
     pub page: PathBuf,
     /// Paths of all written files, relative to the report's folder.
     pub files: Vec<PathBuf>,

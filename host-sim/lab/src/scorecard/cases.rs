@@ -1,15 +1,15 @@
-//! The devices of a scorecard, nominal and varied, and the actions of the simulated hand.
+//! The devices of a scorecard (nominal and varied), and the actions of the simulated hand.
 
 use serde::Serialize;
 use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAndPress};
 
-/// The three simulated grips (light, medium, firm) of a scorecard. Every figure is the worst over them.
+/// The three simulated grips of a scorecard. Every measure is the worst over these grips.
 pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 
-/// How a device of the scorecard differs from the one that its law assumes.
+/// How a device of the scorecard differs from the device that the control law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// No change: the nominal device.
+    /// The device is the nominal one, without a change.
     Nothing,
     /// Factor on the encoder counts per turn.
     Counts(f64),
@@ -17,14 +17,14 @@ pub enum Change {
     Inertia(f64),
     /// Factor on the device's damping.
     Damping(f64),
-    /// The delay from a sample until its command acts, in ticks, replaces the scene's.
+    /// The delay from a sample until its command acts, in ticks (control periods), in place of the scene's delay.
     Delay(f64),
 }
 
-/// A device on which one setting of a law must work.
+/// A device of the scorecard, on which one set of law settings must work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// Name of the device. The name of the device with fewer encoder counts assumes that the nominal one has 40,000 counts per
+    /// Name of the device. For the device with fewer encoder counts, the name assumes that the nominal device has 40,000 counts per
     /// turn.
     pub name: &'static str,
     /// Change that makes the device differ from the nominal one.
@@ -35,7 +35,7 @@ const fn case(name: &'static str, change: Change) -> Case {
     Case { name, change }
 }
 
-/// The nine devices; the nominal one comes first.
+/// The nine devices of a scorecard; the nominal one comes first.
 pub const CASES: [Case; 9] = [
     case("nominal", Change::Nothing),
     // 16,384 of 40,000: a magnetic sensor of 14 bits in place of an optical disc.
@@ -49,14 +49,15 @@ pub const CASES: [Case; 9] = [
     case("double damping", Change::Damping(2.0)),
 ];
 
-/// `T sqrt(k_de/J)` above which a wall need not hold at half the inertia or with a whole tick of delay. Sampling limits every wall
-/// near 1.
+/// Stiffness of a wall above which it need not work at half the inertia or with a whole tick of delay. Stiffness is the angle in
+/// rad by which the device's oscillation on the wall advances per control period. Sampling limits every wall near 1.
 pub const STIFFEST_FOR_ALL: f64 = 0.5;
-/// Delay in ticks from which on the limit for the depth of a press is larger.
+/// Delay in ticks (control periods) from which on a deeper press is allowed.
 pub const LATE_TICKS: f64 = 0.5;
 
 impl Case {
-    /// Whether a wall of this `T sqrt(k_de/J)` must hold on the device.
+    /// Whether a wall of this stiffness must work on the device. Stiffness is the angle in rad by which the device's oscillation on
+    /// the wall advances per control period.
     #[must_use]
     pub fn is_asked(&self, stiffness_per_tick: f64) -> bool {
         let always = match self.change {
@@ -73,7 +74,7 @@ impl Case {
         matches!(self.change, Change::Delay(ticks) if ticks >= LATE_TICKS)
     }
 
-    /// The scene with this device. The settings of its law do not change.
+    /// The scene with this device. The settings of the control law do not change.
     #[must_use]
     pub fn of(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
@@ -104,32 +105,34 @@ pub enum Deed {
     Move(f64),
 }
 
-/// Largest press as a fraction of the wall's largest torque. An oscillating hand pushes with 1.3 times the press, and the wall
-/// needs a reserve to stop a touch.
+/// Largest press as a fraction of the wall's largest torque. An oscillating hand pushes with up to 1.3 times the press, and the
+/// wall needs a reserve to stop a touch.
 pub const MOST_OF_THE_TORQUE: f64 = 0.6;
 
-/// Amplitude of an oscillating hand's force, as a fraction of the press.
+/// Amplitude of an oscillating hand's torque, as a fraction of the press.
 pub const MOVES_WITH: f64 = 0.3;
 
-/// Largest torque of a wall, N·m: the smaller of the law's limit and the motor's.
+/// Largest torque of a wall, N·m: the smaller of the law's force limit and the motor's torque limit.
 #[must_use]
 pub fn most_torque_n_m(scene: &Scene) -> f64 {
     let motor = scene.device.torque_limit_n_m.unwrap_or(f64::INFINITY);
     motor.min(scene.law.force_limit_n_m)
 }
 
-/// The actions of the simulated hand, the same for every device.
+/// The actions of the simulated hand on a device, the same for every device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Programme {
-    /// Light touch, press and release.
+    /// Motion of the hand: light touch, press and release.
     pub press: TouchAndPress,
     /// Frequencies at which the hand oscillates, Hz.
     pub frequencies_hz: Vec<f64>,
 }
 
 impl Programme {
-    /// The actions for a scene: its own press if it has one, with a touch before it; then oscillations at 1, 2 and 4 Hz. A press is
-    /// at most [`MOST_OF_THE_TORQUE`] of the wall's largest torque; the touch is reduced in proportion.
+    /// Chooses the actions for a scene. The press is the scene's own if it has one, with a light touch before it. Oscillations at
+    /// 1, 2 and 4 Hz follow.
+    ///
+    /// A press is at most [`MOST_OF_THE_TORQUE`] of the wall's largest torque; the touch is reduced in proportion.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut press = match &scene.operator.motion {

@@ -1,5 +1,5 @@
-//! The scorecard's figures in one direction of space: the hand acts along a wall's normal, and figures are calculated from depth
-//! and force along it.
+//! The scorecard's measures in one direction of space: the hand acts along a wall's normal, and the measures are computed from
+//! depth and force along the normal.
 
 use super::cases::Deed;
 use super::measure::Figures;
@@ -16,7 +16,7 @@ pub struct Approach {
     pub push_n: f64,
     /// Force of the light touch before the press, N.
     pub touch_n: f64,
-    /// Size of a position count, m.
+    /// Resolution of the measured position, m.
     pub count_m: f64,
     /// Error of a position along the wall's normal if each axis is off by half a count, m.
     pub unsure_m: f64,
@@ -34,10 +34,11 @@ const HOLD_S: f64 = 0.8;
 const RELEASE_S: f64 = 0.4;
 /// Amplitude of an oscillating hand's force, as a fraction of the press.
 const MOVE_SHARE: f64 = 0.3;
-/// A press counts as settled when its depth stays within this fraction of `F/k_de`, plus a count.
+/// Tolerance for a settled press: the depth stays within this fraction of the ideal depth (force of the press over requested
+/// stiffness), plus one position count.
 const SETTLED: f64 = 0.05;
 
-/// A rise from 0 to 1 without jumps of speed or acceleration, as hands move.
+/// A smooth rise from 0 to 1 as `t` goes from 0 to 1, without jumps of speed or acceleration, as hands move.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -51,14 +52,14 @@ impl Approach {
         }
     }
 
-    /// Start and end of the part of an oscillation that is measured, whole periods, s.
+    /// Start and end of the measured part of an oscillation, s; it contains whole periods only.
     fn periods_s(frequency_hz: f64) -> (f64, f64) {
         let period_s = 1.0 / frequency_hz;
         let from = START_S + RAMP_S + period_s.max(0.5);
         (from, from + frequency_hz.ceil().max(1.0) * period_s)
     }
 
-    /// Duration of an action, s.
+    /// Duration of an action of the hand, s.
     #[must_use]
     pub fn seconds(&self, deed: Deed) -> f64 {
         match deed {
@@ -67,7 +68,7 @@ impl Approach {
         }
     }
 
-    /// Duration of an action, ticks.
+    /// Duration of an action, in ticks (control periods).
     #[must_use]
     pub fn ticks(&self, deed: Deed) -> u64 {
         self.tick_of(self.seconds(deed))
@@ -77,8 +78,8 @@ impl Approach {
         (time_s * f64::from(self.rate_hz)).round() as u64
     }
 
-    /// Depth of the hand's rest point below the surface, m. The hand's spring, its pad and the wall in series would rest there
-    /// under the intended force.
+    /// Depth of the hand's rest point below the surface, m. With this rest point, the hand pushes with the intended force if it is
+    /// at rest and the wall has the requested stiffness.
     #[must_use]
     pub fn rest_depth_m(&self, hand: &Hand, deed: Deed, time_s: f64) -> f64 {
         let compliance =
@@ -103,7 +104,7 @@ impl Approach {
         out - OUTSIDE_M
     }
 
-    /// The requested stiffness, with the uncertainty of a depth.
+    /// The requested stiffness, with the resolution and uncertainty of a depth.
     #[must_use]
     pub fn stiffness(&self) -> DesiredStiffness {
         DesiredStiffness {
@@ -119,7 +120,7 @@ impl Approach {
         self.tick_of(Self::ramp_start_s(Deed::Press) + RAMP_S + HOLD_S)
     }
 
-    /// Creates the recorder that calculates the figures of an action.
+    /// Makes the recorder that computes the measures of an action.
     #[must_use]
     pub fn watch(&self, deed: Deed) -> DirectionWatch {
         let ramp_end_s = Self::ramp_start_s(deed) + RAMP_S;
@@ -154,7 +155,7 @@ impl Approach {
     }
 }
 
-/// Calculates figures from depth and force of an action, tick by tick.
+/// Recorder that computes the scorecard's measures from depth and force of an action, tick by tick.
 #[derive(Debug, Clone)]
 pub struct DirectionWatch {
     press: Option<PressFigures>,
@@ -167,23 +168,24 @@ pub struct DirectionWatch {
     k_desired_n_per_m: f64,
 }
 
-/// Worst value of each figure over all actions of the hand in one direction.
+/// Worst value of each measure over all actions of the hand in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionFigures {
-    /// The scorecard's figures. The energy is set only if it was calculated; the ripple is in N.
+    /// The scorecard's measures. The energy is set only if it was computed; the ripple is in N.
     pub figures: Figures,
-    /// Time from the end of the ramp until the press stays within 5 % of `F/k_de`, s; `None` if it never did.
+    /// Settling time, s: from the end of the ramp until the depth of the press stays within 5 % of the ideal depth. `None` if it
+    /// never did.
     pub settle_s: Option<f64>,
 }
 
 impl DirectionFigures {
-    /// Start value: the figures before any tick.
+    /// Start value: the measures before any tick.
     pub const NONE: Self = Self {
         figures: Figures::NONE,
         settle_s: Some(0.0),
     };
 
-    /// The worse value of each figure, from two sets.
+    /// The worse value of each measure from two sets.
     #[must_use]
     pub fn worst(self, other: &Self) -> Self {
         Self {
@@ -218,7 +220,7 @@ impl DirectionWatch {
         self.response.as_ref()
     }
 
-    /// Calculates the figures after the last tick.
+    /// Computes the measures after the last tick.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {
@@ -254,7 +256,7 @@ mod tests {
         rate_hz: 1000,
     };
 
-    /// Figures of a spring of `share` times the wall's stiffness, when the hand moves exactly to the intended depths.
+    /// Measures of a spring with `share` times the wall's stiffness, for a hand that moves exactly to the intended depths.
     fn led(share: f64, deed: Deed) -> DirectionFigures {
         let mut watch = APPROACH.watch(deed);
         let hand = FIRM_TRANSLATION;

@@ -1,10 +1,10 @@
-//! One setting of a law on a set of device variants: grip, encoder counts, inertia, damping, delay, rate and noise all vary
+//! Judges one set of law settings on many device variants: grip, encoder counts, inertia, damping, delay, rate and noise all vary
 //! together.
 //!
-//! The scorecard's devices differ in one property at a time. But a knob with half the inertia may also have a large delay. So this
-//! module takes every combination ([`corners`]), and random variants between them ([`sample`]). The law's settings stay the same.
-//! Each variant is touched and pressed. A variant whose `T sqrt(k_de/J)` is beyond what any tuned law holds (docs/tuning, "Where a
-//! tuned wall ends") is counted separately, because its loss is not the setting's fault.
+//! The scorecard's devices differ in one property at a time, but a knob with half the inertia may also have a large delay. This
+//! module therefore simulates every combination ([`corners`]), and random variants between them ([`sample`]). The law's settings
+//! stay the same. Each variant is touched and pressed. A variant on which the wall is too stiff for any tuned law (docs/tuning,
+//! "Where a tuned wall ends") is counted separately, because no settings would help.
 
 use super::cases::{CASES, Deed, GRIPS, Programme};
 use super::measure::Measure;
@@ -19,35 +19,39 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 use touchstone_world::plant::{FIRM, Hand, LIGHT};
 
-/// A wall counts as lost if a press goes deeper than this multiple of `F/k_de`.
+/// Relative depth above which a wall counts as lost: depth of a press over the ideal depth (force of the press over requested
+/// stiffness).
 pub const LOST_DEPTH: f64 = 5.0;
-/// A wall counts as lost if its stiffness in a hold is off by more than this fraction of `k_de`.
+/// Largest deviation of the stiffness in a hold, as a fraction of the requested stiffness; with a larger deviation the wall counts
+/// as lost.
 pub const LOST_ERROR: f64 = 0.5;
-/// A press or touch deeper than this multiple of `F/k_de` counts as deep.
+/// Relative depth above which a press or touch counts as deep: depth over the ideal depth (force of the press over requested
+/// stiffness).
 pub const DEEP: f64 = 1.3;
-/// Number of worst device variants that are named in the results.
+/// Number of the worst device variants that are named in the results.
 const WORST: usize = 5;
 /// Factors on the scene's encoder counts; the smaller one makes 16,384 of 40,000.
 const COUNTS: [f64; 2] = [1.0, 0.4096];
 /// Factors on the scene's inertia and damping.
 const TIMES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Delays from sample to force of the device variants, ticks.
+/// Delays from sample to force of the device variants, in ticks (control periods).
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
-/// Random hands may exceed the light and the firm grip by this fraction of the distance between the two, on logarithmic scales.
+/// Fraction of the distance between light and firm grip by which random hands may lie outside the two, on logarithmic scales.
 const BEYOND: f64 = 0.25;
-/// Pairs of delay in ticks and largest `T sqrt(k_de/J)` up to which every tuned wall rests, from the map in docs/tuning.
+/// Pairs of delay in ticks and stiffness up to which every tuned wall comes to rest, from the map in docs/tuning. Stiffness is the
+/// angle in rad by which the device's oscillation on the wall advances per control period.
 const MAP: [(f64, f64); 3] = [(0.0, 1.35), (0.5, 0.92), (1.0, 0.62)];
 
-/// A device variant with a hand.
+/// A device variant of the family, with the hand that holds it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member {
     /// The scene with the varied device.
     pub scene: Scene,
-    /// Grip, and the parameters of a random hand if it is none of the scorecard's grips.
+    /// Name of the grip, and the parameters of a random hand if it is none of the scorecard's grips.
     pub hand: (Grip, Option<Hand>),
-    /// Description of the variant in words.
+    /// Description of the device variant in words.
     pub name: String,
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
 }
 
@@ -128,13 +132,14 @@ impl Member {
         }
     }
 
-    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
+    /// Whether the wall is stiffer than any tuned law was found to handle at this delay.
     #[must_use]
     pub fn is_beyond_map(&self) -> bool {
         stiffness_per_tick(&self.scene) > most_stiffness_per_tick(self.delay_ticks)
     }
 
-    /// Deepest penetration of the press and of the touch, divided by the press' `F/k_de`; `None` if the wall is lost.
+    /// Deepest penetration of press and touch, each divided by the ideal depth (force of the press over requested stiffness).
+    /// `None` if the wall is lost: a press too deep, or its stiffness far off.
     fn depths(&self) -> Result<Option<[f64; 2]>> {
         let (grip, hand) = self.hand;
         let mut pressed = Programme::of(&self.scene).scene(&self.scene, grip, Deed::Press);
@@ -150,7 +155,8 @@ impl Member {
     }
 }
 
-/// Largest `T sqrt(k_de/J)` that a tuned wall holds at this delay, interpolated linearly from [`MAP`].
+/// Largest stiffness of a wall that a tuned law handles at this delay, interpolated linearly from [`MAP`]. Stiffness is the angle
+/// in rad by which the oscillation advances per control period.
 fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     let between = MAP.windows(2).find(|pair| delay_ticks <= pair[1].0);
     let Some([(from, start), (to, end)]) = between else {
@@ -228,13 +234,14 @@ pub struct Nominal {
     pub rate_hz: u32,
     /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: f64,
-    /// Deepest penetration of the touch, divided by the press' `F/k_de`; `None` if the run diverged, as for the fields below.
+    /// Deepest penetration of the light touch, divided by the ideal penetration of the press (force over requested stiffness).
+    /// `None` if the run diverged, as for the next fields.
     pub touch_penetration_ratio: Option<f64>,
-    /// Figures of the touch, divided by those of a touch of the ideal damped wall.
+    /// Measures of the light touch, divided by those of a touch of the ideal damped wall.
     pub touch: Option<TouchRatios>,
-    /// Deepest penetration of the press, divided by `F/k_de`.
+    /// Deepest penetration of the press, divided by the ideal penetration (force over requested stiffness).
     pub peak_penetration_ratio: Option<f64>,
-    /// Change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
+    /// Root mean square change of the torque from tick to tick while the hand oscillates, N·m.
     pub ripple_rms_n_m: Option<f64>,
     /// Motion of the knob at the end of the hold, peak to peak, rad.
     pub motion_at_rest_rad: Option<f64>,
@@ -260,27 +267,28 @@ impl Nominal {
     }
 }
 
-/// Results of one device variant.
+/// Results of one device variant with its hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
     /// Description of the variant: hand, counts, inertia, damping, delay, rate and noise.
     pub member: String,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness of the wall as the angle in rad by which the device's oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
-    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
+    /// Whether the wall is stiffer than any tuned law was found to handle at this delay.
     pub beyond_map: bool,
-    /// Deepest penetration of the press, divided by `F/k_de`; absent if the wall is lost (a press too deep, or its stiffness far
-    /// off).
+    /// Deepest penetration of the press over the ideal depth (force of the press over requested stiffness). Absent if the wall is
+    /// lost: a press too deep, or its stiffness far off.
     pub press: Option<f64>,
-    /// Deepest penetration of the touch, divided by the press' `F/k_de`; absent if the wall is lost (a press too deep, or its
-    /// stiffness far off).
+    /// Deepest penetration of the light touch over the ideal depth of the press (force over requested stiffness). Absent if the
+    /// wall is lost: a press too deep, or its stiffness far off.
     pub touch: Option<f64>,
 }
 
 impl Judged {
-    /// The larger of the relative depths of press and touch; infinite if the wall is lost.
+    /// The larger of the relative depths of press and touch; infinite if the wall is lost (a press too deep, or its stiffness far
+    /// off).
     #[must_use]
     pub fn depth(&self) -> f64 {
         let both = self.press.zip(self.touch);
@@ -299,13 +307,15 @@ pub struct Family {
     pub members: usize,
     /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off).
     pub lost: usize,
-    /// Number of device variants on which the wall is lost and with any tuned law would be.
+    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off) and would be with any tuned
+    /// law.
     pub lost_beyond_map: usize,
-    /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
+    /// Number of device variants on which the wall is lost (its stiffness far off), or press or touch is deeper than [`DEEP`].
     pub deep: usize,
-    /// Deepest press over the device variants on which the wall is not lost, divided by `F/k_de`.
+    /// Deepest press over the device variants on which the wall is not lost, divided by the ideal depth (force over requested
+    /// stiffness).
     pub deepest_press: f64,
-    /// Deepest touch over the device variants on which the wall is not lost, divided by the press' `F/k_de`.
+    /// Deepest light touch over the device variants on which the wall is not lost, divided by the ideal depth of the press.
     pub deepest_touch: f64,
     /// Results of the scene's own device, one entry per rate and noise level.
     pub nominal: Vec<Nominal>,
@@ -316,7 +326,7 @@ pub struct Family {
 /// Simulates one set of law settings on all device variants; calls `done` after each variant.
 ///
 /// # Errors
-/// The control law does not accept its settings on one of the variants.
+/// The control law does not accept the settings on one of the variants.
 pub fn judge(
     law: &str,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! Results of one set of law settings on device variants, as text for a terminal.
+//! Formats the results of one set of law settings on device variants as text for a terminal.
 
 use super::family::{DEEP, Family, LOST_DEPTH};
 use super::page::touch_cells;

@@ -1,10 +1,10 @@
-//! All actions of the scorecard's hand one after the other, for a real device that cannot be reset between actions.
+//! Runs all actions of the scorecard's hand one after the other, for a real device that cannot be reset between actions.
 
 use super::cases::Deed;
 use super::direction::{Approach, OUTSIDE_M, smooth};
 use touchstone_world::plant::Hand;
 
-/// The actions of the hand in their order.
+/// The actions of the hand in the order in which they are carried out.
 pub const DEEDS: [Deed; 4] = [
     Deed::Press,
     Deed::Move(1.0),
@@ -12,7 +12,7 @@ pub const DEEDS: [Deed; 4] = [
     Deed::Move(4.0),
 ];
 
-/// Time outside the wall between two actions, s.
+/// Time that the hand spends outside the wall between two actions, s.
 const OUT_S: f64 = 0.5;
 const REST_S: f64 = 1.5;
 
@@ -21,7 +21,7 @@ const REST_S: f64 = 1.5;
 pub struct DeedsInTurn {
     /// The wall and the forces of the hand.
     pub approach: Approach,
-    /// Parameters of the hand.
+    /// Mechanical parameters of the simulated hand.
     pub hand: Hand,
     first: u64,
 }
@@ -50,7 +50,7 @@ impl DeedsInTurn {
         })
     }
 
-    /// Number of ticks that all actions take.
+    /// Number of ticks (control periods) that all actions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.begun()

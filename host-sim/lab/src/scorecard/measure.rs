@@ -1,34 +1,38 @@
-//! The figures of a scorecard and their limits.
+//! The measures of a scorecard and their limits.
 
 use super::touch::TouchRatios;
 use serde::Serialize;
 use touchstone_sim::run::measure::{Response, Ripple};
 
-/// A figure of the scorecard that has a limit. Less is better for each figure, so the worst of several values is the largest.
+/// A measure of the scorecard that has a limit. Smaller is better for each measure, so the worst of several values is the largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Deepest penetration from the start of the press' ramp on, divided by `F/k_de`.
+    /// Deepest penetration after the start of the press' ramp, divided by the ideal penetration: force of the press over requested
+    /// stiffness.
     PeakPenetrationRatio,
-    /// Largest deviation of the force from `k_de x` during ramp and hold, divided by `k_de x`. Depths `x` below ten counts are left
-    /// out, and an error of half a count is allowed for.
+    /// Largest deviation of the force from that of an ideal spring of the requested stiffness, during ramp and hold, divided by the
+    /// ideal force. Depths below ten encoder counts are left out, and an error of half a count is allowed for.
     StiffnessError,
-    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, from 50 ms after the ramp to the end of the hold.
+    /// Largest deviation of the force from that of an ideal spring of the requested stiffness, divided by the ideal force. Measured
+    /// from 50 ms after the ramp to the end of the hold.
     StiffnessErrorHeld,
-    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, while the hand lets go.
+    /// Largest deviation of the force from that of an ideal spring of the requested stiffness, divided by the ideal force, while
+    /// the hand lets go.
     StiffnessErrorRelease,
-    /// Deviation of the magnitude of `F/x` from `k_de` while the hand oscillates, divided by `k_de`.
+    /// Deviation of the amplitude ratio of force to penetration from the requested stiffness while the hand oscillates, divided by
+    /// that stiffness.
     ModulusError,
-    /// Phase of the force relative to the penetration, lead or lag, degrees.
+    /// Phase between force and penetration while the hand oscillates, lead or lag, degrees.
     PhaseDeg,
-    /// Ripple: change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
+    /// Root mean square change of the torque from tick to tick (ripple) while the hand oscillates, N·m.
     RippleRmsNM,
-    /// Most energy that the hand got beyond what it had put in since the start, J.
+    /// Most energy that the hand got out beyond what it had put in since the start, J.
     EnergyOutJ,
 }
 
 impl Measure {
-    /// All figures, in the order of the values in [`Figures`].
+    /// All measures, in the order of the values in [`Figures`].
     pub const ALL: [Measure; 8] = [
         Measure::PeakPenetrationRatio,
         Measure::StiffnessError,
@@ -40,7 +44,7 @@ impl Measure {
         Measure::EnergyOutJ,
     ];
 
-    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
+    /// Heading of the measure for readers, and the factor from its SI value to the displayed value.
     #[must_use]
     pub fn heading(self) -> (&'static str, f64) {
         match self {
@@ -55,7 +59,7 @@ impl Measure {
         }
     }
 
-    /// Meaning of the figure, in words.
+    /// Meaning of the measure, in words.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -88,18 +92,18 @@ impl Measure {
 pub struct Figures(pub [f64; 8]);
 
 impl Figures {
-    /// Start value: the figures before any tick.
+    /// Start value: the measures before any tick.
     pub const NONE: Figures = Figures([0.0; 8]);
-    /// Figures of a lost wall: all infinite.
+    /// Measures of a wall that cannot hold the device (lost wall): all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
-    /// Value of one figure in SI units.
+    /// Value of one measure, in SI units.
     #[must_use]
     pub fn get(&self, measure: Measure) -> f64 {
         self.0[measure.index()]
     }
 
-    /// Raises a figure to at least this value; NaN counts as infinite.
+    /// Raises a measure to at least `value`; NaN counts as infinite.
     pub fn raise(&mut self, measure: Measure, value: f64) {
         let slot = &mut self.0[measure.index()];
         *slot = if value.is_nan() {
@@ -109,7 +113,7 @@ impl Figures {
         };
     }
 
-    /// Adds the response to an oscillating hand; the figures become infinite if the knob left the wall.
+    /// Adds the response to an oscillating hand. If the knob left the wall, the measures of the response become infinite.
     pub fn raise_moved(&mut self, response: &Response, k_desired: f64) {
         let (modulus, phase) = match response.stiffness() {
             Some(it) => (
@@ -122,13 +126,13 @@ impl Figures {
         self.raise(Measure::PhaseDeg, phase);
     }
 
-    /// Adds the ripple of the torque; the figure becomes infinite if there was no force.
+    /// Adds the ripple of the torque. If there was no force, the measure becomes infinite.
     pub fn raise_ripple(&mut self, ripple: &Ripple) {
         let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
         self.raise(Measure::RippleRmsNM, rms);
     }
 
-    /// The worse value of each figure, from two sets.
+    /// The worse value of each measure from two sets.
     #[must_use]
     pub fn worst(mut self, other: &Figures) -> Figures {
         for measure in Measure::ALL {
@@ -137,7 +141,7 @@ impl Figures {
         self
     }
 
-    /// Each figure divided by its limit; at most 1 is within the limit.
+    /// Each measure divided by its limit; a value of at most 1 is within the limit.
     #[must_use]
     pub fn shares(&self, limits: &Limits) -> [f64; 8] {
         Measure::ALL.map(|measure| {
@@ -163,10 +167,10 @@ impl Serialize for Figures {
     }
 }
 
-/// Limits of the figures for one device.
+/// Limits of the scorecard's measures for one device.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
-    /// Largest peak penetration, divided by `F/k_de`.
+    /// Largest peak penetration, as a multiple of the ideal penetration (force of the press over requested stiffness).
     pub peak: f64,
     /// Largest ripple (change of the torque from tick to tick), root mean square, N·m.
     pub ripple_n_m: f64,
@@ -178,11 +182,11 @@ pub struct Limits {
 /// thousand ticks.
 pub const ENERGY_ROUNDING_J: f64 = 1e-9;
 
-/// Energy given to the hand that weighs as much as any other figure at twice its limit, J.
+/// Energy given to the hand that counts as much as another measure at twice its limit, J.
 const GRAVE_ENERGY_J: f64 = 1e-4;
 
 impl Limits {
-    /// Creates the limits of a device. `late` says whether it has half a tick or more of delay.
+    /// Makes the limits of a device. `late` says whether the device has a delay of half a control period or more.
     #[must_use]
     pub fn new(late: bool, ripple_n_m: f64) -> Self {
         Self {
@@ -192,7 +196,7 @@ impl Limits {
         }
     }
 
-    /// Limit of one figure in SI units.
+    /// Limit of one measure, in SI units.
     #[must_use]
     pub fn of(&self, measure: Measure) -> f64 {
         match measure {
@@ -207,37 +211,39 @@ impl Limits {
     }
 }
 
-/// Figures without a limit; each is the worst over several runs.
+/// Measures without a limit; each is the worst over several runs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Beside {
-    /// Deepest penetration of the light touch, divided by the press' `F/k_de`. It may exceed the depth of a press, because the
-    /// device's inertia carries it into the wall.
+    /// Deepest penetration of the light touch, divided by the ideal penetration of the press. It may exceed the depth of a press,
+    /// because the device's inertia carries it into the wall.
     pub touch_penetration_ratio: f64,
-    /// Time from the end of the ramp until the stiffness is within 5 % of `k_de`, s; absent if it never is.
+    /// Settling time, s: from the end of the ramp until the stiffness stays within 5 % of the requested one; absent if it never
+    /// does.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Largest outward speed after the release, rad/s.
     pub release_speed_rad_per_s: f64,
     /// Largest distance from the wall after the release, rad.
     pub release_excursion_rad: f64,
-    /// Rate-hardness (slope of the force just after contact over the speed of the touch), N·m/rad; the least value.
+    /// Smallest rate-hardness over the runs (slope of the force just after contact over the speed of the touch), N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), N·m/rad; the least value.
+    /// Smallest extended rate-hardness over the runs (largest rise of the torque within a millisecond over the largest speed),
+    /// N·m/rad.
     pub extended_rate_hardness: Option<f64>,
-    /// Largest torque in the first five milliseconds of a touch, N·m; the least value over the runs.
+    /// Smallest value over the runs of the largest torque in the first five milliseconds of a touch, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// Figures of the touch, divided by those of a touch of the ideal damped wall by the same hand; `None` if they were not
-    /// calculated.
+    /// Measures of the touch, divided by those of a touch of the ideal damped wall by the same hand; `None` if they were not
+    /// computed.
     pub touch: Option<TouchRatios>,
-    /// Most energy that the hand got out of the device in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J. The window may start at any tick.
     pub energy_out_worst_window_j: f64,
-    /// Most energy that the wall gave out beyond what it took since the start, J.
+    /// Most energy that the wall gave out beyond what it had absorbed since the start, J.
     pub energy_out_wall_j: f64,
     /// Motion of the knob at the end of the hold, peak to peak, encoder counts; absent without an encoder.
     pub motion_at_rest_counts: Option<f64>,
 }
 
 impl Beside {
-    /// The worse value of each figure, from two sets.
+    /// The worse value of each measure from two sets.
     #[must_use]
     pub fn worst(self, other: &Beside) -> Beside {
         let either = |a: Option<f64>, b: Option<f64>, worse: fn(f64, f64) -> f64| match (a, b) {

@@ -1,9 +1,9 @@
-//! A scorecard: figures for how well several control laws render a wall, on the nominal device and on varied devices.
+//! A scorecard: measures of how well several control laws render a wall, on the nominal device and on varied devices.
 //!
 //! [`cases`] has the devices and the hand's actions, [`family`] devices that vary in all properties at once. [`measure`] has the
-//! figures with their limits, [`watch`] calculates them from one run. [`rivals`] has the laws, [`mod@reference`] the limit of the
-//! ripple. Every figure is the worst of three simulated grips (light, medium, firm). [`words`] says in sentences where each law
-//! fails and where a spring with damping does better; [`page`] formats everything for readers.
+//! measures with their limits, [`watch`] computes them from one run. [`rivals`] has the control laws, [`mod@reference`] the limit
+//! of the torque ripple. Every measure is the worst of three simulated grips (light, medium, firm). [`words`] says in sentences
+//! where each law fails and where a spring with damping does better; [`page`] formats the results for readers.
 
 pub mod cases;
 pub mod direction;
@@ -43,14 +43,14 @@ use touchstone_sim::scene::Scene;
 pub struct Cell {
     /// Name of the device.
     pub case: &'static str,
-    /// Figures with a limit, the worst of three simulated grips (light, medium, firm).
+    /// Measures with a limit, the worst of three simulated grips (light, medium, firm).
     pub figures: Figures,
-    /// Figures without a limit, the worst of three simulated grips (light, medium, firm).
+    /// Measures without a limit, the worst of three simulated grips (light, medium, firm).
     pub beside: Beside,
-    /// Limits of the figures on this device.
+    /// Limits of the measures on this device.
     pub limits: Limits,
-    /// The figure that is largest relative to its limit, and its value divided by the limit. Above 1 the device fails; `None` is
-    /// infinite.
+    /// The measure that is largest relative to its limit, and its value divided by the limit. Above 1 the law fails on the device;
+    /// `None` stands for infinite.
     pub worst: (Measure, Option<f64>),
 }
 
@@ -71,7 +71,7 @@ impl Cell {
         }
     }
 
-    /// Whether every figure is within its limit.
+    /// Whether every measure is within its limit.
     #[must_use]
     pub fn passes(&self) -> bool {
         self.worst.1.is_some_and(|share| share <= 1.0)
@@ -83,7 +83,7 @@ impl Cell {
 pub struct Row {
     /// Name of the control law.
     pub law: &'static str,
-    /// Description of the law in a few words.
+    /// Description of the control law in a few words.
     pub about: &'static str,
     /// Publication or other source of the law.
     pub source: &'static str,
@@ -95,11 +95,11 @@ pub struct Row {
     pub refused: Option<String>,
     /// Results on every device.
     pub cells: Vec<Cell>,
-    /// Worst value of each figure over all devices.
+    /// Worst value of each measure over all devices; absent if the law cannot be run.
     pub worst: Option<Figures>,
-    /// Whether every figure of every device is within its limit.
+    /// Whether every measure on every device is within its limit.
     pub passes: bool,
-    /// Where the control law fails, as sentences, the worst figure first.
+    /// Sentences that say where the law fails, the worst measure first.
     pub fails: Vec<String>,
 }
 
@@ -110,34 +110,34 @@ pub struct Scorecard {
     pub scene: String,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness of the wall as the angle in rad by which the device's oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
-    /// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
+    /// The spring-damper from whose torque ripple the limit for the ripple of all laws is computed.
     pub reference: Reference,
-    /// Figures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall;
-    /// nominal device, worst of three simulated grips (light, medium, firm).
+    /// Measures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall.
+    /// Nominal device, the worst of three simulated grips (light, medium, firm).
     pub ideal_touch: Option<[TouchRatios; 2]>,
-    /// Names of the devices on which a wall this stiff need not hold.
+    /// Names of the devices on which a wall of this stiffness need not work.
     pub not_asked: Vec<&'static str>,
     /// Results of each control law.
     pub rows: Vec<Row>,
-    /// Where a spring with damping does better than other laws and where it does not, in sentences.
+    /// Sentences that say where a spring with damping does better than other laws, and where it does not.
     pub damped_spring: Vec<String>,
 }
 
-/// `T sqrt(k_de/J)` of a scene: angle in rad by which the oscillation on the wall advances per tick.
+/// Stiffness of a scene's wall as the angle in rad by which the device's oscillation on the wall advances per control period.
 #[must_use]
 pub fn stiffness_per_tick(scene: &Scene) -> f64 {
     (scene.wall.k_desired_n_m_per_rad / scene.device.inertia_kg_m2).sqrt() * scene.timing.period_s()
 }
 
-/// The devices on which a wall of this scene must hold.
+/// The devices on which a wall of this scene's stiffness must work.
 pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
     let stiffness = stiffness_per_tick(scene);
     CASES.iter().filter(move |case| case.is_asked(stiffness))
 }
 
-/// Figures of the scene's law on one device: the worst of three simulated grips (light, medium, firm). `fully` adds the figures
+/// Measures of the scene's law on one device, the worst of three simulated grips (light, medium, firm). `fully` adds the measures
 /// without a limit.
 ///
 /// # Errors
@@ -172,7 +172,7 @@ pub fn figures(
     Ok((worst, beside))
 }
 
-/// Touches of the ideal damped wall and of the undamped spring.
+/// Measures of touches of the ideal damped wall and of the undamped spring.
 fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
     let programme = Programme::of(scene);
     let ideal = IdealTouch::of(scene, &programme)?;
@@ -216,10 +216,10 @@ fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row 
     }
 }
 
-/// A law with the scene that has its settings.
+/// A control law for the scorecard, with the scene that has its settings.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// The control law.
+    /// The control law, as the scorecard lists it.
     pub rival: &'static Rival,
     /// The scene with this law and its settings.
     pub scene: Scene,
@@ -227,7 +227,7 @@ pub struct Entry {
     pub tuned: bool,
 }
 
-/// Creates the scorecard of a scene for several laws; calls `done` with a law's name when the law is finished.
+/// Makes the scorecard of a scene for several laws; calls `done` with a law's name when the law is finished.
 ///
 /// # Errors
 /// The reference spring-damper cannot run in the scene. A law that refuses the scene is no error; its results say so.
@@ -236,8 +236,8 @@ pub fn scorecard(scene: &Scene, entries: &[Entry], done: impl FnMut(&str)) -> Re
     Ok(with_reference(scene, entries, reference, done))
 }
 
-/// Creates the scorecard of a scene for several laws, with a reference spring-damper for the ripple that is already known. Calls
-/// `done` with a law's name when the law is finished.
+/// Makes the scorecard of a scene for several laws, with a known reference spring-damper for the limit of the ripple. Calls `done`
+/// with a law's name when the law is finished.
 pub fn with_reference(
     scene: &Scene,
     entries: &[Entry],

@@ -1,4 +1,4 @@
-//! Finds in the recorded ticks what a person's hand did: when it rested, oscillated, and left the wall.
+//! Finds in the recorded ticks of a device when a person's hand rested, oscillated, and left the wall.
 
 use super::in_turn::DeedsInTurn;
 use super::measure::{Figures, Measure};
@@ -9,42 +9,43 @@ use serde::Serialize;
 use std::ops::Range;
 use touchstone_sim::run::measure::{RateHardness, Release, Response, Ripple};
 
-/// A recorded run on a haptic device.
+/// A recorded run on a haptic device, with the settings of its wall.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceRun<'a> {
-    /// Every recorded tick.
+    /// All recorded ticks (control periods) of the run.
     pub ticks: &'a [TouchedTick],
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// The wall's requested stiffness.
+    /// Requested stiffness of the wall, with the uncertainty of a depth.
     pub stiffness: DesiredStiffness,
     /// First tick with the full force; before it the force is faded in.
     pub whole_from: u64,
-    /// Whether commands act half a tick late or more.
+    /// Whether commands act half a control period late or more.
     pub late: bool,
     /// The simulated hand's actions; `None` if a person moved the device.
     pub turn: Option<DeedsInTurn>,
 }
 
-/// Response of the wall at one frequency of the hand. Over several stretches of time it has the modulus furthest from the requested
-/// stiffness, and the largest phase.
+/// Response of the wall at one frequency of the hand. Of several stretches of time, the values that deviate most count: the modulus
+/// furthest from the requested stiffness, and the largest phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
     /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
-    /// Magnitude of force over penetration, N/m; absent if the hand left the wall.
+    /// Amplitude of the force over that of the penetration, N/m; absent if the hand left the wall.
     pub modulus_n_per_m: Option<f64>,
     /// Phase by which the force leads the penetration, degrees; absent if the hand left the wall.
     pub phase_deg: Option<f64>,
-    /// Number of separate times for which the hand moved at this frequency.
+    /// Number of separate stretches of time in which the hand moved at this frequency.
     pub stretches: usize,
 }
 
 /// Shortest rest or contact that is evaluated, s.
 const STRETCH_S: f64 = 0.25;
-/// Time around the moment of leaving the surface in which the largest speed is taken, s.
+/// Time before and after the hand leaves the surface in which the largest speed is searched, s.
 const LEAVING_S: f64 = 0.2;
-/// Time over which a speed is averaged, s. Within this time one position count (0.01 mm) is a millimetre per second.
+/// Time over which a speed is averaged, s. Over this time, one position count of 0.01 mm makes a speed of one millimetre per
+/// second.
 pub(super) const SPEED_S: f64 = 0.01;
 
 pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
@@ -85,7 +86,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         });
 }
 
-/// Figures from the motion of a person's hand; a missing one was not measured.
+/// Measures from the motion of a person's hand; a missing value was not measured.
 pub(super) struct Noticed {
     pub(super) moment: Option<f64>,
     pub(super) held: Option<f64>,

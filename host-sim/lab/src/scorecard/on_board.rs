@@ -1,14 +1,14 @@
 //! Compares the scorecard of a board with that of the simulator (called "desktop" here) for the same scene.
 //!
-//! [`programme_csv`] writes the motion of the hand for a test stand, emulated or real. Its recording of board and shaft is a table,
-//! [`BoardRecording`], which is evaluated by the same code as a simulated run. Every figure is the worst of the grips on both
+//! [`programme_csv`] writes the motion of the hand for a test stand, emulated or real. The test stand's recording of board and
+//! shaft, [`BoardRecording`], is evaluated by the same code as a simulated run. Every measure is the worst of the grips on both
 //! sides, as in a scorecard.
 //!
-//! The position of the wall's surface within an encoder count is random, and a law that works on counts reacts to it. So the
-//! desktop's figures are calculated for eight positions within a count; their range is called scatter, and differences within it
-//! have no meaning. A ninth value of the same distribution lies outside the range of eight in two of nine cases. A board that was
-//! recorded at several positions has a scatter of its own, and the two ranges should overlap. Those of eight and four values of one
-//! distribution do not overlap in 0.4 % of cases.
+//! The position of the wall's surface within an encoder count is random, and a law that works on counts reacts to it. The desktop's
+//! measures are therefore computed for eight positions within a count. Their range is called scatter; differences within the
+//! scatter have no meaning. A ninth value of the same distribution lies outside the range of eight in two of nine cases. A board
+//! that was recorded at several positions has its own scatter, and the two ranges should overlap. The ranges of eight and of four
+//! values of one distribution do not overlap in 0.4 % of cases.
 
 mod recording;
 #[cfg(test)]
@@ -26,11 +26,11 @@ use std::fmt::Write as _;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, RestPath, Scene};
 
-/// Frequencies at which the hand oscillates, Hz. They include those of a scorecard and go up to what hands can do.
+/// Frequencies at which the hand oscillates, Hz. They include those of a scorecard and go up to the limit of hands.
 pub const FREQUENCIES_HZ: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
-/// Frequencies of the scorecard's own figures, Hz.
+/// Frequencies of the scorecard's oscillations, Hz.
 const OWN_HZ: [f64; 3] = [1.0, 2.0, 4.0];
-/// Figures of board and simulator agree if they differ by at most this fraction of the simulator's.
+/// Largest difference of a measure between board and simulator that counts as agreement, as a fraction of the simulator's value.
 pub const SAME: f64 = 0.1;
 
 /// Names of all actions of the hand, as in the tables.
@@ -61,8 +61,8 @@ pub fn deed_word(deed: Deed) -> String {
     }
 }
 
-/// The hand's motion as CSV: its rest point in every control tick, for every grip and action of the hand; only for the actions in
-/// `named` if that is not empty.
+/// The hand's motion as CSV: its rest point in every control period, for every grip and action of the hand. If `named` is not
+/// empty, only the actions in `named` are written.
 ///
 /// # Errors
 /// The scene does not allow one of the motions.
@@ -93,24 +93,24 @@ pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<
     Ok(text)
 }
 
-/// A scorecard figure of the board, compared with that of the simulator (`desktop`).
+/// A scorecard measure of the board, compared with that of the simulator (`desktop`).
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct FigureBeside {
-    /// Name of the figure for programs, with its unit.
+    /// Name of the measure for programs, with its unit.
     pub key: &'static str,
-    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
+    /// Heading of the measure for readers, and the factor from its SI value to the displayed value.
     #[serde(skip)]
     pub heading: (&'static str, f64),
-    /// Grip of the figure; absent for the worst of all grips, which is the scorecard's figure.
+    /// Grip of the measurement; absent for the worst of all grips, as in a scorecard.
     pub grip: Option<&'static str>,
-    /// Frequency of an oscillating hand, Hz; absent for other figures.
+    /// Frequency of an oscillating hand, Hz; absent for measures without oscillation.
     pub frequency_hz: Option<f64>,
     /// Value in the simulator (`desktop`); absent if it is infinite, for example because the knob left the wall.
     pub desktop: Option<f64>,
-    /// Value of the figure on the board; absent if it is infinite.
+    /// Value on the board; absent if it is infinite.
     pub board: Option<f64>,
-    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count; absent if the wall
-    /// is lost at one of them.
+    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count. Absent if the wall
+    /// does not hold the device at one of the positions.
     pub scatter: Option<(f64, f64)>,
     /// Lowest and highest value on the board, if it was recorded with several positions of the wall's surface.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -127,13 +127,14 @@ impl FigureBeside {
             .or(Some(0.0))
     }
 
-    /// Range of the simulator's values when the wall's surface moves within one encoder count; smaller differences have no meaning.
+    /// Range of the simulator's values while the wall's surface moves within one encoder count. Smaller differences have no
+    /// meaning.
     #[must_use]
     pub fn resolution(&self) -> Option<f64> {
         self.scatter.map(|(low, high)| high - low)
     }
 
-    /// Whether the values of simulator and board are both smaller than the resolution of the figure.
+    /// Whether the values of simulator and board are both smaller than the resolution of the measure.
     #[must_use]
     pub fn is_unresolved(&self) -> bool {
         let both = [self.desktop, self.board].into_iter();
@@ -151,7 +152,7 @@ impl FigureBeside {
     }
 
     /// Whether the values of board and simulator differ by at most the fraction `share`, or are both below the resolution. Two
-    /// missing values agree.
+    /// missing values count as equal.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         match self.apart() {
@@ -161,30 +162,30 @@ impl FigureBeside {
     }
 }
 
-/// The comparison of a board's scorecard with that of the simulator.
+/// Comparison of a board's scorecard with that of the simulator.
 #[derive(Debug, Clone, Serialize)]
 pub struct BoardCard {
     /// The grips that were recorded.
     pub grips: Vec<&'static str>,
-    /// Number of recorded control ticks.
+    /// Number of recorded control periods (ticks).
     pub ticks: usize,
     /// Number of recordings of the board, each with the wall's surface at another position within an encoder count.
     pub places: usize,
-    /// The scorecard's figures: first the worst of the grips, then those of each grip.
+    /// The scorecard's measures: first the worst of the grips, then those of each grip.
     pub figures: Vec<FigureBeside>,
-    /// Magnitude and phase of force over penetration for an oscillating hand, grip by grip.
+    /// Amplitude ratio and phase of force over penetration for an oscillating hand, grip by grip.
     pub moved: Vec<FigureBeside>,
 }
 
 impl BoardCard {
-    /// All figures, those of an oscillating hand included, in which board and simulator differ by more than the fraction `share`.
+    /// All measures in which board and simulator differ by more than the fraction `share`, including those of an oscillating hand.
     pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         let own = self.figures.iter().filter(|it| it.grip.is_none());
         own.chain(&self.moved).filter(move |it| !it.holds(share))
     }
 
-    /// Figures in which board and simulator differ by more than the fraction `share`, and by more than the positions of the wall's
-    /// surface within a count explain.
+    /// Measures in which board and simulator differ by more than the fraction `share`, and by more than the position of the wall's
+    /// surface within an encoder count explains.
     pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         self.apart(share).filter(|it| !it.is_in_scatter())
     }
@@ -201,8 +202,8 @@ struct Pair {
     board: Vec<Seen>,
 }
 
-/// Compares a board's recordings with the simulated scorecard of a scene. The first recording gives the board's figures. Further
-/// recordings of the same actions, with the wall's surface elsewhere within an encoder count, give their range.
+/// Compares a board's recordings with the simulated scorecard of a scene. The first recording gives the board's measures. Further
+/// recordings of the same actions, with the wall's surface elsewhere within an encoder count, give the range of the measures.
 ///
 /// # Errors
 /// A recording belongs to another scene or has other actions than the first one, or the law does not accept its settings.
@@ -279,14 +280,14 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
     })
 }
 
-/// Name of a figure, and the actions of the hand over which it is the worst.
+/// Name of a measure, and the actions of the hand over which its worst value is taken.
 struct Asked {
     key: &'static str,
     heading: (&'static str, f64),
     deeds: fn(Deed) -> bool,
 }
 
-/// Compares the worst value of a figure over some actions in the simulator with that on the board.
+/// Compares the worst value of a measure over some actions in the simulator with that on the board.
 fn figure(
     pairs: &[Pair],
     grip: Option<&'static str>,
@@ -392,7 +393,7 @@ fn of_grip(pairs: &[Pair], grip: Option<&'static str>) -> Vec<FigureBeside> {
     ]
 }
 
-/// Magnitude and phase of force over penetration for an oscillating hand.
+/// Amplitude ratio and phase of force over penetration for an oscillating hand.
 fn moved(pair: &Pair) -> Vec<FigureBeside> {
     let Deed::Move(frequency_hz) = pair.deed else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The comparison of a board's scorecard with the simulator's for readers: on a terminal, and as a section of a page.
+//! Formats the comparison of a board's scorecard with the simulator's for readers, on a terminal and as a section of a page.
 
 use super::on_board::{BoardCard, FigureBeside, SAME};
 use crate::report::{Block, Section};
@@ -78,12 +78,13 @@ pub fn verdict(card: &BoardCard) -> String {
     )
 }
 
-/// Text that explains to readers the word "scatter": the range of a figure over positions of the wall's surface.
+/// Text that explains the word "scatter" to readers: the range of a measure over positions of the wall's surface within an encoder
+/// count.
 pub const SCATTER: &str = "Scatter: the desktop's own figure where the surface lies at eight places within a count; and the board's at the places at which it was played, where those are several.";
 
 const HEADER: [&str; 7] = ["", "desktop", "board", "apart", "scatter", "board's", ""];
 
-/// The scorecard's figures as text; the figures of each grip follow where board and simulator differ.
+/// Formats the scorecard's measures as text. The measures of each grip follow if board and simulator differ.
 #[must_use]
 pub fn text(card: &BoardCard) -> String {
     let several = card.places > 1;

@@ -1,7 +1,7 @@
-//! The scorecard's figures of a run on a haptic device, from encoder positions and motor commands.
+//! Computes the scorecard's measures of a run on a haptic device, from encoder positions and motor commands.
 //!
-//! A simulated hand follows the scorecard's programme, [`DeedsInTurn`]. A person's hand does not. Then the run is searched for
-//! times at which the hand rested, oscillated or let go ([`super::noticed`]), and figures that cannot be measured are named.
+//! A simulated hand follows the scorecard's actions, [`DeedsInTurn`]. For a person's hand, the run is searched for times at which
+//! the hand rested, oscillated or let go ([`super::noticed`]), and measures that are not available are named.
 
 use super::cases::Deed;
 use super::direction::DirectionFigures;
@@ -12,19 +12,19 @@ use super::touched::{TouchedSeries, TouchedTick, dot};
 use serde::Serialize;
 use touchstone_sim::run::measure::{Release, WorstWindow};
 
-/// A figure of a run on a device.
+/// A scorecard measure of a run on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeviceFigure {
-    /// Name of the figure for programs, with its unit.
+    /// Name of the measure for programs, with its unit.
     pub key: &'static str,
-    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
+    /// Heading of the measure for readers, and the factor from its SI value to the displayed value.
     #[serde(skip)]
     pub heading: (&'static str, f64),
-    /// Value of the figure; absent if it was not measured or is infinite.
+    /// Value of the measure, in SI units; absent if it was not measured or is infinite.
     pub value: Option<f64>,
-    /// Limit of the figure; absent for a figure without.
+    /// Limit of the measure; absent for a measure without a limit.
     pub limit: Option<f64>,
-    /// Reason why the figure was not measured.
+    /// Reason why the measure is not available; absent if it was measured.
     pub not_measured: Option<&'static str>,
 }
 
@@ -44,7 +44,7 @@ impl DeviceFigure {
         }
     }
 
-    /// Whether the figure is beyond its limit. An infinite value is beyond every limit.
+    /// Whether the measure is beyond its limit. An infinite value is beyond every limit.
     #[must_use]
     pub fn is_beyond(&self) -> bool {
         match (self.limit, self.not_measured) {
@@ -57,22 +57,22 @@ impl DeviceFigure {
 /// The scorecard of a run on a device.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceCard {
-    /// Whether a simulated hand followed the scorecard's programme.
+    /// Whether a simulated hand followed the scorecard's actions (otherwise a person moved the device).
     pub commanded: bool,
-    /// All figures of the scorecard.
+    /// All measures of the scorecard.
     pub figures: Vec<DeviceFigure>,
     /// Response of the wall at every frequency of the hand.
     pub moved: Vec<MovedAt>,
 }
 
 impl DeviceCard {
-    /// Returns a figure by its name for programs.
+    /// Returns a measure by its name for programs.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&DeviceFigure> {
         self.figures.iter().find(|figure| figure.key == key)
     }
 
-    /// Returns the figures beyond their limits.
+    /// Returns the measures beyond their limits.
     pub fn beyond(&self) -> impl Iterator<Item = &DeviceFigure> {
         self.figures.iter().filter(|figure| figure.is_beyond())
     }
@@ -173,7 +173,7 @@ pub fn card(run: &DeviceRun) -> DeviceCard {
     }
 }
 
-/// Most energy that the wall gave since the start, and in any window of time, J.
+/// Most energy that the wall gave out since the start, and most that it gave out in any window of time, J.
 fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     let mut window = WorstWindow::default();
     let (mut absorbed, mut least) = (0.0, 0.0_f64);
@@ -187,7 +187,7 @@ fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     (-least, window.worst_j())
 }
 
-/// Results of a run in which a simulated hand followed the programme.
+/// Results of a run in which a simulated hand followed the scorecard's actions.
 struct Scored {
     worst: DirectionFigures,
     release: Release,
@@ -246,7 +246,7 @@ mod tests {
         rate_hz: 1000,
     };
 
-    /// Recorded ticks of a flat wall of stiffness `k` that is pressed to the given depths, as a device would record them.
+    /// Makes the recorded ticks of a flat wall of stiffness `k` that is pressed to the given depths, as a device would record them.
     fn led(ticks: u64, k: f64, depth_m: impl Fn(u64) -> f64) -> Vec<TouchedTick> {
         let tick = |due: u64| {
             let depth_m = depth_m(due);

@@ -1,4 +1,4 @@
-//! The scorecard of a run on a device for readers: on a terminal, and as a section of a page.
+//! Formats the scorecard of a run on a device for readers, on a terminal and as a section of a page.
 
 use super::noticed::MovedAt;
 use super::on_device::{DeviceCard, DeviceFigure};
@@ -41,7 +41,7 @@ fn moved(at: &MovedAt) -> String {
     }
 }
 
-/// Text that explains to readers what the figures of a run on a device are calculated from.
+/// Text that tells readers from which data the measures of a run on a device are computed.
 const OF: &str = "Of what the encoders read and the motors were told; depth in counts, so figures differ from the simulator's by up to half a count along the normal.";
 
 fn verdict(card: &DeviceCard) -> String {

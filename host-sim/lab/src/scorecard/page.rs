@@ -1,4 +1,4 @@
-//! A scorecard for readers: on a terminal, and as sections of a page.
+//! Formats a scorecard for readers, on a terminal and as sections of a page.
 
 use super::measure::Measure;
 use super::touch::TouchRatios;
@@ -7,10 +7,10 @@ use super::{Row, Scorecard};
 use crate::report::{Block, Section};
 use std::fmt::Write;
 
-/// Character that marks a figure beyond its limit on some device.
+/// Character that marks a measure beyond its limit on some device.
 const BEYOND: char = '!';
 
-/// Table cell for a law and a figure: the worst value over all devices, and the nominal device's in brackets.
+/// Table cell for a control law and a measure: the worst value over all devices, with the nominal device's value in brackets.
 fn cell(row: &Row, index: usize, measure: Measure) -> String {
     let Some(worst) = &row.worst else {
         return "refused".to_owned();
@@ -26,7 +26,7 @@ fn cell(row: &Row, index: usize, measure: Measure) -> String {
     format!("{}{sign}({nominal})", shown(measure, worst.get(measure)))
 }
 
-/// Limit of a figure, formatted for readers.
+/// Limit of a measure, formatted for readers.
 fn limit(card: &Scorecard, measure: Measure) -> String {
     let limits = super::measure::Limits::new(false, card.reference.limit_n_m);
     match measure {
@@ -68,7 +68,7 @@ fn not_asked(card: &Scorecard) -> Option<String> {
     })
 }
 
-/// Table row of a law: its name, its figures, and whether it passes.
+/// Table row of a control law: its name, its measures, and whether it passes.
 fn cells(row: &Row, fails: &str) -> Vec<String> {
     let measures = Measure::ALL.into_iter().enumerate();
     std::iter::once(name(row))
@@ -77,7 +77,7 @@ fn cells(row: &Row, fails: &str) -> Vec<String> {
         .collect()
 }
 
-/// The scorecard as text: a table row per law, then sentences on where each law fails.
+/// Formats the scorecard as text: a table row per law, then sentences on where each law fails.
 #[must_use]
 pub fn text(card: &Scorecard) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -140,7 +140,7 @@ pub fn text(card: &Scorecard) -> String {
     text
 }
 
-/// The figures of a touch relative to the ideal damped wall, formatted for readers.
+/// Formats the measures of a touch, relative to the ideal damped wall, for readers.
 pub(super) fn touch_cells(touch: Option<&TouchRatios>) -> [String; 4] {
     let shown = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |it| format!("{it:.2}"));
     [

@@ -1,8 +1,9 @@
-//! The limit of the ripple, from a reference: a spring-damper with velocity from differences of encoder counts.
+//! Computes the scorecard's limit for the torque ripple from a reference: a spring-damper with velocity from differences of encoder
+//! counts.
 //!
-//! Damping from differences of counts causes ripple, and damping is needed to hold a wall with delay. So the limit is calculated
-//! from the spring-damper with the least ripple that holds this wall on the nominal device with a whole tick of delay. If none
-//! does, the longest delay counts that a spring-damper holds.
+//! Damping from differences of counts causes ripple, and damping is needed to hold a wall with delay. The limit is therefore
+//! computed from the spring-damper with the least ripple that holds this wall on the nominal device with a whole tick of delay. If
+//! none does, the longest delay is used at which a spring-damper holds the wall.
 //!
 //! A bad spring-damper must not raise the limit, so three rules apply. Encoder noise is left out. If a spring-damper's ripple
 //! exceeds that of one count of change per tick, it counts as a limit cycle and does not hold the wall. No law may have a ripple
@@ -18,12 +19,13 @@ use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
+/// The spring-damper from which the limit of the torque ripple (change of the torque from tick to tick) is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reference {
     /// Virtual damping of the spring-damper, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
-    /// Longest delay with which the spring-damper holds the wall, ticks; absent if no spring-damper holds the wall at all.
+    /// Longest delay with which the spring-damper holds the wall, in ticks (control periods); absent if no spring-damper holds the
+    /// wall.
     pub delay_ticks: Option<f64>,
     /// Ripple of the spring-damper on the nominal device, root mean square, N·m.
     pub ripple_n_m: f64,
@@ -33,17 +35,16 @@ pub struct Reference {
     pub most_n_m: f64,
 }
 
-/// Delays for which a spring-damper is searched, ticks, the longest first.
+/// Delays for which a spring-damper is searched, in ticks (control periods), the longest first.
 const DELAYS: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
-/// Number of damping ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
+/// Number of damping ratios `B/(2 sqrt(k_de J))` that are tried: damping `B`, requested stiffness `k_de`, inertia `J`.
 const RATIOS: usize = 28;
-/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall with a whole tick of
-/// delay.
+/// Factor from the reference spring-damper's ripple to the limit, if that spring-damper holds the wall with a whole tick of delay.
 const WHERE_DAMPING_SUFFICES: f64 = 1.1;
-/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall only with less than a
-/// tick of delay.
+/// Factor from the reference spring-damper's ripple to the limit, if that spring-damper holds the wall only with less than a tick
+/// of delay.
 const WHERE_IT_DOES_NOT: f64 = 0.6;
-/// Largest allowed ripple as a fraction of the press' torque. A hand notices changes of torque above some 13 % (Jandura and
+/// Largest allowed ripple as a fraction of the press' torque. A hand notices changes of torque above about 13 % (Jandura and
 /// Srinivasan 1994).
 const MOST_OF_THE_PRESS: f64 = 0.1;
 
@@ -104,7 +105,7 @@ impl Reference {
         })
     }
 
-    /// A reference that sets no limit.
+    /// Makes a reference that sets no limit for the torque ripple.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -116,7 +117,7 @@ impl Reference {
         }
     }
 
-    /// Limits of the figures on a device; the ripple's limit is in proportion to the size of an encoder count.
+    /// Limits of the measures on a device; the limit of the ripple is proportional to the angle of an encoder count.
     #[must_use]
     pub fn limits(&self, case: &Case) -> Limits {
         let counts = match case.change {
@@ -144,7 +145,7 @@ fn figures(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Re
     Ok(worst)
 }
 
-/// Ripple of a spring-damper with this damping in N·m; `None` if it does not hold the wall at this delay in ticks. Only the limits
+/// Ripple in N·m of a spring-damper with this damping; `None` if it does not hold the wall at this delay in ticks. Only the limits
 /// for an oscillating hand have to be met, because ripple alone may move a press beyond 5 %.
 fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Result<Option<f64>> {
     let figures = figures(scene, programme, damping, delay)?;
@@ -156,8 +157,8 @@ fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Resul
     Ok((holds && ripple <= a_count_every_tick(scene, programme, damping)).then_some(ripple))
 }
 
-/// Ripple in N·m of a spring-damper whose position changes by a count in every tick, to and fro, plus the ripple that the hand's
-/// motion causes.
+/// Ripple in N·m of a spring-damper whose measured position changes by one count back and forth in every tick, plus the ripple that
+/// the hand's motion causes.
 fn a_count_every_tick(scene: &Scene, programme: &Programme, damping: f64) -> f64 {
     let Some(encoder) = &scene.encoder else {
         return f64::INFINITY;

@@ -2,13 +2,13 @@
 
 use touchstone_sim::run::measure::Wiggle;
 
-/// Length of the window that is examined, s, and the distance of the next window's start.
+/// Length of the examined window, s. The next constant is the distance between the starts of two windows.
 const WINDOW_S: f64 = 3.0;
 const HOP_S: f64 = 1.5;
-/// Slowest and fastest oscillation that is searched, Hz: two periods in a window, and the limit of hands.
+/// Lowest and highest frequency of an oscillation that is searched, Hz: two periods in a window, and the limit of hands.
 const SLOWEST_HZ: f64 = 2.0 / WINDOW_S;
 const FASTEST_HZ: f64 = 16.0;
-/// Fraction of the motion's mean square that one sine must explain.
+/// Smallest fraction of the motion's mean square that one sine must explain to count as an oscillation.
 const EXPLAINED: f64 = 0.8;
 /// Sample rate that is enough for the search, Hz; faster signals are thinned out.
 const ENOUGH_HZ: f64 = 200.0;

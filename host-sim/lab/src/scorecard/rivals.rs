@@ -1,4 +1,4 @@
-//! The control laws of a scorecard, each as a change of a scene.
+//! The control laws of a scorecard, each defined as a change of a scene.
 
 use super::cases::most_torque_n_m;
 use touchstone_control::choices::{
@@ -8,18 +8,19 @@ use touchstone_control::choices::{
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Law, Preset, Scene, nearest};
 
-/// A control law of the comparison.
+/// A control law that the scorecard compares with others.
 #[derive(Debug, Clone, Copy)]
 pub struct Rival {
     /// Name of the law on the command line and in JSON.
     pub name: &'static str,
-    /// Description of the law in a few words.
+    /// Description of the control law in a few words.
     pub about: &'static str,
     /// Publication or other source of the law.
     pub source: &'static str,
-    /// Whether the law is a spring with virtual damping, with which the others are compared.
+    /// Whether the law is a spring with virtual damping, with which the other laws are compared.
     pub damped_spring: bool,
-    /// Whether the law is tuned on estimated states. In a scorecard the enhanced law uses the states that its scene sets.
+    /// Whether the law is tuned with the state estimator. In a scorecard, enhanced successive force augmentation uses the estimator
+    /// only if its scene does.
     pub estimated: bool,
     apply: fn(&mut Scene),
 }
@@ -145,7 +146,8 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// Sets a control law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has none.
+/// Sets a control law as it is usually published: without state estimator and energy guard, and with the thesis' parameters where
+/// the scene has none.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;
@@ -155,38 +157,43 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// Sets a spring-damper whose velocity comes from this velocity filter.
+/// Sets a spring-damper law whose velocity comes from the given velocity filter.
 fn filtered(scene: &mut Scene, from: VelocityKind) {
     measured(scene, LawKind::SpringDamper);
     scene.law.velocity.from = from;
 }
 
-/// Factor on the energy that the guard needs for its largest force at the over-speed limit. With this capacity a full energy
-/// account never reduces a press.
+/// Ratio of the capacity of the energy guard's account to the energy that the guard needs for its largest force at the overspeed
+/// limit. With this capacity a full account never reduces a press.
 const CAPACITY_SHARE: f64 = 1.2;
-/// Factor on the power that a wall costs the guard if its force changes by `k_de` times a count in every tick. The guard charges
-/// half a count for each change.
+/// Ratio of the power that refills the energy guard's account to the power that a wall costs.
+///
+/// The cost assumes that the force changes by the stiffness times one encoder count in every tick. The guard charges half a count
+/// for each change.
 const REFILL_SHARE: f64 = 4.0;
-/// Largest refill power that the guard's settings accept, W.
+/// Largest power for refilling the account that the energy guard's settings accept, W.
 const MOST_REFILL_W: f64 = 1.0;
-/// Largest capacity that the guard's settings accept, J.
+/// Largest capacity of the account that the energy guard's settings accept, J.
 const MOST_CAPACITY_J: f64 = 16.0;
-/// Delay in ticks above which the encoder is also read when the force changes. Without that reading the guard would charge more for
-/// each change.
+/// Delay in ticks above which the encoder is also read at the moment when the force changes. Without that reading the energy guard
+/// would charge more energy for each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// Longest delay in ticks that a guard covers, with a margin for rounding; beyond it the guard is off.
+/// Longest delay in ticks (control periods) that the energy guard covers, with a margin for rounding. With a longer delay the guard
+/// is off.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
 
-/// Longer of the delays that scene and guard assume, plus the guard's lag, ticks.
+/// Longest delay that the scene or the energy guard assumes, plus the guard's lag, in ticks (control periods).
 #[must_use]
 pub fn delay_ticks(scene: &Scene) -> f64 {
     let guard = &scene.law.guard;
     (guard.delay_s.max(scene.timing.computational_delay_s) + guard.lag_s) / scene.timing.period_s()
 }
 
-/// Sets a scene's estimator and guard to the device's values and torque. The guard's capacity and refill power are what the device
-/// needs, and at least the scene's; a coarse encoder at a stiff wall needs much.
+/// Sets a scene's state estimator and energy guard to the device's values and torque.
+///
+/// The guard's capacity (most energy in its account) and the power that refills the account are set to what the device needs, but
+/// at least to the scene's values. A coarse encoder at a stiff wall needs much.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
@@ -242,13 +249,14 @@ impl Rival {
             })
     }
 
-    /// Whether the law's matrices describe how the loop moves. They do not for laws that reduce their force by an observed energy.
+    /// Whether matrices describe how the loop with this law moves. They do not for laws that reduce their force by an observed
+    /// energy.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.damped_spring || self.estimated
     }
 
-    /// The scene with this law, ready for tuning. The guard is kept, because the settings are for a real device.
+    /// The scene with this law, ready for tuning. The energy guard is kept, because the settings are for a real device.
     #[must_use]
     pub fn to_tune(&self, scene: &Scene) -> Scene {
         let mut tuned = self.of(scene);

@@ -1,4 +1,4 @@
-//! Tests that scorecards of walls whose properties are known show these properties.
+//! Tests scorecards of walls whose properties are known.
 
 use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -16,7 +16,8 @@ fn knob(k_desired: f64) -> Scene {
     scene
 }
 
-/// A spring with damping on estimated states. With a damping of 0.006 N·m·s/rad it holds `5 k_c` on every device.
+/// A spring with damping, with the state estimator. With a damping of 0.006 N·m·s/rad it works on every device at five times the
+/// stiffness that sampling allows a plain spring.
 fn estimated(k_desired: f64, damping: f64) -> Scene {
     let mut scene = Rival::named("spring-damper-estimated")
         .expect("a law")
@@ -111,7 +112,7 @@ fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
     assert!(nominal["figures"]["ripple_rms_n_m"].is_number());
 }
 
-/// Largest figure on a device relative to its limit.
+/// Largest measure on a device, relative to its limit.
 fn worst_share(scene: &Scene, reference: Reference, case: &Case) -> f64 {
     let (felt, _) = figures(scene, &Programme::of(scene), case, false).expect("runs");
     let shares = felt.shares(&reference.limits(case));
@@ -142,8 +143,8 @@ fn twenty_critical_stiffnesses_hold_on_every_device() {
     }
 }
 
-/// Checks that one scene gives the same wall at every rate. The offset's pace is set per millisecond, not per tick, and the
-/// estimator predicts at most two ticks.
+/// Checks that the settings of one scene work at every control rate. The offset's pace is set per millisecond, not per tick, and
+/// the estimator predicts at most two ticks.
 #[test]
 fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
     for (name, wall, touch) in [

@@ -1,12 +1,12 @@
-//! Compares a light touch with that of an ideal wall: how deep it goes, and how fast the torque rises.
+//! Compares a light touch of a wall with a touch of an ideal wall: how deep it goes, and how fast the torque rises.
 //!
-//! Hand and device alone limit how well a wall can stop a blow. So a touch is compared with that of the same hand on the same
-//! device at an ideal wall. The ideal wall has the stiffness `k_de`, a damping ratio of [`DAMPING_RATIO`], exact states, 50 kHz, no
-//! delay and no torque limit.
+//! Hand and device alone limit how well a wall can stop a blow. A touch is therefore compared with that of the same hand on the
+//! same device at an ideal wall. The ideal wall has the requested stiffness `k_de`, a damping ratio of [`DAMPING_RATIO`], exact
+//! states, 50 kHz, no delay and no torque limit.
 //!
-//! Rate-hardness (slope of the torque over the speed) is unfair to damping, whose torque is there at once and then falls. So it is
-//! divided by `k_de`, which is the rate-hardness of an undamped spring. Extended rate-hardness favours damping. So the results of
-//! an undamped spring are given as well.
+//! Rate-hardness (slope of the torque over the speed) underrates damping, whose torque is there at once and then falls. It is
+//! therefore divided by `k_de`, which is the rate-hardness of an undamped spring. Extended rate-hardness favours damping, so the
+//! results of an undamped spring are given as well.
 
 use super::cases::{Deed, GRIPS, Programme};
 use super::measure::Beside;
@@ -16,25 +16,25 @@ use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, MotionSpec, Number, Preset, Scene};
 
-/// Damping of the ideal wall, divided by the critical damping of the device on `k_de`.
+/// Damping of the ideal wall, divided by the critical damping of the device on a spring of the requested stiffness.
 pub const DAMPING_RATIO: f64 = 0.5;
 /// Rate at which the ideal wall is simulated, Hz.
 const RATE_HZ: u32 = 50_000;
 /// Duration of a simulated touch of an ideal wall, s; the touch is deepest in the first oscillation.
 const LONGEST_S: f64 = 0.4;
 
-/// Figures of a touch, divided by those of the ideal damped wall; the worst of several hands.
+/// Measures of a touch, divided by those of the ideal damped wall; the worst of several hands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TouchRatios {
-    /// Deepest penetration of the touch, divided by the ideal damped wall's; less is better.
+    /// Deepest penetration of the touch, divided by that of the ideal damped wall; smaller is better.
     pub penetration: f64,
-    /// Rate-hardness (slope of the torque just after contact over the speed of the touch), divided by `k_de`; more is better. It
-    /// may be negative for a damped wall.
+    /// Rate-hardness (slope of the torque just after contact over the speed of the touch), divided by the requested stiffness;
+    /// larger is better. It may be negative for a damped wall.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), divided by the ideal damped
-    /// wall's; more is better.
+    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), divided by that of the
+    /// ideal damped wall; larger is better.
     pub extended_rate_hardness: Option<f64>,
-    /// Largest torque in the first five milliseconds of the touch, divided by the ideal damped wall's; more is better.
+    /// Largest torque in the first five milliseconds of the touch, divided by that of the ideal damped wall; larger is better.
     pub torque: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ impl TouchRatios {
         }
     }
 
-    /// The worse value of each figure, from two sets.
+    /// The worse value of each measure from two sets.
     #[must_use]
     pub fn worst(&self, other: &Self) -> Self {
         let less = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));
@@ -65,7 +65,7 @@ impl TouchRatios {
     }
 }
 
-/// Touches of the ideal damped wall by the hands of [`GRIPS`].
+/// Measures of touches of the ideal damped wall by the hands of [`GRIPS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdealTouch {
     touches: [Beside; GRIPS.len()],
@@ -73,7 +73,7 @@ pub struct IdealTouch {
 }
 
 impl IdealTouch {
-    /// Simulates the touches on a scene's device.
+    /// Simulates touches of the ideal wall on a scene's device.
     ///
     /// # Errors
     /// The device cannot be simulated.
@@ -88,14 +88,14 @@ impl IdealTouch {
         })
     }
 
-    /// The figures `own` of a touch, divided by those of the ideal wall; `grip` is the index in [`GRIPS`].
+    /// The measures `own` of a touch, divided by those of the ideal wall; `grip` is the index in [`GRIPS`].
     #[must_use]
     pub fn ratios(&self, grip: usize, own: &Beside) -> TouchRatios {
         TouchRatios::new(own, &self.touches[grip], self.k_desired)
     }
 
-    /// Touches of an ideal wall with another damping ratio, compared with the ideal damped wall; the worst of three simulated grips
-    /// (light, medium, firm).
+    /// Measures of touches of an ideal wall with another damping ratio, relative to the ideal damped wall. The worst of three
+    /// simulated grips (light, medium, firm).
     ///
     /// # Errors
     /// The device cannot be simulated.
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Checks the undamped spring's depths against those of another program, also at 50 kHz.
+    /// Checks the depths of touches of an undamped spring against those that another program computed, also at 50 kHz.
     #[test]
     fn an_ideal_spring_is_as_deep_as_it_was_found_elsewhere() {
         for (k_desired, expected) in [(14.0, 1.77), (20.0, 2.06)] {

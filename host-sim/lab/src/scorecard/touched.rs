@@ -4,14 +4,14 @@
 use super::press::DesiredStiffness;
 use std::ops::Range;
 
-/// A recorded tick in SI units: the position that was read, the force from then on, and the surface.
+/// A recorded tick (control period) in SI units: position that was read, force commanded from then on, and surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchedTick {
-    /// Control periods since the first tick. Neighbouring ticks differ by more than one if ticks were missed.
+    /// Number of control periods since the first tick. Neighbouring ticks differ by more than one if ticks were missed.
     pub due: u64,
-    /// Position that was read, m.
+    /// Position of the effector that was read, m.
     pub position_m: [f64; 3],
-    /// Force that was commanded, N.
+    /// Force that was commanded to the motors, N.
     pub force_n: [f64; 3],
     /// Depth of the position below the surface, m; negative outside.
     pub depth_m: f64,
@@ -19,18 +19,19 @@ pub struct TouchedTick {
     pub normal: [f64; 3],
 }
 
-/// A hand counts as resting if it moves by less than this many counts, or less than the fraction `RESTING_SHARE` of its depth.
+/// Largest motion of a resting hand, in position counts. The hand also counts as resting if it moves by less than the fraction
+/// `RESTING_SHARE` of its depth.
 pub const RESTING_COUNTS: f64 = 4.0;
 const RESTING_SHARE: f64 = 0.02;
 
-/// Depth and force with one value per control period. Missed ticks are interpolated; the force is constant over them.
+/// Depth and force of a run, one value per control period. Missed ticks are interpolated; the force is constant over them.
 pub struct TouchedSeries {
     first: u64,
-    /// Depth at each tick, m.
+    /// Depth below the surface at each tick, m.
     pub depth: Vec<f64>,
     /// Depth in the middle of each tick, during which the force is constant, m.
     pub middle: Vec<f64>,
-    /// Force out of the surface during each tick, N.
+    /// Force during each tick, N, positive out of the surface.
     pub out: Vec<f64>,
 }
 
@@ -90,7 +91,7 @@ impl TouchedSeries {
         found
     }
 
-    /// Inward speed over the last `intervals` ticks, m/s.
+    /// Speed into the surface, averaged over the last `intervals` ticks (control periods), m/s.
     pub fn speed(&self, index: usize, intervals: usize, rate_hz: f64) -> f64 {
         let was = index.saturating_sub(intervals);
         match index > was {

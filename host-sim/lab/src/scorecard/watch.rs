@@ -1,7 +1,7 @@
-//! Calculates the figures of a scorecard from one run.
+//! Computes the measures of a scorecard from one run.
 //!
-//! The force is the motor's true mean force in a tick, after limits, guard, amplifier steps and delay. The penetration is the true
-//! one in the middle of the tick, to which that force belongs.
+//! The force is the motor's true mean force in a tick (control period), after limits, energy guard, amplifier resolution and delay.
+//! The penetration is the true one in the middle of the tick, to which that force belongs.
 
 use super::cases::Deed;
 use super::measure::{Beside, Figures, Measure};
@@ -15,21 +15,21 @@ use touchstone_sim::scene::{MotionSpec, Scene};
 
 /// Duration of the last part of a hold, in which the device should rest, s.
 const REST_S: f64 = 0.25;
-/// A wall counts as lost if the knob is further than this from the surface, inside or outside, rad.
+/// Largest distance of the knob from the surface, inside or outside, rad; beyond it the wall counts as lost.
 const LOST_RAD: f64 = 3.0;
 
-/// Scorecard results of one run.
+/// Measures of the scorecard from one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
-    /// Figures with a limit.
+    /// Measures that have a limit.
     pub figures: Figures,
-    /// Figures without a limit.
+    /// Measures that have no limit.
     pub beside: Beside,
     /// Response to an oscillating hand; `None` if the hand did not oscillate, or the knob left the wall.
     pub met: Option<DynamicStiffness>,
 }
 
-/// Recorder that calculates the figures of a run.
+/// Recorder that computes the scorecard's measures of a run.
 #[derive(Debug, Clone)]
 struct Watch {
     terms: Terms,
@@ -183,7 +183,7 @@ impl Recorder for Watch {
     }
 }
 
-/// Simulates a scene of a [`super::cases::Programme`]; returns the figures with and without limits. `fully` calculates the figures
+/// Simulates a scene of a [`super::cases::Programme`]; returns the measures with and without limits. `fully` computes the measures
 /// without a limit, which makes the run half as long again.
 ///
 /// # Errors
@@ -192,7 +192,7 @@ pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)
     run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
 }
 
-/// Simulates a scene and calculates all figures.
+/// Simulates a scene and computes all measures of the scorecard.
 ///
 /// # Errors
 /// The control law does not accept its settings.
@@ -200,7 +200,7 @@ pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
     run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
 }
 
-/// Calculates all figures of a scene from ticks that were recorded elsewhere.
+/// Computes all measures of a scene from ticks that were recorded elsewhere, such as on a board.
 #[must_use]
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);

@@ -1,9 +1,9 @@
-//! Results of a scorecard in sentences.
+//! Describes the results of a scorecard in sentences.
 
 use super::measure::Measure;
 use super::{Cell, Row};
 
-/// Formats a figure for readers.
+/// Formats the value of a measure for readers.
 #[must_use]
 pub fn shown(measure: Measure, value: f64) -> String {
     let (_, factor) = measure.heading();
@@ -17,7 +17,8 @@ pub fn shown(measure: Measure, value: f64) -> String {
     }
 }
 
-/// Where a control law fails: one sentence for every figure beyond its limit, with the worst device; the worst figure first.
+/// Describes where a control law fails: one sentence for every measure beyond its limit, with the worst device; the worst measure
+/// first.
 #[must_use]
 pub fn fails(cells: &[Cell]) -> Vec<String> {
     let mut fails: Vec<(f64, String)> = Vec::new();
@@ -47,7 +48,7 @@ pub fn fails(cells: &[Cell]) -> Vec<String> {
     fails.into_iter().map(|(_, text)| text).collect()
 }
 
-/// Sentences on where a spring with damping does better than each other law, and where it fails itself.
+/// Sentences that say where a spring with damping does better than each other law, and where it fails itself.
 #[must_use]
 pub fn damped_spring(rows: &[Row]) -> Vec<String> {
     let mut said = Vec::new();
@@ -97,7 +98,7 @@ pub fn damped_spring(rows: &[Row]) -> Vec<String> {
     said
 }
 
-/// Whether a figure of `one` is smaller than that of `other` by more than 5 % and by more than rounding.
+/// Whether a measure of `one` is smaller than that of `other` by more than 5 % and by more than rounding.
 fn clearly_less(one: &Row, other: &Row, measure: Measure) -> bool {
     let of = |row: &Row| row.worst.map_or(f64::INFINITY, |worst| worst.get(measure));
     let (one, other) = match measure {

@@ -1,4 +1,4 @@
-//! One axis of a map: a key of the scene file and the values that it takes.
+//! One axis of a map: a field of the scene file and the values that it takes.
 
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -9,10 +9,10 @@ use touchstone_sim::scene::{Scene, list, path_of};
 /// Largest number of values on an axis.
 pub const MOST_VALUES: usize = 10_000;
 
-/// A key of the scene file and its values along an axis.
+/// One axis of a map: a field of the scene file and its values.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// The key of the scene file that varies.
+    /// The field of the scene file that varies along the axis.
     pub field: &'static Field,
     /// Whether the values are evenly spaced on a logarithmic scale.
     pub log: bool,
@@ -27,7 +27,7 @@ impl Axis {
     /// option, for messages.
     ///
     /// # Errors
-    /// [`Error::Option`]: the key does not exist, the form is another one, or the key cannot have one of the values.
+    /// [`Error::Option`]: the field does not exist, the text has another form, or the field cannot have one of the values.
     pub fn parse(option: &str, text: &str, scene: &Scene) -> Result<Self> {
         let asked = format!("{option} {text}");
         let wrong = |problem: String, fix: String| Error::Option {
@@ -124,7 +124,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// Converts a number to the type of the key: integer or decimal.
+    /// Converts a number to the type of the axis' field: integer or decimal.
     #[must_use]
     pub fn leaf(&self, number: f64) -> Value {
         match self.field.kind {
@@ -172,7 +172,7 @@ impl Axis {
         Ok(())
     }
 
-    /// The values as numbers; `None` if they are words.
+    /// The values as numbers; `None` if the axis has words.
     #[must_use]
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(Value::as_f64).collect()
@@ -206,7 +206,7 @@ impl Axis {
         }
     }
 
-    /// Range of a value's cells on the axis' scale: half-way to the neighbouring values.
+    /// Range on the axis' scale that the cells of a value cover, half-way to the neighbouring values.
     #[must_use]
     pub fn edges(&self, index: usize) -> RangeInclusive<f64> {
         let at = |index: usize| match self.numbers() {
@@ -228,7 +228,7 @@ impl Axis {
         }
     }
 
-    /// Text of a value for tables.
+    /// Text of an axis value for tables.
     #[must_use]
     pub fn text(&self, index: usize) -> String {
         match &self.values[index] {
@@ -238,8 +238,8 @@ impl Axis {
     }
 }
 
-/// Returns value number `index` of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one
-/// in the file, on every machine.
+/// Returns value number `index` of `count` values from `from` to `to`, rounded to twelve digits. The rounding makes the simulated
+/// value equal to the value in the file, on every machine.
 fn between(from: f64, to: f64, index: usize, count: usize, log: bool) -> f64 {
     if index == 0 {
         return from;

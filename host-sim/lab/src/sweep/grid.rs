@@ -1,5 +1,4 @@
-//! The cells of a map and the scene of each cell. A cell's scene is the base scene with two values replaced; no text is parsed for
-//! it.
+//! The cells of a map and the scene of each cell. A cell's scene is the base scene with two values replaced, without parsing text.
 
 use super::axis::Axis;
 use serde::Deserialize as _;
@@ -14,18 +13,18 @@ pub struct Grid {
     pub x: Axis,
     /// Vertical axis of the map.
     pub y: Axis,
-    /// The scene whose keys vary.
+    /// The base scene, whose fields vary from cell to cell.
     pub base: Scene,
-    /// The scene as JSON: one entry if the values of both axes are numbers, else one for each combination of words.
+    /// The base scene as JSON: one entry if the values of both axes are numbers, else one for each combination of words.
     trees: Vec<Value>,
     leaves: [String; 2],
 }
 
 impl Grid {
-    /// Creates the grid from a scene and two axes.
+    /// Makes the grid from a scene and two axes.
     ///
     /// # Errors
-    /// Both axes have the same key, or the scene cannot have a key with any value of the axes.
+    /// Both axes have the same field, or the scene cannot have a field with any value of the axes.
     pub fn of(base: &Scene, x: Axis, y: Axis) -> Result<Self> {
         if x.field == y.field {
             return Err(Error::Option {
@@ -51,7 +50,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The scene as JSON for one word of each axis. On an axis of numbers the first value that the scene accepts is used.
+    /// The base scene as JSON with one word of each axis. On an axis of numbers the first value that the scene accepts is used.
     fn tree(&self, word_x: usize, word_y: usize) -> Result<Value> {
         let mut refused = None;
         for index_x in trials(&self.x, word_x) {
@@ -102,7 +101,7 @@ impl Grid {
         ((cell as usize) % wide, (cell as usize) / wide)
     }
 
-    /// Creates an object that builds the scenes of cells; each thread needs its own.
+    /// Makes an object that builds the scenes of cells; each thread needs its own.
     #[must_use]
     pub fn scenes(&self) -> Scenes<'_> {
         Scenes {
@@ -119,7 +118,8 @@ fn words(axis: &Axis) -> usize {
     }
 }
 
-/// Indices of an axis' values that are tried in the base scene: three of an axis of numbers, else that of the given word.
+/// Indices of an axis' values that are tried in the base scene: three values on an axis of numbers, else the value with the index
+/// `word`.
 fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     match axis.numbers() {
         Some(_) => {
@@ -130,7 +130,7 @@ fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     }
 }
 
-/// Builds the scenes of cells.
+/// Builds the scene of each cell from the base scene.
 #[derive(Debug)]
 pub struct Scenes<'a> {
     grid: &'a Grid,
@@ -151,7 +151,7 @@ impl Scenes<'_> {
         self.with(values, [column, row])
     }
 
-    /// The scene for numbers between those of the cells; `None` if an axis has words, or if values of the scene contradict each
+    /// The scene for numbers between those of the cells. `None` if an axis has words, or if values of the scene contradict each
     /// other.
     pub fn between(&mut self, x: f64, y: f64) -> Option<Scene> {
         self.grid.x.numbers()?;

@@ -1,5 +1,5 @@
-//! Lines that theory predicts in the plane of a map: where the wall's stiffness reaches a known bound, and the boundary of the
-//! stability certificate.
+//! Lines that theory predicts in the plane of a map: where the wall's stiffness reaches a known bound, and where the stability
+//! certificate changes its verdict.
 
 use super::grid::{Grid, Scenes};
 use crate::certify::{self, hands::Family};
@@ -8,9 +8,10 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use touchstone_sim::scene::Scene;
 
-/// Number of grid points per axis for a line; between grid points its position is found by bisection.
+/// Number of grid points per axis for a predicted line. Between grid points, bisection finds the position of the line.
 const NODES: usize = 49;
-/// Number of grid points per axis for the certificate's boundary; each needs a certificate, which takes milliseconds.
+/// Number of grid points per axis for the certificate's boundary. Each point needs a certificate, which takes milliseconds to
+/// compute.
 const NODES_OF_CERTIFICATE: usize = 33;
 /// Number of bisections on an edge of the grid that a line crosses.
 const HALVINGS: u32 = 20;
@@ -21,21 +22,21 @@ const HALVINGS_OF_CERTIFICATE: u32 = 6;
 pub struct Line {
     /// CSS class of the line.
     pub role: &'static str,
-    /// Name of the line.
+    /// Name of the line in the legend.
     pub name: &'static str,
     /// Straight pieces of the line, each with its two ends.
     pub pieces: Vec<[(f64, f64); 2]>,
 }
 
-/// A bound of the stiffness: CSS class, name, and function for its value in a scene in N·m/rad.
+/// A bound of the wall's stiffness: CSS class, name, and function that gives its value for a scene in N·m/rad.
 type Bound = (&'static str, &'static str, fn(&Scene) -> Option<f64>);
 
-/// Mean delay of a force that is held for a period, s: half a period plus the computational delay.
+/// Mean delay of a force that is held for a control period, s: half a period plus the computational delay.
 fn late_s(scene: &Scene) -> f64 {
     0.5 * scene.timing.period_s() + scene.timing.computational_delay_s
 }
 
-/// Bounds for a wall that is a spring. For other laws they show where a spring would reach its limit.
+/// Bounds of the stiffness of a wall that is a plain spring. For other laws they show where a spring would reach its limit.
 const BOUNDS: [Bound; 3] = [
     // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is the damping that the law assumes, thesis §5.1.
     ("kc", "k_c = c_i/(T/2 + t_d)", |scene| {
@@ -55,10 +56,10 @@ const BOUNDS: [Bound; 3] = [
     }),
 ];
 
-/// Function that is called with the number of finished certificates and their total number.
+/// Function that is called with the number of computed certificates and their total number.
 pub type Progress<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
-/// The predicted lines that cross the plane. With `certificate` they include the boundary of the stability certificate.
+/// All predicted lines that cross the plane. With `certificate` they include the boundary of the stability certificate.
 #[must_use]
 pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     if grid.x.numbers().is_none() || grid.y.numbers().is_none() {
@@ -115,8 +116,8 @@ fn near(a: &[[(f64, f64); 2]], b: &[[(f64, f64); 2]]) -> bool {
             .all(|(a, b)| close(a.0, b.0) && close(a.1, b.1))
 }
 
-/// Line on which `value` of the scene changes its sign: marching squares over a grid, with bisection on each edge that the line
-/// crosses.
+/// Line on which the function `value` of the scene changes its sign. The line is found by marching squares over a grid, with
+/// bisection on each edge that it crosses.
 fn traced(
     grid: &Grid,
     nodes: usize,

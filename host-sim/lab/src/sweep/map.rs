@@ -1,4 +1,4 @@
-//! The map as a figure: a tile for each cell, and over them predicted lines and points from a user's measurements.
+//! Draws the map as a figure: a tile for each cell, and over the tiles predicted lines and points from a user's measurements.
 
 use super::Sweep;
 use super::lines::Line;
@@ -8,7 +8,7 @@ use crate::report::figure::{Axis as FigureAxis, Figure, Range, Shape, Sign};
 use crate::report::quantity::significant;
 use touchstone_sim::scene::schema::Field;
 
-/// CSS classes for the colours of a measure's values.
+/// CSS classes for the colours of a measure's values, one per range of values.
 const BANDS: [&str; 8] = [
     "band band0",
     "band band1",
@@ -38,7 +38,7 @@ pub struct Over {
     pub points: Option<Overlay>,
 }
 
-/// The map of verdicts.
+/// Draws the map of verdicts.
 #[must_use]
 pub fn of_verdicts(sweep: &Sweep, cells: &Cells, over: &Over) -> Figure {
     let words = verdicts();
@@ -78,7 +78,7 @@ const VERDICT_CLASSES: [&str; 7] = [
     "tile refused",
 ];
 
-/// The map of a measure's values.
+/// Draws the map of a measure's values.
 #[must_use]
 pub fn of_measure(
     sweep: &Sweep,
@@ -163,13 +163,14 @@ fn empty(sweep: &Sweep, title: &str) -> Figure {
     )
 }
 
-/// Unit of a key of the scene file; empty if it has none.
+/// Unit of a field of the scene file; empty if it has none.
 #[must_use]
 pub fn unit(field: &Field) -> &'static str {
     field.unit_shown()
 }
 
-/// Rectangles that cover the chosen cells. Neighbouring cells of a row are joined, and then equal stretches of neighbouring rows.
+/// Rectangles that cover the chosen cells. Neighbouring cells of a row are joined; then equal stretches of neighbouring rows are
+/// joined.
 fn tiles(sweep: &Sweep, chosen: &dyn Fn(u64) -> bool) -> Vec<[f64; 4]> {
     let (x, y) = (&sweep.grid.x, &sweep.grid.y);
     let wide = x.values.len();
@@ -226,7 +227,7 @@ fn draw_over(figure: &mut Figure, sweep: &Sweep, over: &Over) {
     }
 }
 
-/// File name of a measure's map; of the map of verdicts for `None`.
+/// File name of the map of a measure, or of the map of verdicts if `measure` is `None`.
 #[must_use]
 pub fn file(measure: Option<&Measure>) -> String {
     format!(

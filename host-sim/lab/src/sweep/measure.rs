@@ -1,4 +1,4 @@
-//! The results that are stored for each cell: the verdict, and the chosen measures of the run.
+//! The results that a sweep stores for each cell: the verdict, and the chosen measures of the run.
 
 use crate::report::measures::MEASURES;
 use touchstone_sim::error::{Error, Result};
@@ -6,9 +6,9 @@ use touchstone_sim::run::record::{Run, Summary};
 use touchstone_sim::run::verdict::WORDS;
 use touchstone_sim::scene::nearest;
 
-/// Name of the verdict among the measures.
+/// Name under which the verdict is chosen among the measures.
 pub const VERDICT: &str = "verdict";
-/// Stands in place of a verdict if values of the scene contradict each other, or if the law refuses the scene.
+/// Word in place of a verdict if values of the scene contradict each other, or if the law refuses the scene.
 pub const REFUSED: &str = "refused";
 
 /// A measure: a number from the summary of a run.
@@ -22,7 +22,7 @@ pub struct Measure {
     pub unit: &'static str,
     /// Meaning of the measure, in words.
     pub meaning: &'static str,
-    /// The measure's value; `None` where it does not apply.
+    /// The measure's value in SI units; `None` where it does not apply.
     pub of: fn(&Summary) -> Option<f64>,
 }
 
@@ -102,7 +102,7 @@ pub fn named(names: &[String]) -> Result<Vec<Measure>> {
     Ok(found)
 }
 
-/// Words that may stand in place of a verdict, from good to bad; [`REFUSED`] is among them.
+/// Names that may stand in the column of the verdict, from good to bad, including [`REFUSED`].
 #[must_use]
 pub fn verdicts() -> Vec<&'static str> {
     WORDS
@@ -112,7 +112,7 @@ pub fn verdicts() -> Vec<&'static str> {
         .collect()
 }
 
-/// A row of the table: the stored results of one cell.
+/// A row of the table of cells: the stored results of one cell.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row(
     /// Number of the cell in the map.
@@ -129,7 +129,7 @@ pub struct Row(
 );
 
 impl Row {
-    /// The row of a cell from its run; without a run the cell was refused.
+    /// Makes the row of a cell from its run. Without a run, the cell was refused.
     #[must_use]
     pub fn of(cell: u64, [x, y]: [String; 2], run: Option<&Run>, measures: &[Measure]) -> Self {
         let verdict = run.map_or(REFUSED, |run| run.summary.verdict_name());
@@ -151,7 +151,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// Checks that the heading of every column contains the unit once.
+    /// Checks that the heading of every column contains its unit exactly once.
     #[test]
     fn every_column_says_its_unit_once() {
         for measure in measures() {

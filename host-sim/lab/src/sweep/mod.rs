@@ -1,7 +1,7 @@
-//! Maps of a sweep: two settings of a scene vary, and every cell of the map has the results of its run.
+//! Computes maps: two settings of a scene vary (a sweep), and every cell of the map has the results of its run.
 //!
 //! [`axis`] and [`grid`] build the cells' scenes, [`measure`] has the results to store. [`store`] keeps the cells in a folder, so
-//! that an interrupted sweep can continue and shards can be combined. [`lines`] calculates what theory predicts in the same plane,
+//! that an interrupted sweep can continue and shards can be combined. [`lines`] computes what theory predicts in the same plane,
 //! [`map`] draws cells and lines, [`output`] writes all files. A cell depends only on its scene, so files are the same, byte for
 //! byte, for any number of threads, shards or interruptions.
 
@@ -30,10 +30,10 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Time between two writes; an interruption loses at most the work of this time.
+/// Time between two writes of finished cells. An interruption loses at most the work of this time.
 const PIECE: Duration = Duration::from_millis(500);
 
-/// A sweep: the cells, and what is stored for each.
+/// A sweep: the cells of a map, and the measures that are stored for each.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// The cells of the map and their scenes.
@@ -49,7 +49,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Creates a sweep; `x` and `y` are axes in the form of the command line.
+    /// Makes a sweep; `x` and `y` are axes in the form of the command line.
     ///
     /// # Errors
     /// An axis does not fit the scene, a measure is unknown, or a recording cannot be read.
@@ -86,7 +86,7 @@ impl Sweep {
         })
     }
 
-    /// Everything on which the cells depend, and the command, as JSON.
+    /// All values on which the cells depend, and the command, as JSON.
     #[must_use]
     pub fn plan(&self) -> Value {
         let axis =
@@ -116,7 +116,7 @@ impl Sweep {
         names
     }
 
-    /// Computes one cell. A refused cell comes with its error.
+    /// Computes one cell. If the cell is refused, the error is returned as well.
     pub fn cell(&self, scenes: &mut grid::Scenes<'_>, cell: u64) -> (Row, Option<Error>) {
         let (column, row) = self.grid.place(cell);
         let place = [self.grid.x.text(column), self.grid.y.text(row)];
@@ -129,7 +129,7 @@ impl Sweep {
         }
     }
 
-    /// Computes the missing cells of a shard in parallel, and stores them. `told` is called with the number of the shard's finished
+    /// Computes the missing cells of a shard in parallel, and stores them. Calls `told` with the number of the shard's finished
     /// cells.
     ///
     /// # Errors
@@ -187,7 +187,7 @@ impl Sweep {
     }
 }
 
-/// Result of [`Sweep::fill`]: how many cells were computed, and the first refusal.
+/// Result of [`Sweep::fill`]: numbers of cells, and the first refused cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filled {
     /// Number of cells that the folder already held.
@@ -198,7 +198,7 @@ pub struct Filled {
     pub refusal: Option<(u64, Error)>,
 }
 
-/// Reads a sweep with its cells from the folders of its shards. The first folder gives the description.
+/// Reads a sweep with its cells from the folders of its shards. The description of the sweep is taken from the first folder.
 ///
 /// # Errors
 /// A folder has no sweep, the folders belong to different sweeps or to another program version, or cells are missing.
@@ -303,7 +303,7 @@ impl Sweep {
     }
 }
 
-/// Sets the number of threads for simulations.
+/// Sets the number of threads that simulate runs.
 ///
 /// # Errors
 /// The threads cannot be started, or were started before.

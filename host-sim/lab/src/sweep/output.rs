@@ -29,12 +29,12 @@ pub struct Drawing<'a> {
     pub points: Option<Overlay>,
     /// Leaves out the boundary of the stability certificate.
     pub no_certificate: bool,
-    /// Function that is called while certificates are calculated.
+    /// Function that is called while certificates are computed.
     pub progress: Option<&'a lines::Progress<'a>>,
 }
 
-/// Reads points from a CSV file: two columns of numbers under a header, in the axes' units. The file's name without ending is their
-/// name.
+/// Reads points of a user's measurements from a CSV file: two columns of numbers under a header, in the axes' units. The points are
+/// named after the file without its extension.
 ///
 /// # Errors
 /// The file cannot be read or has another format.
@@ -109,7 +109,7 @@ pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &
     })
 }
 
-/// Writes the map's folder; returns the contents of `results.json` and the paths of the files. A shard gets its cells only; maps
+/// Writes the map's folder; returns the contents of `results.json` and the paths of the files. A shard gets only its cells; maps
 /// are drawn for the whole sweep.
 ///
 /// # Errors
@@ -211,7 +211,7 @@ fn columns(sweep: &Sweep) -> Vec<[String; 4]> {
     columns
 }
 
-/// Metadata that say where the cells come from.
+/// Metadata on the origin of the cells (program, command, scene), as keys and values.
 fn origin(sweep: &Sweep, shard: Shard, columns: &[[&str; 4]]) -> Vec<(&'static str, String)> {
     let plan = sweep.plan();
     let of = |index: usize| -> serde_json::Map<String, Value> {

@@ -1,4 +1,4 @@
-//! JSON schema of a map's `results.json`. The file `docs/schema/sweep.schema.json` holds its text.
+//! Makes the JSON schema of a map's `results.json`, stored in `docs/schema/sweep.schema.json`.
 
 use super::measure::verdicts;
 use crate::report::plain_schema::{Field, array, document, object, program};

@@ -1,7 +1,7 @@
 //! The folder of a map while the cells are computed: a description of the sweep, and the finished cells.
 //!
-//! `sweep.json` has the description; it is written before the first cell. `journal.csv` gets the cells as they are finished, and is
-//! removed when `cells.csv` has all of them in order. So no finished cell is lost or computed twice.
+//! `sweep.json` has the description; it is written before the first cell. `journal.csv` receives the cells as they are finished,
+//! and is removed when `cells.csv` has all of them in order. No finished cell is thus lost or computed twice.
 
 use super::Sweep;
 use super::measure::Row;
@@ -18,7 +18,7 @@ pub const PLAN: &str = "sweep.json";
 pub const CELLS: &str = "cells.csv";
 const JOURNAL: &str = "journal.csv";
 
-/// One part of a sweep: the cells whose number modulo `of` is `index - 1`.
+/// One shard (part) of a sweep: the cells whose number modulo `of` is `index - 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Number of this shard, from 1 to [`Shard::of`].
@@ -162,13 +162,13 @@ pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
     }
 }
 
-/// Whether two sweeps have the same cells. Everything in their descriptions has to be equal except the command.
+/// Whether two sweeps have the same cells: their descriptions are equal except for the command.
 #[must_use]
 pub fn same(a: &Value, b: &Value) -> bool {
     difference(a, b).is_empty()
 }
 
-/// What differs between two descriptions of sweeps, in a few words.
+/// Describes in a few words what differs between two descriptions of sweeps.
 #[must_use]
 pub fn difference(a: &Value, b: &Value) -> String {
     [

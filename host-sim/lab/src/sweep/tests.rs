@@ -1,4 +1,5 @@
-//! Tests that cells equal runs of scenes from text, that shards together equal the whole, and that lines follow their formulas.
+//! Tests that cells equal runs of scenes from text, that all shards together equal the whole sweep, and that lines follow their
+//! formulas.
 
 use super::measure::Row;
 use super::output::{self, Drawing};

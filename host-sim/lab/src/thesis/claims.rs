@@ -1,6 +1,6 @@
 //! Compares the thesis' statements on its experiments in one degree of freedom with the simulation.
 //!
-//! A statement that the simulation does not reproduce is reported as such, with the measured values.
+//! A statement that the simulation does not reproduce is reported as not reproduced, with the measured values.
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
 use touchstone_control::{FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate};
@@ -9,7 +9,7 @@ use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
-/// Whether the simulation reproduces a statement.
+/// Result of the comparison of a statement with the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// The simulation reproduces the thesis' statement.
@@ -32,7 +32,7 @@ impl Outcome {
     }
 }
 
-/// A statement of the thesis, and what the simulation shows.
+/// A statement of the thesis, with the simulation's result on it.
 #[derive(Debug, Clone)]
 pub struct Claim {
     /// Short name of the statement; it does not change between versions.
@@ -47,7 +47,7 @@ pub struct Claim {
     pub measured: String,
 }
 
-/// The runs with one control law and stiffness, over all grips and encoders.
+/// The runs with one control law and requested stiffness, over all grips and encoders.
 fn of(runs: &[Run], law: LawKind, k_desired: f64) -> impl Iterator<Item = &Summary> + Clone {
     runs.iter()
         .map(|run| &run.summary)
@@ -66,7 +66,7 @@ fn all_or_part(hits: usize, total: usize) -> Outcome {
     }
 }
 
-/// Creates a claim that each of some runs has to meet; the outcome follows from the number of runs that do.
+/// Makes a claim that each of the given runs has to meet. The outcome follows from the number of runs that meet it.
 fn counted<'a>(
     name: &'static str,
     source: &'static str,
@@ -104,8 +104,8 @@ fn shaky(run: &Summary) -> bool {
     run.verdict >= Verdict::LimitCycle
 }
 
-/// Largest change of the force from one tick to the next while the hand withdraws, N·m. The force of the time-domain passivity
-/// approach (TDPA) is discontinuous there.
+/// Largest change of the force from one tick (control period) to the next while the hand withdraws, N·m. The force of the
+/// time-domain passivity approach (TDPA) is discontinuous there.
 fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
     let out = trace
         .time_s
@@ -129,7 +129,7 @@ fn variant(
     run::run(&scene.with(change)?, true)
 }
 
-/// Checks all claims against `runs`, which are those of [`super::cells`], and against a few more runs.
+/// Checks all claims against `runs`, the results of [`super::cells`], and against a few more runs.
 ///
 /// # Errors
 /// The base scene cannot be run.
@@ -243,7 +243,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
     ]
 }
 
-/// Claims about low stiffnesses; their runs need traces.
+/// Claims about low stiffnesses; runs with traces are simulated for them.
 fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
     let law = |kind: LawKind, observer: ObserverForm| {
         variant(base, STIFFNESSES[0], kind, |scene| {

@@ -1,8 +1,7 @@
-//! The thesis' comparison in one degree of freedom (§5.1): four stiffnesses and five laws on one knob.
+//! The thesis' comparison in one degree of freedom (§5.1): five control laws at four stiffnesses on one knob.
 //!
-//! The comparison itself, with a medium grip and 40,000 encoder counts, keeps its traces for plots. The other grips, a 14-bit
-//! encoder and a stiffness beyond the thesis (20 `k_c`) are simulated for their numbers only. [`claims`] compares the thesis'
-//! statements with the results.
+//! Runs with a medium grip and 40,000 encoder counts keep their traces for plots. Runs with the other grips, a 14-bit encoder and a
+//! stiffness beyond the thesis are simulated for their numbers only. [`claims`] compares the thesis' statements with the results.
 
 pub mod claims;
 pub mod space;
@@ -15,7 +14,7 @@ use touchstone_sim::scene::{Grip, Scene};
 
 /// Requested stiffnesses of §5.1 of the thesis, N·m/rad.
 pub const STIFFNESSES: [f64; 4] = [0.5, 1.0, 2.5, 5.0];
-/// A stiffness beyond the thesis, N·m/rad: twenty times the critical one.
+/// A stiffness beyond the thesis, N·m/rad: twenty times the largest stiffness that sampling allows a plain spring.
 pub const BEYOND: f64 = 20.0;
 /// Control laws of §5.1 of the thesis, in its order.
 pub const LAWS: [LawKind; 5] = [
@@ -25,13 +24,13 @@ pub const LAWS: [LawKind; 5] = [
     LawKind::Sfa,
     LawKind::EnhancedSfa,
 ];
-/// Grips of the simulated hand; the thesis' comes first.
+/// Grips of the simulated hand; the grip that matches the thesis comes first.
 pub const GRIPS: [Grip; 3] = [Grip::Medium, Grip::Light, Grip::Firm];
 /// Encoder counts per turn, the finer encoder first.
 pub const COUNTS: [u32; 2] = [40_000, 16_384];
 
-/// Keys and tables of the base scene that every [`cell`] replaces, so that a user's change of them would have no effect, with the
-/// values that they get.
+/// Fields and tables of the base scene that every [`cell`] replaces, with the values that they get. A user's change of such a field
+/// would have no effect.
 pub const REPLACED: [(&str, &str); 5] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
     ("law.kind", "laws"),
@@ -53,10 +52,10 @@ pub struct Cell {
     pub plotted: bool,
 }
 
-/// The scene of one cell: `base` with this stiffness, law, grip and encoder. The time-domain passivity approach (TDPA) gets the
-/// thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
+/// The scene of one cell: `base` with this stiffness, law, grip and encoder.
 ///
-/// TDPA gets the thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
+/// The time-domain passivity approach (TDPA) gets the thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of
+/// `base`.
 ///
 /// # Errors
 /// The base scene does not accept one of the values.
@@ -73,8 +72,8 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
     })
 }
 
-/// All cells of the comparison. The plotted ones come first, then those with other grips and the other encoder; each part includes
-/// the stiffness beyond the thesis.
+/// All cells of the comparison. The plotted cells come first, then those with other grips and the other encoder. Each of the two
+/// parts includes the stiffness beyond the thesis.
 ///
 /// # Errors
 /// The errors of [`cell`].
@@ -99,10 +98,10 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Name of the shipped wall in tables and figures.
+/// Name of the wall with the shipped law and settings, in tables and figures.
 pub const SHIPPED: &str = "Shipped";
 
-/// Cells of the shipped wall: `base` with its own law and settings, at every stiffness, grip and encoder of [`cells`].
+/// Cells of the wall with the shipped law and settings: `base` with its own law, at every stiffness, grip and encoder of [`cells`].
 ///
 /// # Errors
 /// The errors of [`cell`].
@@ -122,7 +121,7 @@ pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Simulates the cells on all cores; returns the runs in the order of the cells. `done` is called after each.
+/// Simulates the cells on all cores; returns the runs in the order of the cells. Calls `done` after each run.
 ///
 /// # Errors
 /// The error of the first cell that cannot run.

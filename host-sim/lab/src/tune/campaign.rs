@@ -1,7 +1,7 @@
-//! Tunes laws for random devices, to find out how often there are settings with which the wall holds.
+//! Tunes control laws for random devices, to count how often settings exist with which a wall comes to rest and feels right.
 //!
-//! Devices come from [`crate::random_device`]. A device is replaced if encoder or torque are too small for its wall. A press of at
-//! most [`MOST_N_M`] must go 20 encoder counts deep, exceed the dry friction four times, and stay below a depth of 1 rad. The
+//! Devices come from [`crate::random_device`]. A device is replaced if its encoder or torque do not suffice for its wall. A press
+//! of at most [`MOST_N_M`] must go 20 encoder counts deep, exceed four times the dry friction, and stay below a depth of 1 rad. The
 //! torque limit is twice [`MOST_N_M`].
 
 use super::diagnosis::{self, FailureCause};
@@ -19,18 +19,19 @@ use touchstone_sim::scene::{MotionSpec, Scene, TouchAndPress};
 
 /// Largest torque of a press, N·m.
 pub const MOST_N_M: f64 = 0.5;
-/// Fraction of `J/T²` up to which an estimator was found to hold a stiffness.
+/// Largest stiffness at which an estimator was found to hold a wall, as a fraction of `J/T²` (inertia `J`, control period `T`).
 const OF_INERTIA: f64 = 0.16;
 
-/// Class of the requested stiffness: how it is derived from the device.
+/// Class of the requested stiffness: the rule that derives the stiffness from the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
-    /// Five times the critical stiffness, `5 k_c`.
+    /// Five times the critical stiffness, the largest that sampling allows a plain spring.
     FiveCritical,
-    /// Twenty times the critical stiffness, `20 k_c`, for devices where that is below `0.16 J/T²`.
+    /// Twenty times the largest stiffness that sampling allows a plain spring, for devices where this is below the limit by inertia
+    /// (see `Inertia`).
     TwentyCritical,
-    /// The limit by inertia, `0.16 J/T²`.
+    /// The limit by inertia, `0.16 J/T²`: inertia `J`, control period `T`.
     Inertia,
 }
 
@@ -101,65 +102,68 @@ pub struct Row {
     pub number: u64,
     /// The law that was tuned.
     pub law: String,
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia_kg_m2: f64,
-    /// Damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
-    /// Dry friction, N·m.
+    /// Dry friction of the device, N·m.
     pub friction_n_m: f64,
     /// Encoder counts per turn.
     pub counts_per_rev: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Delay from sample to force, ticks.
+    /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
+    /// Stiffness of the wall as the angle in rad by which the device's oscillation on the wall advances per control period.
     pub stiffness_per_tick: f64,
-    /// `b T/J`: fraction of its speed that the free device loses per tick.
+    /// Damping as the fraction of its speed that the free device loses per control period.
     pub damping_per_tick: f64,
-    /// Whether a press comes to rest in every grip, at a stiffness within 5 % of `k_de`.
+    /// Whether a press comes to rest in every grip, at a stiffness within 5 % of the requested one.
     pub rests: bool,
-    /// Whether force over penetration of an oscillating hand is within 15 % and 15° of `k_de` up to 4 Hz, in every grip.
+    /// Whether the stiffness for an oscillating hand (force over penetration) is within 15 % and 15° of the requested one up to 4
+    /// Hz, in every grip.
     pub moves: bool,
-    /// Whether a press comes to rest in every grip, at whatever stiffness.
+    /// Whether a press comes to rest in every grip, at any stiffness.
     pub ends_at_rest: bool,
-    /// Largest relative deviation of the stiffness at rest from `k_de`; empty if a press does not rest.
+    /// Largest relative deviation of the stiffness at rest from the requested one; empty if a press does not come to rest.
     pub displayed_error: Option<f64>,
-    /// Relative deviation of force over penetration from `k_de` for an oscillating hand; empty if the knob left the wall.
+    /// Relative deviation of force over penetration from the requested stiffness for an oscillating hand; empty if the knob left
+    /// the wall.
     pub modulus_error: Option<f64>,
     /// Phase of force over penetration for an oscillating hand, degrees.
     pub phase_deg: Option<f64>,
     /// Number of settings that were examined.
     pub looks: u64,
-    /// Power that refills the guard's energy account, W; absent if the delay is longer than a guard covers.
+    /// Power that refills the account of the energy guard, W; absent if the delay is longer than the guard covers.
     pub guard_refill_w: Option<f64>,
     /// Worst verdict of the stability certificate over the scorecard's hands; empty if there is no certificate.
     pub certificate: String,
-    /// Causes that the certificate gives for its verdict.
+    /// Reasons that the certificate gives for its verdict.
     pub certificate_causes: String,
-    /// Why a press does not rest at `k_de`; empty where it does.
+    /// Cause why a press does not rest at the requested stiffness; empty if it does.
     pub rest_cause: Option<FailureCause>,
-    /// Why an oscillating hand meets another stiffness than `k_de`; empty if it does not.
+    /// Cause why an oscillating hand meets another stiffness than the requested one; empty if it does not.
     pub motion_cause: Option<FailureCause>,
 }
 
 impl Row {
-    /// Whether the certificate says stable although the wall does not come to rest.
+    /// Whether the certificate says "stable" although the wall does not come to rest.
     #[must_use]
     pub fn is_wrongly_stable(&self) -> bool {
         self.certificate == Verdict::Stable.word() && !self.ends_at_rest
     }
 
-    /// Rank of the result; the greatest is best. Best is a wall that rests and gives a moving hand the right stiffness; then one
-    /// that only rests.
+    /// Rank of the result; the greatest is best. The best walls come to rest and have the requested stiffness for a moving hand.
+    /// Walls that only come to rest are next.
     fn rank(&self) -> (bool, bool, bool) {
         (self.rests && self.moves, self.rests, self.moves)
     }
 }
 
-/// Lengths of the searches in simulated ticks: of the first one, and of a second one if the first finds no wall that holds.
+/// Lengths of the searches in simulated ticks (control periods): of a first search, and of a second search if the first finds no
+/// suitable wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
     /// Length of the first search, simulated ticks.
@@ -168,10 +172,10 @@ pub struct Budget {
     pub second: f64,
 }
 
-/// Tunes a law for the device of this number, and judges the result.
+/// Tunes a law for the random device of this number, and evaluates the result.
 ///
 /// # Errors
-/// A scene in which no law can run.
+/// The control law cannot run in the scene.
 pub fn row(
     seed: u64,
     class: Class,
@@ -269,7 +273,7 @@ pub fn certificate(scene: &Scene) -> Result<Certificate> {
     certify::certify(&pressed, &asked)
 }
 
-/// The best of the results for one device, which has one result per law; a user would choose that law.
+/// The best of the results for one device, which has one result per control law. A user would choose the law of that result.
 #[must_use]
 pub fn best<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
     rows.iter().copied().max_by_key(|row| row.rank())

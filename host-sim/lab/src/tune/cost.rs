@@ -1,4 +1,4 @@
-//! The cost of law settings, which a search minimises: their scorecard as one number.
+//! The cost of law settings, which a search minimises: one number from the scorecard's measures.
 
 use super::outcome;
 use crate::scorecard::cases::{CASES, Case, Deed, GRIPS, Programme};
@@ -12,9 +12,9 @@ use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 
-/// Largest cost of a figure, as a multiple of its limit. A figure further beyond its limit does not cost more.
+/// Largest cost of a measure, as a multiple of its limit. A measure further beyond its limit does not cost more.
 const WORST_SHARE: f64 = 20.0;
-/// A figure costs nothing up to this fraction of its limit. It is below 1, so that tuned settings have a margin.
+/// Fraction of its limit up to which a measure costs nothing. It is below 1, so that tuned settings have a margin.
 const NEAR: f64 = 0.95;
 /// Sum of costs above which settings are so bad that no further device is simulated.
 const HOPELESS: f64 = 60.0;
@@ -23,32 +23,33 @@ pub const REFUSED: f64 = 1e6;
 
 /// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
 const TOUCH: f64 = 1.5;
-/// Sensor noise with which the nominal device should still rest, degrees, root mean square; that of a magnetic sensor (AS5046).
+/// Sensor noise with which the nominal device should still rest, degrees, root mean square; the noise of the magnetic sensor
+/// AS5046.
 const NOISE_DEG: f64 = 0.03;
-/// Largest allowed motion at rest with sensor noise, peak to peak, rad. It is four encoder counts if these are larger.
+/// Largest allowed motion at rest with sensor noise, peak to peak, rad. Four encoder counts are allowed if these are larger.
 const NOISY_REST_RAD: f64 = 6e-4;
-/// Weight of goals without a limit. Their contribution is bounded by `MOST_WISH`, so that a search never exceeds a limit for such a
-/// goal.
+/// Weight of goals without a limit. Their contribution to the cost is bounded by `MOST_WISH`, so that a search never exceeds a
+/// limit in favour of such a goal.
 const WISH: f64 = 0.25;
 const MOST_WISH: f64 = 3.0;
 
-/// Judges settings of a law by simulated runs.
+/// Evaluates settings of a control law by simulated runs.
 #[derive(Debug, Clone)]
 pub struct Judgement {
     programme: Programme,
     cases: Vec<&'static Case>,
     reference: Reference,
     aim: Aim,
-    /// Touches of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
+    /// Touches of the ideal wall on every device, in the order of `cases`; empty if touches do not count.
     ideal: Vec<IdealTouch>,
 }
 
-/// The figures by which settings are judged.
+/// The measures by which settings are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
-    /// Settings are judged by every figure of the scorecard.
+    /// Settings are evaluated by every measure of the scorecard.
     Scorecard,
-    /// Settings are judged only by whether a press comes to rest and an oscillating hand meets the right stiffness, see
+    /// Settings are evaluated only by whether a press comes to rest and an oscillating hand meets the requested stiffness, see
     /// [`super::outcome`].
     Outcome,
 }
@@ -56,14 +57,14 @@ enum Aim {
 /// Cost of the settings of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// The cost, which the search minimises.
+    /// The cost of the settings, which the search minimises.
     pub value: f64,
-    /// The largest figure divided by its limit; infinite if not every device was simulated.
+    /// Largest ratio of a measure to its limit; infinite if not every device was simulated.
     pub worst: f64,
 }
 
 impl Judgement {
-    /// Creates the judgement for a scene's device by the scorecard's figures. `quick` uses the most decisive devices only, and
+    /// Makes an evaluation for a scene's device by the scorecard's measures. `quick` uses only the most decisive devices, and
     /// shorter presses.
     #[must_use]
     pub fn new(scene: &Scene, reference: Reference, quick: bool) -> Self {
@@ -90,8 +91,8 @@ impl Judgement {
         }
     }
 
-    /// Creates a judgement on the nominal device alone, by the limits of [`super::outcome`]. A press should come to rest at `k_de`,
-    /// and a hand that oscillates at 4 Hz should meet `k_de`.
+    /// Makes an evaluation on the nominal device alone, by the limits of [`super::outcome`]. A press should come to rest at the
+    /// requested stiffness, and a hand that oscillates at 4 Hz should meet that stiffness.
     #[must_use]
     pub fn at_rest(scene: &Scene, reference: Reference) -> Self {
         let mut programme = Programme::of(scene);
@@ -105,7 +106,7 @@ impl Judgement {
         }
     }
 
-    /// Simulated ticks for judging one set of law settings on all devices.
+    /// Number of simulated ticks (control periods) that the evaluation of one set of law settings takes.
     #[must_use]
     pub fn ticks(&self, scene: &Scene) -> f64 {
         self.programme.seconds(scene)
@@ -113,7 +114,7 @@ impl Judgement {
             * (GRIPS.len() * (self.cases.len() + usize::from(self.is_shaken(scene)))) as f64
     }
 
-    /// Calculates the cost of a scene with its law.
+    /// Computes the cost of a scene with its control law.
     #[must_use]
     pub fn cost(&self, scene: &Scene) -> Cost {
         let (mut over, mut most, mut wishes) = (0.0, 0.0_f64, 0.0);
@@ -162,7 +163,8 @@ impl Judgement {
         }
     }
 
-    /// Whether settings are also judged on the nominal device with sensor noise. They are if the scene has no noise of its own.
+    /// Whether settings are also evaluated on the nominal device with sensor noise, which is so if the scene has no noise of its
+    /// own.
     fn is_shaken(&self, scene: &Scene) -> bool {
         self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
     }
@@ -187,7 +189,7 @@ impl Judgement {
         shares
     }
 
-    /// Figures of all actions of the hand in a grip, and the figures of the press that have no limit.
+    /// Measures of all actions of the hand in a grip, and the measures of the press that have no limit.
     fn felt(&self, scene: &Scene, grip: Grip) -> Result<(Figures, Beside)> {
         let (mut figures, mut beside) = (Figures::NONE, Beside::default());
         for deed in self.programme.deeds() {
@@ -201,7 +203,7 @@ impl Judgement {
         Ok((figures, beside))
     }
 
-    /// Each figure divided by its limit, and the figures of the press that have no limit.
+    /// Each measure divided by its limit, and the measures of the press that have no limit.
     fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<(Vec<f64>, Beside)> {
         let (figures, beside) = self.felt(scene, grip)?;
         Ok((
@@ -210,7 +212,7 @@ impl Judgement {
         ))
     }
 
-    /// Motion at rest, stiffness error, modulus error and phase, each divided by its limit.
+    /// Motion at rest, stiffness error, and amplitude and phase error for an oscillating hand, each divided by its limit.
     fn of_outcome(&self, scene: &Scene, grip: Grip) -> Result<Vec<f64>> {
         let mut shares = Vec::with_capacity(4);
         for deed in self.programme.deeds() {
@@ -239,8 +241,8 @@ impl Judgement {
             .collect())
     }
 
-    /// Figures on the nominal device if the wall is within all limits on every device, the limit of the ripple left out; else
-    /// `None`. For the Pareto table.
+    /// Measures on the nominal device, if the wall is within all limits on every device (except that of the ripple); else `None`.
+    /// The table of trade-offs uses them.
     #[must_use]
     pub fn holds(&self, scene: &Scene) -> Option<Figures> {
         let mut nominal = None;
@@ -267,7 +269,7 @@ impl Judgement {
     }
 }
 
-/// Names of the devices that most often decide about a setting.
+/// Names of the devices that most often determine whether settings pass.
 const DECISIVE: [&str; 5] = [
     "0.41 of the counts",
     "half the inertia",

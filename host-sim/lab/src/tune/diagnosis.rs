@@ -1,8 +1,8 @@
-//! Finds out why a tuned wall fails: it is simulated again with one change at a time; the change with which it holds shows the
-//! cause.
+//! Finds the cause why a tuned wall fails. The wall is simulated again with one change at a time; the change with which it passes
+//! shows the cause.
 //!
-//! A certificate describes the linear loop only. A wall that it rightly calls stable may still oscillate by a count, be weakened by
-//! its guard, or have the wrong stiffness.
+//! A certificate describes the linear loop only. A wall that it rightly calls stable may still oscillate by an encoder count, be
+//! weakened by its energy guard, or have the wrong stiffness.
 
 use super::campaign::certificate;
 use super::outcome::Outcome;
@@ -15,40 +15,40 @@ use crate::scorecard::{Cell, Row, figures};
 use serde::{Deserialize, Serialize};
 use touchstone_sim::scene::{MotionSpec, Number, Scene};
 
-/// Why a wall fails. Most causes are tried in this order.
+/// Cause why a wall fails. Most causes are tried in the order of the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureCause {
-    /// The control law accepts no settings for such a device.
+    /// The control law accepts no settings for the device.
     Refused,
     /// The linear loop is unstable according to the certificate.
     UnstableLoop,
-    /// The wall fails by the energy guard: it holds without the guard.
+    /// The energy guard: the wall passes without it.
     Guard,
-    /// The wall fails by the torque limit: it holds with a hundred times the torque.
+    /// The torque limit: the wall passes with a hundred times the torque.
     TorqueLimit,
-    /// The wall fails by rounding in the law: it holds if the law calculates in `f64`.
+    /// Rounding in the control law: the wall passes if the law computes in `f64`.
     LawRounding,
-    /// The wall fails by the sensor's noise: it holds without the noise.
+    /// The sensor's noise: the wall passes without it.
     Noise,
-    /// The wall fails by encoder counts: it holds with the exact angle. It oscillates by counts, or a press is too few counts deep.
+    /// Encoder counts: the wall passes with the exact angle. It oscillates by counts, or a press is too few counts deep.
     Counts,
-    /// The wall fails by dry friction, which keeps the device stuck where the hand should move it: it holds without friction.
+    /// Dry friction, which keeps the device stuck where the hand should move it: the wall passes without friction.
     Friction,
-    /// The wall fails in the light touch before the press, which is some counts deep: it holds if the touch is as strong as the
-    /// press.
+    /// The light touch before the press, which is only a few counts deep: the wall passes if the touch is as strong as the press.
     LightTouch,
-    /// The wall comes to rest too slowly: it holds if touch and hold last ten times as long.
+    /// Slow decay: the wall passes if touch and hold last ten times as long.
     Slow,
-    /// The wall fails by the impact of a fast touch: it holds if touch and press come slowly.
+    /// The impact of a fast touch: the wall passes if touch and press come slowly.
     Contact,
-    /// The wall fails by encoder counts and dry friction together: it holds without both, but not without one alone.
+    /// Encoder counts and dry friction together: the wall passes without both, but not without one alone.
     CountsAndFriction,
     /// The wall comes to rest at another stiffness, and none of the other causes explains it.
     Stiffness,
-    /// An oscillating hand meets another stiffness, and none of the other causes explains it. So the law's own dynamics cause it.
+    /// An oscillating hand meets another stiffness, and none of the other causes explains it. The control law's own dynamics cause
+    /// the difference.
     Dynamics,
-    /// No single change makes the wall hold.
+    /// No single change makes the wall pass.
     Unexplained,
 }
 
@@ -95,7 +95,7 @@ impl FailureCause {
     }
 }
 
-/// A cause, and the change of the scene that removes it.
+/// A cause, with the change of the scene that removes it.
 type Remedy = (FailureCause, fn(&mut Scene));
 
 const REMEDIES: [Remedy; 10] = [
@@ -135,7 +135,7 @@ const REMEDIES: [Remedy; 10] = [
     }),
 ];
 
-/// The first cause whose removal makes the wall hold.
+/// The first cause whose removal makes the wall pass.
 fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause> {
     let mut pressed = scene.clone();
     // The press stays the same even if a change allows more torque.
@@ -148,7 +148,7 @@ fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause>
     found.map(|(cause, _)| *cause)
 }
 
-/// Finds the cause of a failure; `fails` says whether a result still fails.
+/// Finds the cause of a failure. `fails` returns whether a result still fails.
 #[must_use]
 pub fn cause(
     scene: &Scene,
@@ -167,7 +167,7 @@ pub fn cause(
     }
 }
 
-/// Cause why a law fails in a scorecard, on the device with the worst figure; `None` if the law passes.
+/// Cause why a law fails in a scorecard, on the device with the worst measure; `None` if the law passes.
 #[must_use]
 pub fn of_row(scene: &Scene, row: &Row, reference: &Reference) -> Option<FailureCause> {
     (!row.passes).then(|| why(scene, row, reference))

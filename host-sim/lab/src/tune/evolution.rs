@@ -1,25 +1,26 @@
-//! Covariance matrix adaptation (CMA-ES): the search distribution, without the loop around it.
+//! The search method CMA-ES (evolution strategy with covariance matrix adaptation), without the loop around it.
 //!
 //! It is the (μ/μ_w, λ)-CMA-ES with negative weights. Constants are those of N. Hansen, *The CMA Evolution Strategy: A Tutorial*
-//! (arXiv:1604.00772v2), section B. A caller asks for the points of a generation, judges them in any order, and passes their costs
-//! back.
+//! (arXiv:1604.00772v2), section B. A caller requests the points of a generation, computes their costs in any order, and passes the
+//! costs back.
 
 use crate::random_device::Random;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// The search ends when the least costs of the last generations lie within this range.
+/// Range within which the least costs of the last generations must lie for the search to end.
 const FLAT: f64 = 1e-12;
-/// Largest squared ratio of the search distribution's axes; above it the covariance matrix is not numerically reliable.
+/// Largest squared ratio of the search distribution's axes. Above it the covariance matrix is not numerically reliable, and the
+/// search ends.
 const WORST_CONDITION: f64 = 1e14;
 
 /// Constants that depend on the number of dimensions and on the population.
 #[derive(Debug)]
 struct Constants {
-    /// Weights by rank, the best point first. Those of the better half sum to 1; the others are negative.
+    /// Weights of the points by rank, the best point first. Those of the better half sum to 1; the others are negative.
     weights: Vec<f64>,
-    /// Number of positive weights.
+    /// Number of points per generation with a positive weight.
     parents: usize,
-    /// Effective number of parents, `1 / Σw²` over the positive weights.
+    /// Effective number of parents, `1 / Σw²` over the positive weights `w`.
     effective: f64,
     c_sigma: f64,
     d_sigma: f64,
@@ -81,7 +82,7 @@ pub struct Evolution {
     mean: DVector<f64>,
     step: f64,
     covariance: DMatrix<f64>,
-    /// Axes of the covariance matrix as columns, and the standard deviations along them.
+    /// Principal axes of the covariance matrix as columns. The next field has the standard deviations along them.
     axes: DMatrix<f64>,
     deviations: DVector<f64>,
     path_sigma: DVector<f64>,
@@ -94,7 +95,7 @@ pub struct Evolution {
 }
 
 impl Evolution {
-    /// Creates a distribution around `start` with a standard deviation of `step` along each axis.
+    /// Makes a distribution around `start` with a standard deviation of `step` along each axis.
     ///
     /// # Panics
     /// `start` has no dimension, or a generation has fewer than four points.
@@ -133,7 +134,7 @@ impl Evolution {
         self.drawn.iter().map(point).collect()
     }
 
-    /// Takes the costs of the points that [`ask`](Self::ask) returned, in the same order. Returns `false` when the search has
+    /// Receives the costs of the points that [`ask`](Self::ask) returned, in the same order. Returns `false` when the search has
     /// ended.
     pub fn tell(&mut self, costs: &[f64]) -> bool {
         debug_assert_eq!(costs.len(), self.drawn.len());
@@ -194,7 +195,7 @@ impl Evolution {
         self.goes_on(costs, &ranks)
     }
 
-    /// `C^(-1/2)` times a vector, with the covariance matrix `C`.
+    /// The vector multiplied by `C^(-1/2)`, where `C` is the covariance matrix.
     fn whitened(&self, vector: &DVector<f64>) -> DVector<f64> {
         &self.axes * self.axes.tr_mul(vector).component_div(&self.deviations)
     }
@@ -257,7 +258,8 @@ mod tests {
         None
     }
 
-    /// Median number of points that a search examines, over eleven seeds. The tests' bounds are twice what this code needs.
+    /// Median number of points that a search examines, over eleven seeds. The bounds in the tests are twice the values of the
+    /// present code.
     fn median(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> usize {
         let mut all: Vec<usize> = (0..11)
             .map(|seed| looked(start, seed, &cost).unwrap_or(usize::MAX))
@@ -290,7 +292,7 @@ mod tests {
         assert!(curved < 4_800, "{curved}");
     }
 
-    /// Checks that the search finds the axes of an ellipsoid whatever their direction.
+    /// Checks that the search minimises an ellipsoid equally well whatever the direction of its axes.
     #[test]
     fn a_turned_ellipsoid_is_no_harder_than_a_straight_one() {
         let (sin, cos) = 0.7_f64.sin_cos();
@@ -308,7 +310,7 @@ mod tests {
         assert!(turned < straight * 3 / 2, "{turned} against {straight}");
     }
 
-    /// Checks that only the ranks of costs matter: costs may be compressed, or infinite where a point is not allowed.
+    /// Checks that the search uses only the ranks of costs. Costs may be compressed, or infinite where a point is not allowed.
     #[test]
     fn ranks_alone_decide() {
         let plain = looked(&[1.0, 1.0], 7, |x| ellipsoid(x, 4.0));

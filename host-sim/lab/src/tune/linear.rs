@@ -1,7 +1,7 @@
-//! Judges settings by the eigenvalues of the loop alone, which is a thousand times faster than simulated runs.
+//! Evaluates settings by the eigenvalues of the loop alone, which is a thousand times faster than simulated runs.
 //!
-//! If the wall is lost in every grip, simulated runs do not show in which direction settings become better. Eigenvalues do. So a
-//! search begins at the settings with the best eigenvalues.
+//! If the wall does not hold the device in any grip, simulated runs do not show in which direction settings become better;
+//! eigenvalues do. A search therefore begins at the settings with the best eigenvalues.
 
 use super::cost::Cost;
 use super::eigenvalue::radius;
@@ -14,14 +14,15 @@ use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use touchstone_sim::scene::Scene;
 
-/// Number of settings that a search examines, per parameter.
+/// Number of settings that a search examines, per tuned parameter.
 const LOOKS_PER_PARAMETER: u64 = 60;
-/// Frequency at which an oscillating hand should meet `k_de`, Hz.
+/// Frequency at which an oscillating hand should meet the requested stiffness, Hz.
 const MOVING_HZ: f64 = 4.0;
 /// Cost of settings for which there is no loop, or no finite eigenvalue.
 const REFUSED: f64 = 1e3;
 
-/// Cost of settings: growth rate of the slowest motion, and deviation of the law's force over position from `k_de` at 4 Hz.
+/// Cost of settings, from the growth rate of the slowest motion and the deviation of the law's force over position from the
+/// requested stiffness at 4 Hz.
 fn cost(scene: &Scene) -> f64 {
     let Ok(contact) = Contact::of(scene) else {
         return REFUSED;
@@ -43,7 +44,8 @@ fn cost(scene: &Scene) -> f64 {
     growth + 3.0 * (off - 0.05).max(0.0)
 }
 
-/// Force over position of a law at the angular frequency `omega` in rad/s, delayed by `lag_s`. `None` if it is infinite.
+/// Frequency response of a control law from position to force, at the angular frequency `omega` in rad/s, delayed by `lag_s`.
+/// `None` if it is infinite.
 fn response(law: &StateSpace, omega: f64, period_s: f64, lag_s: f64) -> Option<Complex<f64>> {
     let z = Complex::from_polar(1.0, omega * period_s);
     let order = law.order();
@@ -58,7 +60,7 @@ fn response(law: &StateSpace, omega: f64, period_s: f64, lag_s: f64) -> Option<C
     Some((through + complex(law.d)) * Complex::from_polar(1.0, -omega * lag_s))
 }
 
-/// Settings with the best eigenvalues of the loop, from a search that begins at the best of `starts`.
+/// Searches the settings with the best eigenvalues of the loop, beginning at the best of `starts`.
 pub fn start(
     rival: &Rival,
     scene: &Scene,

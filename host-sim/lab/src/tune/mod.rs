@@ -1,9 +1,9 @@
-//! Tunes a law for a device: finds settings with which the law renders the requested wall. The device is given by inertia, damping,
-//! friction, encoder counts, delay, torque limit and control rate.
+//! Tunes a control law for a device: finds settings with which the law renders the requested wall. The device is given by inertia,
+//! damping, friction, encoder counts, delay, torque limit and control rate.
 //!
-//! Settings are judged by the worst figure of their [scorecard](crate::scorecard) over three simulated grips (light, medium, firm)
-//! and every device of its cases, the ripple included. [`search`] minimises that figure, starting from a rule in [`parameters`].
-//! [`settings`] writes the result. [`pareto`] shows the price of more stiffness, less ripple or more delay.
+//! Settings are evaluated by the worst measure of their [scorecard](crate::scorecard), over three simulated grips (light, medium,
+//! firm) and every varied device, including the torque ripple. [`search`] minimises that measure, starting from a rule in
+//! [`parameters`]. [`settings`] writes the result. [`pareto`] shows the trade-off between stiffness, ripple and delay.
 
 pub mod campaign;
 pub mod cost;
@@ -33,23 +33,25 @@ pub struct Options {
     pub seed: u64,
     /// Length of the search for settings.
     pub effort: Effort,
-    /// Largest allowed ripple on the nominal device, N·m; absent: the limit of [`Reference`].
+    /// Largest allowed ripple (change of the torque from tick to tick, rms) on the nominal device, N·m; absent: the limit of
+    /// [`Reference`].
     pub ripple_n_m: Option<f64>,
 }
 
-/// Length of the search, in simulated ticks instead of seconds, so that every machine finds the same settings.
+/// Length of the search, in simulated control periods instead of seconds, so that every machine finds the same settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// All devices; takes a minute and a half on two cores.
+    /// Full search on all devices; takes a minute and a half on two cores.
     Full,
-    /// The most decisive devices and shorter presses; takes some seconds.
+    /// Quick search with the most decisive devices and shorter presses; takes some seconds.
     Quick,
-    /// Devices and presses as for `Quick`, with this many simulated ticks.
+    /// Devices and presses as for `Quick`, with this number of simulated ticks (control periods).
     Ticks(f64),
 }
 
 impl Effort {
-    /// Most simulated ticks. One takes some 250 ns if dry friction holds the device most of the time.
+    /// Largest number of simulated ticks (control periods). One takes about 250 ns if dry friction holds the device most of the
+    /// time.
     const fn ticks(self) -> f64 {
         match self {
             Effort::Full => 6.0e8,
@@ -65,29 +67,29 @@ impl Effort {
     }
 }
 
-/// Most settings that are examined per parameter; a search makes no progress beyond that.
+/// Largest number of settings that are examined per tuned parameter. A longer search makes no progress.
 const LOOKS_PER_PARAMETER: f64 = 400.0;
 
-/// A law with tuned settings.
+/// Result of tuning: a control law with its settings.
 #[derive(Debug, Clone)]
 pub struct Tuned {
-    /// The tuned law.
+    /// The control law that was tuned.
     pub rival: &'static Rival,
-    /// The scene with the tuned law.
+    /// The scene with the tuned settings of the law.
     pub scene: Scene,
-    /// The tuned settings: key in the scene file, and value.
+    /// The tuned settings, each with its dotted path in the scene file and its value.
     pub parameters: Vec<(&'static str, f64)>,
-    /// The largest figure divided by its limit, over the devices and presses of the search.
+    /// Largest ratio of a measure to its limit, over the devices and presses of the search.
     pub worst: f64,
     /// Number of settings that were examined.
     pub evaluations: u64,
-    /// The spring-damper from which the limit of the ripple was calculated.
+    /// The spring-damper from whose torque ripple the limit of the ripple was computed.
     pub reference: Reference,
     /// Seed of the search's random numbers.
     pub seed: u64,
 }
 
-/// Tunes a law for the device and wall of a scene; `progress` is called with the finished and the total number of settings.
+/// Tunes a law for the device and wall of a scene. Calls `progress` with the finished and the total number of settings.
 ///
 /// # Errors
 /// The reference spring-damper cannot run in the scene.
@@ -112,8 +114,8 @@ pub fn tune(
     Ok(no_worse_than_own(scene, tuned, &judgement))
 }
 
-/// Returns the tuned settings, or the scene's own law settings with the tuned guard if these are better. All devices are simulated
-/// for this comparison, even after a quick search.
+/// Returns the tuned settings, or the scene's own law settings with the tuned energy guard if these are better. All devices are
+/// simulated for this comparison, even after a quick search.
 fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> Tuned {
     let mut own = tuned.rival.of(scene);
     own.law.states = tuned.scene.law.states;
@@ -128,21 +130,22 @@ fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> 
     tuned
 }
 
-/// Length and goal of a search.
+/// Limits at which a search for settings ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Looks {
     /// Largest number of settings to examine.
     most: f64,
-    /// The search ends when the largest figure divided by its limit is at most this.
+    /// Largest ratio of a measure to its limit at which the search ends early.
     enough: f64,
     seed: u64,
 }
 
-/// Largest figure, as a fraction of its limit, at which a search for a wall that only has to hold ends.
+/// Ratio of the largest measure to its limit at which a search ends if the wall only has to come to rest and have the right
+/// stiffness.
 const ENOUGH: f64 = 0.7;
 
-/// Tunes a law with at most this many simulated ticks. The goal is a press that comes to rest in every grip and the right stiffness
-/// for an oscillating hand, by the limits of [`outcome`]. Ripple is not judged.
+/// Tunes a law with at most `ticks` simulated ticks. The goals are a press that comes to rest in every grip, and the requested
+/// stiffness for an oscillating hand, by the limits of [`outcome`]. Torque ripple does not count.
 #[must_use]
 pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> Tuned {
     let reference = Reference::none();
@@ -155,8 +158,8 @@ pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> T
     search_by(scene, rival, reference, &judgement, looks, &mut |_, _| ())
 }
 
-/// The scene with the law's settings that have the best eigenvalues of the loop, without a simulated run. A law without matrices
-/// gets the settings of the start rule.
+/// The scene with the law's settings that have the best eigenvalues of the loop, found without a simulated run. A law that matrices
+/// do not describe gets the settings of the start rule.
 #[must_use]
 pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
     let axes = axes(rival, scene);
@@ -167,7 +170,7 @@ pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
     at(rival, scene, &axes, &point)
 }
 
-/// Tunes a law with the given judgement.
+/// Tunes a law with the given evaluation of settings.
 fn search_by(
     scene: &Scene,
     rival: &'static Rival,
@@ -209,14 +212,14 @@ fn search_by(
     }
 }
 
-/// Key and value of every tuned setting.
+/// Dotted path and value of every tuned setting.
 fn values(axes: &[Axis], scene: &mut Scene) -> Vec<(&'static str, f64)> {
     let mut of = |axis: &Axis| (axis.parameter.path, *(axis.parameter.of)(&mut scene.law));
     axes.iter().map(&mut of).collect()
 }
 
-/// Start points of a search: the rule for the device, the scene's own settings, and settings that were found earlier for soft and
-/// for stiff walls.
+/// Start points of a search: the rule for the device, the scene's own settings, and known good settings for soft and for stiff
+/// walls.
 fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     let mut own = scene.law.clone();
     let own: Vec<f64> = axes
@@ -240,8 +243,8 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     starts
 }
 
-/// Settings that were found earlier for the thesis' knob, each divided by that of the start rule. They are for 5 and 20 times its
-/// critical stiffness, and for a damped wall that holds every device variant at 14 times.
+/// Known good settings for the thesis' knob, each divided by the value of the start rule. They are for walls of 5 and 20 times the
+/// largest stiffness that sampling allows a plain spring, and for a damped wall that passes on every device variant at 14 times.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
         ("law.limit_of_penetration_per_ms", 11.4),

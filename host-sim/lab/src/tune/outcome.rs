@@ -9,9 +9,9 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict;
 use touchstone_sim::scene::Scene;
 
-/// Largest accepted deviation of the stiffness at rest, as a fraction of `k_de`.
+/// Largest accepted deviation of the stiffness at rest from the requested stiffness, as a fraction.
 pub const RESTING: f64 = 0.05;
-/// Largest accepted deviation of force over penetration for an oscillating hand, as a fraction of `k_de`.
+/// Largest accepted deviation of force over penetration from the requested stiffness for an oscillating hand, as a fraction.
 pub const MODULUS: f64 = 0.15;
 /// Largest accepted phase of force over penetration for an oscillating hand, degrees.
 pub const PHASE_DEG: f64 = 15.0;
@@ -21,16 +21,17 @@ pub const PHASE_DEG: f64 = 15.0;
 pub struct Outcome {
     /// Verdict on the worst press of the three simulated grips (light, medium, firm).
     pub ended: Verdict,
-    /// Largest deviation of the stiffness at rest, as a fraction of `k_de`; absent if a press does not come to rest.
+    /// Largest deviation of the stiffness at rest from the requested one, as a fraction; absent if a press does not come to rest.
     pub displayed_error: Option<f64>,
-    /// Deviation of force over penetration from `k_de` for an oscillating hand, as a fraction; absent if the knob left the wall.
+    /// Deviation of force over penetration from the requested stiffness for an oscillating hand, as a fraction; absent if the knob
+    /// left the wall.
     pub modulus_error: Option<f64>,
     /// Phase of force over penetration for an oscillating hand, degrees.
     pub phase_deg: Option<f64>,
 }
 
 impl Outcome {
-    /// Simulates a scene's device and law with the scene's press.
+    /// Simulates presses and an oscillating hand with a scene's device and law, and evaluates them.
     ///
     /// # Errors
     /// The control law does not accept its settings.
@@ -56,27 +57,27 @@ impl Outcome {
         Ok(outcome)
     }
 
-    /// Whether a press comes to rest in every grip, at whatever stiffness.
+    /// Whether a press comes to rest in every grip, at any stiffness.
     #[must_use]
     pub fn ends_at_rest(&self) -> bool {
         at_rest(self.ended)
     }
 
-    /// Whether a press comes to rest in every grip, at a stiffness within [`RESTING`] of `k_de`.
+    /// Whether a press comes to rest in every grip, at a stiffness within the fraction [`RESTING`] of the requested one.
     #[must_use]
     pub fn rests(&self) -> bool {
         self.displayed_error.is_some_and(|error| error <= RESTING)
     }
 
-    /// Whether force over penetration of an oscillating hand is within [`MODULUS`] and [`PHASE_DEG`] of `k_de` up to 4 Hz, in every
-    /// grip.
+    /// Whether force over penetration of an oscillating hand is within [`MODULUS`] and [`PHASE_DEG`] of the requested stiffness up
+    /// to 4 Hz, in every grip.
     #[must_use]
     pub fn moves(&self) -> bool {
         self.modulus_error.is_some_and(|error| error <= MODULUS)
             && self.phase_deg.is_some_and(|phase| phase <= PHASE_DEG)
     }
 
-    /// The results in one line: what fails, if anything does.
+    /// The results in one line of text: what fails, if anything does.
     #[must_use]
     pub fn words(&self) -> String {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);

@@ -1,8 +1,8 @@
-//! The settings that are tuned for each law, and where the search starts.
+//! The settings that are tuned for each control law, and where the search starts.
 //!
-//! The start is a rule in the device's own measures: stiffness `k`, inertia `J` and period `T`. So one rule serves all devices.
-//! Dampings are in units of `sqrt(k J)`, bandwidths of `sqrt(k/J)/2π`, stiffnesses of `k`, masses of `J`, and fractions per tick of
-//! `T sqrt(k/J)`.
+//! The start is a rule in terms of the device and its wall: requested stiffness `k`, inertia `J` and control period `T`. One rule
+//! thus serves all devices. Dampings are in units of `sqrt(k J)`, bandwidths of `sqrt(k/J)/2π`, stiffnesses of `k`, masses of `J`,
+//! and fractions per control period of `T sqrt(k/J)`.
 
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
@@ -10,12 +10,12 @@ use std::f64::consts::TAU;
 use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// A setting of a law that can be tuned.
+/// A setting of a control law that can be tuned.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// Key of the setting in the scene file.
+    /// Dotted path of the setting in the scene file.
     pub path: &'static str,
-    /// Returns the setting's value in a law, so that it can be read or changed.
+    /// Returns a reference to the setting's value in a law, to read or change it.
     pub of: fn(&mut Law) -> &mut f64,
 }
 
@@ -41,7 +41,8 @@ macro_rules! parameter {
     };
 }
 
-/// Largest bandwidth of an estimator, as a fraction of the control rate; its setting accepts up to a fifth.
+/// Largest bandwidth of the state estimator in the search, as a fraction of the control rate. The setting itself accepts up to a
+/// fifth.
 const FASTEST_BANDWIDTH: f64 = 0.19;
 
 /// The settings that are tuned for a law on the device and wall of a scene.
@@ -165,7 +166,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     }
 }
 
-/// Bandwidth, delay and inertia of the estimator. Its other settings are not tuned.
+/// Tuned settings of the state estimator: bandwidth, delay and inertia. Its other settings are not tuned.
 fn of_estimator(scene: &Scene) -> Vec<Axis> {
     let j = scene.device.inertia_kg_m2;
     let rate = f64::from(scene.timing.rate_hz);
@@ -195,8 +196,8 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
     ]
 }
 
-/// The scene with its law's settings at a point. The point's coordinates are natural logarithms of value over start value. Values
-/// are rounded to four digits, so that the judged settings are those in the file.
+/// The scene with its law's settings at a point of the search. The point's coordinates are natural logarithms of value over start
+/// value. Values are rounded to four digits, so that the evaluated settings equal those in the file.
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     let mut scene = rival.to_tune(scene);

@@ -1,4 +1,4 @@
-//! The price of more stiffness, less ripple or more delay: settings of which none is better than another in all three.
+//! Shows the trade-off between stiffness, torque ripple and delay: settings of which none is better than another in all three.
 
 use super::Tuned;
 use super::cost::Judgement;
@@ -11,33 +11,33 @@ use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// Settings that hold on every device of the scorecard.
+/// Settings that pass the scorecard on every device, with their stiffness, ripple and delay margin.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Change of the torque from tick to tick on the nominal device while the hand oscillates, root mean square, N·m.
+    /// Root mean square change of the torque from tick to tick on the nominal device while the hand oscillates, N·m.
     pub ripple_rms_n_m: f64,
-    /// Longest delay with which the wall on the nominal device is within the limits, to a sixteenth of a tick; the search ends at 3
-    /// ticks.
+    /// Longest delay with which the wall on the nominal device is within the limits, in ticks (control periods), to a sixteenth of
+    /// a tick. The search ends at 3 ticks.
     pub delay_margin_ticks: f64,
-    /// Bandwidth of the law's estimator, Hz; absent if the law uses measured states.
+    /// Bandwidth of the law's state estimator, Hz; absent if the law uses measured states.
     pub bandwidth_hz: Option<f64>,
     /// Whether no other point is at least as good in stiffness, ripple and delay and better in one of them.
     pub best: bool,
 }
 
-/// Stiffnesses that are tried, as factors on the requested one.
+/// Stiffnesses that are tried, as factors on the requested stiffness.
 const STIFFNESSES: [f64; 6] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6];
-/// Bandwidths of the estimator that are tried, as factors on the tuned one.
+/// Bandwidths of the state estimator that are tried, as factors on the tuned bandwidth.
 const BANDWIDTHS: [f64; 4] = [0.6, 0.8, 1.0, 1.3];
-/// Dampings that are tried, as factors on the tuned one.
+/// Dampings that are tried, as factors on the tuned damping.
 const DAMPINGS: [f64; 4] = [0.5, 0.7, 1.0, 1.4];
-/// Longest delay that is tried, ticks.
+/// Longest delay that is tried, in ticks (control periods).
 const MOST_TICKS: f64 = 3.0;
 
 /// The tuned law for a wall that is `stiffness` times as stiff, with additional factors on bandwidth and damping. Frequencies and
-/// dampings scale with `sqrt(k)`, stiffnesses with `k`.
+/// dampings scale with the square root of the stiffness, stiffnesses with the stiffness itself.
 fn scaled(scene: &Scene, stiffness: f64, bandwidth: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
     scene.wall.k_desired_n_m_per_rad *= stiffness;
@@ -131,7 +131,7 @@ fn dominates(one: &Point, other: &Point) -> bool {
     as_good && better
 }
 
-/// Longest delay in ticks at which the nominal device is within the limits for delayed devices.
+/// Longest delay in ticks (control periods) at which the nominal device is within the limits for delayed devices.
 fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     let holds = |ticks: f64| {
         let case = Case {
@@ -158,7 +158,7 @@ fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     low
 }
 
-/// Figure of ripple over stiffness; the sign of a point shows its delay margin.
+/// Draws ripple over stiffness; the symbol of a point shows its delay margin.
 #[must_use]
 pub fn figure(points: &[Point]) -> Figure {
     let x = Axis::new(

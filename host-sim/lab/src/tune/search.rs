@@ -1,4 +1,4 @@
-//! The search for settings: covariance matrix adaptation with a seed.
+//! The search for settings of least cost: covariance matrix adaptation (CMA-ES) with a seed.
 
 use super::cost::Cost;
 use super::evolution::Evolution;
@@ -6,23 +6,23 @@ use super::evolution::Evolution;
 /// Result of a search for settings.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The point with the least cost. Its coordinates are natural logarithms of settings over their start values.
+    /// The point with the least cost. Its coordinates are natural logarithms of settings divided by their start values.
     pub point: Vec<f64>,
-    /// Cost of the best point.
+    /// Cost of the point with the least cost.
     pub cost: Cost,
-    /// Number of points that were examined.
+    /// Number of points whose cost was computed.
     pub evaluations: u64,
 }
 
 /// Standard deviation of the first generation, as the natural logarithm of a ratio.
 const STEP: f64 = 0.3;
 
-/// When a search ends, and the seed of its random numbers.
+/// Limits at which a search ends, and the seed of its random numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Until {
     /// Largest number of points to examine.
     pub evaluations: u64,
-    /// The search also ends when [`Cost::worst`] of the best point is at most this.
+    /// Value of [`Cost::worst`] (largest ratio of a measure to its limit) at which the search also ends.
     pub worst: f64,
     /// Seed of the random numbers.
     pub seed: u64,

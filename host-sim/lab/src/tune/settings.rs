@@ -1,15 +1,15 @@
-//! Writes tuned settings as a file: control rate, wall and law, with the keys that a scene and a device share.
+//! Writes tuned settings as a file: control rate, wall and law, with the fields that scene files and devices share.
 
 use super::Tuned;
 use serde_json::Value;
 use std::fmt::Write;
 use touchstone_sim::scene::Scene;
 
-/// Keys of the law that only a scene has.
+/// Fields of the law that only a scene has.
 const OF_SCENES_ONLY: [&str; 1] = ["number"];
 
-/// The settings as TOML. `touchstone config import` accepts them, as does the option `--settings` of every command that takes a
-/// scene.
+/// The tuned settings as TOML. `touchstone config import` accepts them, as does the option `--settings` of every command that takes
+/// a scene.
 #[must_use]
 pub fn toml(tuned: &Tuned) -> String {
     let scene = &tuned.scene;
@@ -89,7 +89,7 @@ fn table(text: &mut String, name: &str, value: &Value) {
     }
 }
 
-/// A decimal number without exponent and with a point, the only form that scene and device both accept.
+/// Writes a decimal number without exponent and with a point, the only form that scene and device both accept.
 fn decimal(value: f64) -> String {
     let plain = format!("{value}");
     match plain.contains('.') {

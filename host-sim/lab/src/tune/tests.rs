@@ -1,4 +1,4 @@
-//! Tests that the search finds a known optimum, the same every time, and writes the settings that it judged.
+//! Tests that the search finds a known optimum, gives the same result every time, and writes the settings that it evaluated.
 
 use super::campaign::{Budget, Class, row, scene};
 use super::cost::{Cost, Judgement};

@@ -1,7 +1,7 @@
-//! The communication with a board for a page that opens the serial port itself, without another program between them.
+//! The communication with a board for a browser's page that opens the serial port itself, without another program between them.
 //!
-//! Inputs are received bytes, a person's orders and the time. Outputs are bytes to send, messages and rows of numbers. The code has
-//! no clock and no port: its owner calls [`Talk::turn`] some fifty times a second.
+//! Inputs are received bytes, a person's commands and the time. Outputs are bytes to send, messages and rows of numbers. The code
+//! has no clock and no port: the page calls [`Talk::turn`] some fifty times a second.
 
 mod questions;
 
@@ -21,25 +21,25 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Silence, ms, after which a device that should send counts as gone.
+/// Silence in ms after which a device that should send telemetry counts as disconnected.
 const SILENCE_MS: f64 = 2000.0;
-/// Time between two attempts to reach a device that is gone, ms.
+/// Time in ms between two attempts to reach a disconnected device.
 const AGAIN_MS: f64 = 1000.0;
-/// Longest time without a request to the device, ms.
+/// Longest time in ms without a request. The requests show the device that the desktop is still connected.
 const SIGN_OF_LIFE_MS: f64 = 250.0;
-/// Time between two requests of the device's counters, ms.
+/// Time in ms between two requests of the device's error counters (dropped records, damaged frames).
 const LOOK_MS: f64 = 2000.0;
 
-/// State of the communication.
+/// State of the communication with the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
     /// No port is open.
     Closed,
-    /// The request for the device's identity was sent.
+    /// The request for the device's identity was sent; no answer yet.
     Asking,
     /// The device sends telemetry records.
     There,
-    /// The device is silent. Holds the time of the next attempt, ms.
+    /// The device does not answer. Holds the time of the next attempt, ms.
     Gone(f64),
 }
 
@@ -50,7 +50,7 @@ pub struct Talk {
     questions: Questions,
     said: VecDeque<Value>,
     stage: Stage,
-    /// Whether the connection to a device was lost before. What the device has done meanwhile is unknown.
+    /// Whether the device was connected before. After a new connection its state is then unknown and is requested.
     again: bool,
     identity: Option<Identity>,
     settings: DeviceSettings,
@@ -63,7 +63,7 @@ pub struct Talk {
 }
 
 impl Talk {
-    /// A communication without an open port. `place` names the device in messages.
+    /// Creates a communication without an open port. `place` names the device in messages.
     #[must_use]
     pub fn new(place: &str) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Talk {
         }
     }
 
-    /// Reports that a port was opened: requests the identity of the device.
+    /// Call after the port was opened: requests the identity of the device.
     pub fn opened(&mut self, now_ms: f64) {
         self.questions.begin();
         self.state = None;
@@ -93,13 +93,13 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Reports that the port was closed or lost.
+    /// Call after the port was closed or lost, with the reason `why`.
     pub fn closed(&mut self, why: &str) {
         self.stage = Stage::Closed;
         self.lost(why);
     }
 
-    /// Handles received bytes.
+    /// Processes bytes that arrived from the device.
     pub fn take(&mut self, bytes: &[u8], now_ms: f64) {
         for &byte in bytes {
             let Some(Ok(payload)) = self.decoder.push(byte) else {
@@ -121,8 +121,8 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Does what is due at this time: repeats unanswered requests, sends a request to show that the desktop is alive, notices a
-    /// silent device.
+    /// Does what is due at the time `now_ms`: repeats an unanswered request, sends a request so that the device knows that the
+    /// desktop is still connected, detects a silent device.
     pub fn turn(&mut self, now_ms: f64) {
         self.overdue(now_ms);
         match self.stage {
@@ -149,7 +149,7 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Handles an order of the page: JSON `{"do": …}`, with `path` and `value` of a setting.
+    /// Carries out a command of the page, JSON `{"do": …}`. The command that changes a setting also has `path` and `value`.
     pub fn order(&mut self, text: &str, now_ms: f64) {
         let order: Value = serde_json::from_str(text).unwrap_or_default();
         let text = |name: &str| order[name].as_str().unwrap_or_default().to_owned();
@@ -159,17 +159,17 @@ impl Talk {
         }
     }
 
-    /// Returns the bytes to send and removes them.
+    /// Returns the bytes to send to the device and removes them.
     pub fn out(&mut self) -> Vec<u8> {
         self.questions.out()
     }
 
-    /// The next message for the page, as JSON.
+    /// Removes and returns the next message for the page, as JSON; `None` if there is none.
     pub fn said(&mut self) -> Option<String> {
         self.said.pop_front().map(|message| message.to_string())
     }
 
-    /// Returns the rows up to now and removes them.
+    /// Returns the numbers of all telemetry rows that the page has not fetched yet, and removes the rows.
     pub fn rows(&mut self) -> Vec<f64> {
         self.rows.numbers()
     }
@@ -364,7 +364,7 @@ impl Talk {
             .ask(&Request::Telemetry { decimation }, Purpose::Records);
     }
 
-    /// Starts the rows with a model of the device that has the present settings.
+    /// Starts the telemetry rows anew, with a simulated copy of the device that has the present settings.
     fn model(&mut self) {
         let twin = self
             .identity

@@ -4,32 +4,32 @@ use std::collections::VecDeque;
 use touchstone_protocol::frame::{self, FRAME_MAX};
 use touchstone_protocol::{Request, ToDevice};
 
-/// Longest wait for an answer, ms. An answer takes some milliseconds, the erase of a flash page 25.
+/// Longest wait for the device's answer, ms. An answer takes some milliseconds; erasing a flash page delays it by 25 ms.
 pub const ANSWER_LIMIT_MS: f64 = 500.0;
-/// Number of attempts for a request whose answer was lost or damaged.
+/// Number of times that a request is sent before it counts as unanswered.
 pub const TRIES: u32 = 3;
 
-/// What a request is for.
+/// The purpose of a request to the device, which decides what is done with the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Purpose {
     Hello,
-    /// Requests all settings, after the device has identified itself.
+    /// Get all settings, after the device has identified itself.
     Begin,
-    /// Starts telemetry.
+    /// Start the telemetry.
     Records,
-    /// Requests all settings, after a change.
+    /// Get all settings, after one was changed.
     Settings,
     State,
-    /// Requests the state after a lost connection. A device whose outputs are on is then switched off, because nobody watched it.
+    /// Get the device's state after a lost connection. A device whose motor is on is then switched off, because nobody watched it.
     FoundAgain,
-    /// Switches off a device that was found on after a lost connection. Holds the text for what was done.
+    /// Switch off a device whose motor was on after a lost connection. Holds the text that tells the user so.
     Off(&'static str),
     Troubles,
-    /// Carries out a person's order. Holds the order's name and the path of a setting.
+    /// Carry out a command that a person gave. Holds the command's name, and the path of the setting that it changes.
     Order(String, Option<String>),
 }
 
-/// A request that waits to be sent or for its answer.
+/// A request in the queue or without its answer yet.
 #[derive(Debug)]
 struct Question {
     id: u8,
@@ -39,7 +39,7 @@ struct Question {
     until_ms: f64,
 }
 
-/// The queue of requests, with the bytes to send.
+/// The queue of requests to the device, and the bytes to send.
 #[derive(Debug, Default)]
 pub(super) struct Questions {
     next_id: u8,
@@ -49,7 +49,7 @@ pub(super) struct Questions {
 }
 
 impl Questions {
-    /// Starts with a newly opened port: drops all earlier requests.
+    /// Starts a conversation on a newly opened port: drops all earlier requests.
     pub fn begin(&mut self) {
         self.under_way.clear();
         self.waiting.clear();
@@ -58,38 +58,38 @@ impl Questions {
         self.out.push(0);
     }
 
-    /// Adds a request to the end of the queue.
+    /// Adds a request to the device to the end of the queue.
     pub fn ask(&mut self, request: &Request<'_>, purpose: Purpose) {
         let question = self.question(request, purpose);
         self.waiting.push_back(question);
     }
 
-    /// Sends a request at once, before all in the queue and the one that waits for its answer.
+    /// Sends a request at once, before all requests in the queue and the request that still waits for its answer.
     pub fn overtake(&mut self, request: &Request<'_>, purpose: Purpose, now_ms: f64) {
         let question = self.question(request, purpose);
         self.waiting.push_front(question);
         self.send_first(now_ms);
     }
 
-    /// Sends the next request if none waits for its answer.
+    /// Sends the next request of the queue if no earlier request still waits for its answer.
     pub fn send(&mut self, now_ms: f64) {
         if self.under_way.is_empty() {
             self.send_first(now_ms);
         }
     }
 
-    /// Whether a request waits in the queue.
+    /// Whether the queue holds a request.
     pub fn wait(&self) -> bool {
         !self.waiting.is_empty()
     }
 
-    /// The purpose of the request with this number, whose answer arrived; `None` if the answer came too late.
+    /// Call when an answer with the number `id` arrived. Returns the purpose of its request; `None` if the answer came too late.
     pub fn answered(&mut self, id: u8) -> Option<Purpose> {
         let at = self.under_way.iter().position(|asked| asked.id == id)?;
         Some(self.under_way.remove(at).purpose)
     }
 
-    /// Repeats a request that was not answered in time. Returns the purpose of a request that has used all its attempts.
+    /// Sends a request again if its answer is overdue. If all attempts of a request failed, removes it and returns its purpose.
     pub fn overdue(&mut self, now_ms: f64) -> Option<Purpose> {
         let late = |asked: &Question| asked.until_ms <= now_ms;
         while let Some(at) = self.under_way.iter().position(late) {
@@ -103,14 +103,14 @@ impl Questions {
         None
     }
 
-    /// Drops all requests and returns their purposes.
+    /// Drops all requests and returns their purposes, so that the page can report them as failed.
     pub fn forget(&mut self) -> Vec<Purpose> {
         let under_way = self.under_way.drain(..);
         let all = under_way.chain(self.waiting.drain(..));
         all.map(|question| question.purpose).collect()
     }
 
-    /// Returns the bytes to send and removes them.
+    /// Returns the bytes to send to the device and removes them.
     pub fn out(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.out)
     }

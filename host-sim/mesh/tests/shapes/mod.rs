@@ -3,12 +3,12 @@
 
 use touchstone_mesh::{Mesh, Vector};
 
-/// A vector from millimetres.
+/// Makes a vector in metres from coordinates in millimetres.
 pub fn mm(x: f64, y: f64, z: f64) -> Vector {
     1e-3 * Vector::new(x, y, z)
 }
 
-/// Vertices and triangles of a mesh.
+/// Vertices and triangles of a test mesh.
 #[derive(Default, Clone)]
 pub struct Soup {
     pub vertices: Vec<Vector>,
@@ -37,7 +37,7 @@ impl Soup {
     }
 }
 
-/// A box around the origin with these half sizes, mm.
+/// A box around the origin; `x`, `y` and `z` are half its side lengths, mm.
 pub fn block(x: f64, y: f64, z: f64) -> Soup {
     let at = |i: f64, j: f64, k: f64| mm(x * i, y * j, z * k);
     let mut soup = Soup::default();
@@ -99,7 +99,7 @@ pub fn valley(slope: f64) -> Soup {
     soup
 }
 
-/// A pyramid with this many faces and a base, its apex at the origin, as high as it is wide.
+/// A pyramid with `faces` side faces and a base, its apex at the origin, as high as it is wide.
 pub fn pyramid(faces: u32) -> Soup {
     let corner = |i: u32| {
         let phi = std::f64::consts::TAU * f64::from(i % faces) / f64::from(faces);
@@ -113,7 +113,7 @@ pub fn pyramid(faces: u32) -> Soup {
     soup
 }
 
-/// A ball with this many rings of triangles and twice as many sectors.
+/// A ball with `rings` rings of triangles and twice as many sectors.
 pub fn ball(radius_mm: f64, rings: u32) -> Soup {
     let at = |ring: u32, sector: u32| {
         let theta = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
@@ -144,7 +144,8 @@ pub fn ball(radius_mm: f64, rings: u32) -> Soup {
     soup
 }
 
-/// A prism along y, 60 mm long and open at its ends. Its convex outline in x and z (mm) runs counter-clockwise, seen against y.
+/// A prism along y, 60 mm long and open at its ends. Its convex outline in x and z (mm) runs counter-clockwise, seen against the
+/// direction of y.
 pub fn prism(outline: &[[f64; 2]]) -> Soup {
     let mut soup = Soup::default();
     for (i, &[x, z]) in outline.iter().enumerate() {

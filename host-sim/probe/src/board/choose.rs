@@ -1,4 +1,4 @@
-//! Chooses the debug probe: the one that the user names, or the only one.
+//! Chooses the debug probe: the one that the user names, or the only connected one.
 
 use std::io::ErrorKind;
 
@@ -7,19 +7,19 @@ use probe_rs::probe::{DebugProbeError, DebugProbeSelector, Probe, ProbeCreationE
 
 use super::fault::{Fault, NO_RIGHTS, chain, system};
 
-/// Place in an error message that concerns no single probe.
+/// What an error message names as its subject if the error concerns no single probe.
 const PROBE: &str = "probe";
-/// The command-line option that names a probe.
+/// The command-line option by which the user names a probe.
 const OPTION: &str = "--probe";
 
 /// A debug probe that is connected by USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// The probe's name for the option `--probe`: VID:PID:SERIAL.
+    /// The text by which the option `--probe` names the probe: VID:PID:SERIAL.
     pub selector: String,
     /// The name that the probe reports.
     pub name: String,
-    /// Whether this user has the rights to use the probe.
+    /// Whether the operating system lets this user open the probe.
     pub usable: bool,
 }
 
@@ -41,13 +41,13 @@ impl Found {
     }
 }
 
-/// Lists all connected probes.
+/// Lists all debug probes that are connected to this computer.
 pub fn found(lister: &Lister) -> Vec<Found> {
     let items = lister.list_all_with_access();
     items.iter().map(Found::of).collect()
 }
 
-/// Opens the probe that the user names, or the only one. Also returns the probe's name for messages.
+/// Opens the probe that the user names (`wanted`), or the only connected one. Returns the probe and its name for messages.
 pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fault> {
     let selector = wanted.map(parsed).transpose()?;
     let items = lister.list_with_access(selector.as_ref());

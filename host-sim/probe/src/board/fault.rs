@@ -1,4 +1,4 @@
-//! The error type: where the problem is, what it is, and advice, for one line.
+//! The error type of this crate: what the problem concerns, the problem, and advice, printed on one line.
 
 use std::error::Error;
 use std::fmt;
@@ -13,7 +13,7 @@ pub struct Fault {
     pub problem: String,
     /// Advice how to solve the problem.
     pub fix: String,
-    /// Whether the user's request was wrong, rather than the hardware or the system.
+    /// True if the user gave a wrong option; false for a problem of the hardware or the system.
     pub asked: bool,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for Fault {
 impl Error for Fault {}
 
 impl Fault {
-    /// The error for a problem of the hardware or the system.
+    /// Makes the error for a problem of the hardware or the system.
     pub fn of(
         place: impl Into<String>,
         problem: impl Into<String>,
@@ -40,7 +40,7 @@ impl Fault {
         }
     }
 
-    /// The error for a wrong option.
+    /// Makes the error for a wrong command-line option.
     pub fn asked(
         option: impl Into<String>,
         problem: impl Into<String>,
@@ -53,10 +53,10 @@ impl Fault {
     }
 }
 
-/// Advice if the user has no rights to use the probe. `touchstone doctor` has the udev rule.
+/// Advice for a user whom the operating system does not let open the probe.
 pub const NO_RIGHTS: &str = "`touchstone doctor` prints the udev rule that gives this user the right, and how to install it";
 
-/// The text of an error and of all its causes on one line, each text once.
+/// The text of an error and of all its causes on one line, without repeated texts.
 pub fn chain(error: &(dyn Error + 'static)) -> String {
     let mut words: Vec<String> = Vec::new();
     for cause in causes(error) {
@@ -70,7 +70,7 @@ pub fn chain(error: &(dyn Error + 'static)) -> String {
     words.join(": ")
 }
 
-/// The kind of the operating system's error, if one is among the causes.
+/// The kind of the first operating system error among an error's causes; `None` if there is none.
 pub fn system(error: &(dyn Error + 'static)) -> Option<ErrorKind> {
     causes(error).find_map(|cause| Some(cause.downcast_ref::<io::Error>()?.kind()))
 }

@@ -1,14 +1,14 @@
-//! The parts of a board's program for the flash, and the address in RAM of its log's control block.
+//! Reads a board's program from an ELF file: the parts for the flash, and the RAM address of the log's control block.
 
 use object::elf::{PT_LOAD, ProgramHeader32};
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, ObjectSymbol};
 use probe_rs::config::{MemoryRegion, Registry};
 
-/// Name of the symbol of an RTT control block, by RTT's convention.
+/// Name of the ELF symbol of the control block of a log in RAM (SEGGER's RTT).
 const CONTROL_BLOCK: &str = "_SEGGER_RTT";
 
-/// A part of a program: an address with the bytes from there on.
+/// A contiguous part of a program: its address in flash and its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Part {
     pub address: u64,
@@ -21,16 +21,16 @@ impl Part {
     }
 }
 
-/// A board's program as it will be in flash.
+/// A board's program, as the parts that are written into the flash.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     pub(super) parts: Vec<Part>,
-    /// Address of the log's control block in RAM, if the program has one.
+    /// RAM address of the control block of the program's log (RTT); `None` for a program without one.
     pub(super) control_block: Option<u64>,
 }
 
 impl Image {
-    /// Reads a program for the flash of `chip` from an ELF file.
+    /// Reads a program for the flash of the microcontroller `chip` from an ELF file.
     ///
     /// # Errors
     /// What is wrong with the file, as text without the file's name.
@@ -40,13 +40,13 @@ impl Image {
         Ok(image)
     }
 
-    /// Number of bytes that go into the flash.
+    /// Number of bytes that the program takes in the flash.
     #[must_use]
     pub fn size_bytes(&self) -> usize {
         self.parts.iter().map(|part| part.bytes.len()).sum()
     }
 
-    /// First address and end address of each part of the program.
+    /// Address range (first address and end address) of each part of the program.
     pub fn ranges(&self) -> impl Iterator<Item = (u64, u64)> {
         self.parts.iter().map(|part| (part.address, part.end()))
     }
@@ -90,7 +90,7 @@ impl Image {
         })
     }
 
-    /// Checks that every part lies in the chip's flash.
+    /// Checks that every part of the program lies in the flash of the microcontroller `chip`.
     fn is_within(&self, chip: &str) -> Result<(), String> {
         let target = Registry::from_builtin_families()
             .get_target_by_name(chip)

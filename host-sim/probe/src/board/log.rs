@@ -1,4 +1,4 @@
-//! Reads the log of a running program: the probe reads a ring buffer in the chip's RAM (RTT).
+//! Reads the log of a running program through the probe. The program writes its log to a ring buffer in RAM (SEGGER's RTT).
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -10,29 +10,30 @@ use super::image::Image;
 use super::session::{Attached, CORE};
 use super::words::{Line, Words};
 
-/// Number of the RTT channel to which defmt writes.
+/// Number of the RTT channel to which the program's logger, defmt, writes.
 const CHANNEL: usize = 0;
-/// Pause after an empty ring buffer was read. It is short because the buffer loses entries when it is full.
+/// Pause between two readings if the ring buffer was empty. It is short because a full ring buffer loses messages.
 const PAUSE: Duration = Duration::from_millis(10);
-/// Longest wait for the ring buffer. A started program has set it up by then, and a board that is being reset answers again.
+/// Longest wait for the ring buffer in RAM. A program that has started sets the buffer up sooner, and a board in reset answers
+/// again sooner.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Number of bytes of each part of the program that are compared with the flash before its log is decoded.
+/// Number of bytes of each part of the program that are compared with the board's flash before the log is decoded.
 const COMPARED_BYTES: usize = 1024;
 
-/// An event while a log is read.
+/// What happened while the log was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
-    /// A log message.
+    /// A complete log message.
     Line(Line),
-    /// A message was damaged: the ring buffer overflowed before it was read, or reading began in the middle of the message.
+    /// A damaged message: the ring buffer overflowed before the message was read, or reading began in its middle.
     Damaged,
-    /// The program restarted.
+    /// The program on the board restarted.
     Restarted,
 }
 
-/// Why reading was interrupted.
+/// Why reading the log was interrupted.
 enum Lost {
-    /// The ring buffer is not in RAM, or has changed.
+    /// The ring buffer is not at its place in RAM, or its description has changed.
     Ring(Error),
     /// The probe or the chip does not answer.
     Contact(Error),
@@ -48,7 +49,7 @@ impl From<Error> for Lost {
 }
 
 impl Attached {
-    /// Reads the log of the running program until `go_on` returns false. The program in flash must be `image`.
+    /// Reads the log of the running program until `go_on` returns false. The board's flash must hold the program `image`.
     pub fn log(
         &mut self,
         image: &Image,
@@ -100,7 +101,7 @@ impl Attached {
         Ok(channel.read(&mut core, bytes)?)
     }
 
-    /// Finds the ring buffer; waits for it up to [`PATIENCE`]. `None` if `go_on` returns false before.
+    /// Finds the log's ring buffer in RAM; waits for it up to [`PATIENCE`]. Returns `None` if `go_on` returns false meanwhile.
     fn joined(
         &mut self,
         region: &ScanRegion,
@@ -132,8 +133,8 @@ impl Attached {
         Ok(None)
     }
 
-    /// Checks that the program in flash is `image`, because only its ELF file has the texts of its messages. Compares the beginning
-    /// of each part.
+    /// Checks that the board's flash holds the program `image`, by comparing the beginning of each part. Only the ELF file of the
+    /// running program has the texts of its log messages.
     fn is_running(&mut self, image: &Image) -> Result<(), Fault> {
         for part in &image.parts {
             let expected = &part.bytes[..part.bytes.len().min(COMPARED_BYTES)];

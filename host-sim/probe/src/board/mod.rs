@@ -1,4 +1,4 @@
-//! Actions on a board behind a debug probe, in the order in which they are used.
+//! Actions on a board behind a debug probe: choose the probe, connect, write the program, read its log.
 
 pub mod choose;
 mod fault;
@@ -16,5 +16,5 @@ pub use session::{Attached, attach};
 pub use words::{Line, Words};
 pub use write::{Phase, Step};
 
-/// Name and version of the crate that accesses the probe, as in `Cargo.toml`.
+/// Name and version of the crate through which this program accesses the probe, as in `Cargo.toml`.
 pub const LIBRARY: &str = "probe-rs 0.32.0";

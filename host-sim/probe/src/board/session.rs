@@ -1,5 +1,5 @@
-//! The connection to the chip behind a probe. Checks that the chip answers, that it is the board's chip, and that it can be
-//! written.
+//! The connection to the microcontroller behind a probe. Checks that the chip answers, that it is the expected type, and that its
+//! flash can be written.
 
 use probe_rs::probe::Probe;
 use probe_rs::{Error, MemoryInterface, Permissions, Session};
@@ -9,8 +9,8 @@ use super::fault::{Fault, chain};
 /// Number of the only processor core of an STM32G4.
 pub(super) const CORE: usize = 0;
 
-/// Address of the register `DBGMCU_IDCODE` (RM0440). The next lines have the mask of its device number and the numbers of the
-/// chips.
+/// Address of the register `DBGMCU_IDCODE` (reference manual RM0440). The next lines have the mask of the device number in it and
+/// the device numbers of the supported chips.
 const IDCODE: u64 = 0xe004_2000;
 const DEVICE: u32 = 0xfff;
 const DEVICES: [(u32, &str, &[&str]); 3] = [
@@ -28,23 +28,23 @@ const DEVICES: [(u32, &str, &[&str]); 3] = [
     ),
     (0x479, "STM32G491 or G4A1", &["STM32G491", "STM32G4A1"]),
 ];
-/// Address of the register `FLASH_OPTR` (RM0440). The next lines have the mask of its read protection and the value for no
-/// protection (level 0).
+/// Address of the register `FLASH_OPTR` (reference manual RM0440). The next lines have the mask of the read protection in it and
+/// the value for no protection (level 0).
 const OPTIONS: u64 = 0x4002_2020;
 const PROTECTION: u32 = 0xff;
 const UNPROTECTED: u32 = 0xaa;
 
-/// A board's chip that is connected through a probe.
+/// The microcontroller of a board, connected through a probe.
 #[derive(Debug)]
 pub struct Attached {
     pub(super) session: Session,
-    /// Name of the probe in messages.
+    /// Name of the probe in error messages.
     pub(super) place: String,
-    /// Name of the chip in messages.
+    /// Name of the microcontroller in error messages.
     pub(super) chip: String,
 }
 
-/// Connects to a chip through an open probe and checks that it is the expected chip.
+/// Connects to the microcontroller through an open probe, and checks that it is of the type `chip`.
 ///
 /// The crate probe-rs halts the processor for some milliseconds, to remove breakpoints that another program may have left.
 pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, Fault> {
@@ -62,19 +62,19 @@ pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, F
 }
 
 impl Attached {
-    /// Reads a 32-bit word of the chip's memory.
+    /// Reads a 32-bit word from an address of the microcontroller.
     pub(super) fn word(&mut self, address: u64) -> Result<u32, Fault> {
         let read = |session: &mut Session| session.core(CORE)?.read_word_32(address);
         read(&mut self.session).map_err(|error| self.broken(&error))
     }
 
-    /// Reads bytes of the chip's memory.
+    /// Fills `bytes` from the microcontroller's memory, beginning at `address`.
     pub(super) fn bytes(&mut self, address: u64, bytes: &mut [u8]) -> Result<(), Fault> {
         let read = |session: &mut Session, bytes| session.core(CORE)?.read(address, bytes);
         read(&mut self.session, bytes).map_err(|error| self.broken(&error))
     }
 
-    /// The error for a connection that was lost.
+    /// Makes the error for a lost connection to the probe or to the chip.
     pub(super) fn broken(&self, error: &(dyn std::error::Error + 'static)) -> Fault {
         Fault::of(
             &self.place,
@@ -102,7 +102,7 @@ impl Attached {
         ))
     }
 
-    /// Checks that the chip's flash may be read and written through a probe.
+    /// Checks that the microcontroller does not protect its flash against a probe.
     fn is_unlocked(&mut self) -> Result<(), Fault> {
         match self.word(OPTIONS)? & PROTECTION {
             UNPROTECTED => Ok(()),

@@ -1,28 +1,29 @@
-//! Decodes a program's log messages. They are numbers in the log; their texts are in the ELF file's section `.defmt`.
+//! Decodes the log messages of a program (defmt format). The log holds a number per message; the texts are in the ELF file's
+//! section `.defmt`.
 
 use defmt_decoder::{DecodeError, Frame, Locations, StreamDecoder, Table};
 
-/// The texts of all messages that a program can log.
+/// The texts of all messages that a program can log, from its ELF file.
 pub struct Words {
     table: Table,
     locations: Locations,
 }
 
-/// A log message.
+/// A decoded log message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Time on the board's clock, if its program logs it.
+    /// Time on the board's clock as text; `None` if the program does not log it.
     pub time: Option<String>,
-    /// Level of the message; `None` for a plain print.
+    /// Level of the message, e.g. `warn`; `None` for a message without a level.
     pub level: Option<&'static str>,
     /// Text of the message.
     pub text: String,
-    /// Place in the source code: file and line, if the ELF file has them.
+    /// File and line of the source code that logs the message; `None` if the ELF file does not have them.
     pub location: Option<String>,
 }
 
 impl Words {
-    /// Reads the messages' texts from an ELF file.
+    /// Reads the texts of a program's log messages from its ELF file.
     ///
     /// # Errors
     /// What is wrong with the file, as text without the file's name.
@@ -30,12 +31,12 @@ impl Words {
         let table = Table::parse(elf)
             .map_err(|why| format!("has messages that cannot be read: {why}"))?
             .ok_or("has no messages in it: no section .defmt")?;
-        // Without locations only the places in the source code are missing.
+        // A program without source locations is accepted; its messages then have no location.
         let locations = table.get_locations(elf).unwrap_or_default();
         Ok(Self { table, locations })
     }
 
-    /// A decoder for the bytes of a log.
+    /// Creates a decoder for the bytes of the program's log.
     pub(super) fn stream(&self) -> Stream<'_> {
         Stream {
             words: self,
@@ -54,14 +55,14 @@ impl Words {
     }
 }
 
-/// A decoder that takes the log's bytes and returns messages.
+/// A decoder that accepts the bytes of a log in pieces and returns messages.
 pub(super) struct Stream<'w> {
     words: &'w Words,
     decoder: Box<dyn StreamDecoder + Send + Sync + 'w>,
 }
 
 impl Stream<'_> {
-    /// Adds bytes and returns the messages that are complete; `None` for a damaged one.
+    /// Decodes further bytes of the log. Returns the messages that are now complete; `None` stands for a damaged message.
     pub fn take(&mut self, bytes: &[u8]) -> Vec<Option<Line>> {
         self.decoder.received(bytes);
         let mut lines = Vec::new();
@@ -75,7 +76,7 @@ impl Stream<'_> {
     }
 }
 
-/// Replaces characters of a board's text that cannot be printed on one line.
+/// Replaces the characters of a log text that cannot be printed on one line.
 fn printable(text: &str) -> String {
     let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(shown).collect()

@@ -1,4 +1,4 @@
-//! Writes a program into the flash: erases, writes, reads back, starts.
+//! Writes a program into a board's flash: erases pages, writes them, reads them back, starts the program.
 
 use probe_rs::flashing::{
     DownloadOptions, FlashError, FlashProgress, ProgressEvent, ProgressOperation,
@@ -11,28 +11,28 @@ use super::session::{Attached, CORE};
 /// A phase of writing the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// The pages that the program needs are erased; other pages are not.
+    /// Erases the pages of flash that the program needs, and no others.
     Erase,
-    /// The program is written.
+    /// Writes the program into the erased pages.
     Program,
-    /// The flash is read back and compared with the program.
+    /// Reads the flash back and compares it with the program.
     Verify,
 }
 
-/// The progress of writing the flash.
+/// A report on the progress of writing the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// A phase begins. Holds the number of its bytes, if known.
+    /// A phase begins. Holds the number of bytes that the phase will process, if known.
     Begins(Phase, Option<u64>),
-    /// This number of further bytes of a phase is done.
+    /// The phase has processed this number of further bytes.
     Done(Phase, u64),
-    /// A phase is over.
+    /// The phase has ended.
     Ends(Phase),
 }
 
 impl Attached {
-    /// Writes a program, reads it back and compares it. Other pages of the flash keep their content. The processor stays halted;
-    /// [`Self::start`] starts it.
+    /// Writes a program into the flash, reads it back and compares it; `tell` receives the progress. Other pages of the flash keep
+    /// their content. The processor stays halted until [`Self::start`].
     pub fn write(&mut self, image: &Image, mut tell: impl FnMut(Step)) -> Result<(), Fault> {
         let mut loader = self.session.target().flash_loader();
         for part in &image.parts {
@@ -71,7 +71,7 @@ impl Attached {
     }
 }
 
-/// Converts a progress event of probe-rs; `None` for one that is not reported.
+/// Converts a progress event of the crate probe-rs to a [`Step`]; `None` for an event that is not reported.
 fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
     match event {
         ProgressEvent::AddProgressBar { operation, total } => {
@@ -87,7 +87,7 @@ fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
             operation, size, ..
         } => Some(Step::Done(phase(operation)?, size)),
         ProgressEvent::Finished(operation) => Some(Step::Ends(phase(operation)?)),
-        // A failure is an error as well.
+        // A failure is also returned as an error, so it is not reported here.
         _ => None,
     }
 }

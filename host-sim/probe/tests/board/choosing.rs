@@ -1,4 +1,4 @@
-//! Tests of choosing a probe, and of the messages if the choice is ambiguous or the probe cannot be used.
+//! Tests of choosing a debug probe, and of the messages if the choice is ambiguous or the probe cannot be used.
 
 use touchstone_probe::{Fault, attach, choose};
 
@@ -45,7 +45,7 @@ fn of_several_one_has_to_be_named() {
         "--probe 0483:374e:A1",
     ];
     refused(&boards, None, &parts);
-    // Both have these two numbers.
+    // Both probes have these USB vendor and product numbers.
     refused(&boards, Some("0483:374e"), &parts);
     let (_, place) = choose::open(&connected(&boards), Some("0483:374e:B2")).unwrap();
     assert_eq!(place, "probe 0483:374e:B2");
@@ -111,7 +111,7 @@ fn another_chip_than_the_board_has() {
     attach(open(), "STM32G431CBUx").unwrap();
     board.machine.lock().unwrap().memory.device = 0x123;
     said(&attach(open(), CHIP).unwrap_err(), &["device number 0x123"]);
-    // Whatever was found, the program runs on.
+    // The program on the board goes on running in each case.
     assert!(board.machine.lock().unwrap().runs());
 }
 

@@ -1,23 +1,24 @@
-//! A simulated Thumb processor with the instructions of the Armv7-M manual (DDI 0403) that a flash algorithm uses. Chapter A7
-//! describes the instructions, A5 their encoding. Any other instruction stops the processor with a message.
+//! A simulated processor with the Thumb instructions of the Armv7-M manual (DDI 0403) that a flash algorithm (the code that
+//! programs the flash) uses. Chapter A7 of the manual describes the instructions, A5 their encoding. Any other instruction stops
+//! the processor with a message.
 
 use crate::memory::Memory;
 
-/// Why the processor stopped.
+/// Why the simulated processor stopped.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The processor executed the breakpoint instruction BKPT.
     Breakpoint,
-    /// A fault without a handler, which would lock a real processor up.
+    /// A fault for which the program has no handler (it would lock up a real processor). Holds the message.
     Fault(String),
 }
 
-/// The registers of the processor.
+/// The registers of the simulated processor.
 #[derive(Debug, Default)]
 pub struct Cpu {
-    /// R0 to R12, SP, LR, and the address of the next instruction.
+    /// General registers R0 to R12, stack pointer, link register, and the address of the next instruction.
     pub r: [u32; 16],
-    /// The register XPSR: flags and Thumb bit.
+    /// The status register XPSR: flags and Thumb bit.
     pub xpsr: u32,
 }
 
@@ -44,7 +45,7 @@ fn signed(value: u32, bits: u32) -> u32 {
 }
 
 impl Cpu {
-    /// Executes one instruction.
+    /// Executes the instruction at the program counter.
     pub fn step(&mut self, memory: &mut Memory) -> Result<(), Stop> {
         let at = self.r[PC];
         let first = fetch(memory, at)?;
@@ -71,7 +72,7 @@ impl Cpu {
         result
     }
 
-    /// The function `AddWithCarry` of the Armv7-M manual; sets all flags.
+    /// The function `AddWithCarry` of the Armv7-M manual: adds two values and a carry, sets all flags.
     fn add(&mut self, a: u32, b: u32, carry: bool) -> u32 {
         let whole = u64::from(a) + u64::from(b) + u64::from(carry);
         let result = whole as u32;
@@ -84,7 +85,8 @@ impl Cpu {
         self.add(a, !b, true)
     }
 
-    /// The function `Shift_C` of the Armv7-M manual, by an immediate value. `kind`: 0 LSL, 1 LSR, 2 ASR.
+    /// The function `Shift_C` of the Armv7-M manual: shifts a value by a fixed number of bits and sets the flags. `kind`: 0 LSL, 1
+    /// LSR, 2 ASR.
     fn shift(&mut self, kind: u32, value: u32, by: u32) -> u32 {
         let (result, carry) = match (kind, by) {
             (0, 0) => return value,
@@ -98,7 +100,7 @@ impl Cpu {
         result
     }
 
-    /// A register's value as operand of the instruction at address `at`. The program counter reads as `at + 4`.
+    /// Value of a register as operand of the instruction at address `at`. The program counter reads as `at + 4`.
     fn operand(&self, register: usize, at: u32) -> u32 {
         match register {
             PC => at + 4,
@@ -106,7 +108,7 @@ impl Cpu {
         }
     }
 
-    /// The function `BXWritePC` of the Armv7-M manual; only Thumb code is supported.
+    /// The function `BXWritePC` of the Armv7-M manual: jumps to an address. Only Thumb code is supported.
     fn jump(&mut self, to: u32) -> Result<(), Stop> {
         self.r[PC] = to & !1;
         match to & 1 {
@@ -194,7 +196,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// Executes data processing on two low registers.
+    /// Executes the 16-bit data processing instructions on two of the registers R0 to R7.
     fn logic(&mut self, code: u32, at: u32) -> Result<(), Stop> {
         let (rd, rm) = (register(code, 0), register(code, 3));
         let (a, b) = (self.r[rd], self.r[rm]);
@@ -219,7 +221,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// Executes ADD, CMP and MOV with all registers, BX and BLX.
+    /// Executes the 16-bit instructions ADD, CMP and MOV on all registers, and the jumps BX and BLX.
     fn high(&mut self, code: u32, at: u32) -> Result<(), Stop> {
         let rd = (field(code, 0, 3) | code >> 4 & 8) as usize;
         let rm = field(code, 3, 4) as usize;
@@ -241,7 +243,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// Executes instructions of the stack, hints, and BKPT.
+    /// Executes the 16-bit instructions for the stack (PUSH, POP and others), hints such as NOP, and the breakpoint BKPT.
     fn miscellaneous(&mut self, code: u32, memory: &mut Memory) -> Result<(), Stop> {
         let at = self.r[PC] - 2;
         let listed = (0..8).filter(|register| code >> register & 1 == 1);
@@ -274,7 +276,7 @@ impl Cpu {
                 self.r[SP] = address;
             }
             14 => {
-                // The processor halts on it, not behind it.
+                // The processor halts at the breakpoint instruction, not behind it.
                 self.r[PC] = at;
                 return Err(Stop::Breakpoint);
             }
@@ -327,7 +329,7 @@ impl Cpu {
     }
 
     fn branch(&mut self, first: u32, second: u32, at: u32) -> Result<(), Stop> {
-        // DSB, DMB and ISB: nothing is out of order here.
+        // DSB, DMB and ISB have no effect, because this processor executes everything in order.
         if first == 0xf3bf && second & 0xff00 == 0x8f00 {
             return Ok(());
         }
@@ -348,7 +350,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// The function `ThumbExpandImm_C` of the Armv7-M manual.
+    /// The function `ThumbExpandImm_C` of the Armv7-M manual: the 32-bit constant that 12 bits of an instruction encode.
     fn expanded(&mut self, imm12: u32, flags: bool) -> u32 {
         let byte = imm12 & 0xff;
         match imm12 >> 8 {
@@ -366,7 +368,7 @@ impl Cpu {
         }
     }
 
-    /// Executes data processing with an immediate value or a shifted register.
+    /// Executes a 32-bit data processing instruction whose second operand is a constant or a shifted register.
     #[expect(clippy::too_many_arguments, reason = "the fields of one instruction")]
     fn processed(
         &mut self,

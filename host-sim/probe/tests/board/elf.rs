@@ -1,31 +1,30 @@
-//! Builds ELF files of invented programs: parts for the flash, symbols, and defmt's messages.
+//! Builds ELF files of invented programs for the tests: parts for the flash, symbols, and log messages (defmt format).
 
-/// Address of the log's control block in the invented programs.
+/// RAM address of the log's control block in the invented programs.
 pub const CONTROL_BLOCK: u32 = 0x2000_4000;
 
-/// An invented program.
+/// An invented program for the tests.
 #[derive(Default)]
 pub struct Program {
     parts: Vec<(u32, Vec<u8>)>,
-    /// Name and value of each symbol. The flag says whether it is a message, in the section `.defmt`.
+    /// Name and value of each symbol. The flag is true for a log message, which lies in the section `.defmt`.
     symbols: Vec<(String, u32, bool)>,
 }
 
 impl Program {
-    /// The program with a part that is loaded into flash.
+    /// Adds a part that is loaded into the flash at `address`.
     pub fn with(mut self, address: u32, bytes: Vec<u8>) -> Self {
         self.parts.push((address, bytes));
         self
     }
 
-    /// The program with a symbol.
+    /// Adds an ELF symbol.
     pub fn with_symbol(mut self, name: &str, value: u32) -> Self {
         self.symbols.push((name.into(), value, false));
         self
     }
 
-    /// The program with log messages, each a level and a format; their numbers begin at 1. `clock` is the format of the board's
-    /// time.
+    /// Adds log messages, each a level and a format text, numbered from 1. `clock` is the format text of the board's time.
     pub fn with_messages(mut self, messages: &[(&str, &str)], clock: Option<&str>) -> Self {
         self = self
             .with_symbol("_SEGGER_RTT", CONTROL_BLOCK)
@@ -41,7 +40,7 @@ impl Program {
         self
     }
 
-    /// The bytes of the ELF file.
+    /// Returns the bytes of the program's ELF file.
     pub fn elf(&self) -> Vec<u8> {
         const HEADER: usize = 52;
         let mut content = vec![0; HEADER + 32 * self.parts.len()];
@@ -112,7 +111,7 @@ impl Program {
     }
 }
 
-/// A program of this many bytes that do not repeat early. It begins with a stack address and an entry point.
+/// Returns `size` bytes of invented program code without early repetition. They begin with a stack address and an entry point.
 pub fn code(size: usize) -> Vec<u8> {
     let mut bytes = 0x2000_8000_u32.to_le_bytes().to_vec();
     bytes.extend(0x0800_0101_u32.to_le_bytes());

@@ -1,8 +1,9 @@
-//! The simulated flash and its controller, after the chapters of RM0440 on the embedded flash memory of category 3 and 2 devices.
+//! The simulated flash of a chip with its controller, as STMicroelectronics' manual RM0440 describes it for devices of categories 2
+//! and 3.
 
-/// Address at which the flash begins.
+/// First address of the flash.
 pub const FLASH: u32 = 0x0800_0000;
-/// Address of the flash controller's registers.
+/// First address of the flash controller's registers.
 pub const CONTROLLER: u32 = 0x4002_2000;
 
 const KEYR: u32 = 0x08;
@@ -15,35 +16,36 @@ const LOCK: u32 = 1 << 31;
 const START: u32 = 1 << 16;
 const PROGRAM: u32 = 1;
 const PAGE_ERASE: u32 = 1 << 1;
-/// Error bits: programming a word that is not erased. The next lines: a wrong size or page; a wrong order of steps.
+/// Error bits of the flash controller. This one: a word was programmed that is not erased. The next lines: a wrong size; a wrong
+/// page or order of steps.
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
-/// Option bit for two banks, each with its own pages from 0 on.
+/// Option bit of a flash with two banks, each of which numbers its pages from 0.
 const DUAL_BANK: u32 = 1 << 22;
-/// Option bit: software starts the watchdog, not the reset.
+/// Option bit of a watchdog that software starts, rather than the reset.
 const SOFTWARE_WATCHDOG: u32 = 1 << 16;
 
 /// The flash of a chip with its controller.
 pub struct FlashMemory {
     /// Content of the flash.
     pub bytes: Vec<u8>,
-    /// Option bytes.
+    /// Option bytes (settings of the chip that survive a reset).
     pub options: u32,
-    /// First addresses of the erased pages.
+    /// First addresses of the pages that were erased, in the order of erasing.
     pub erased: Vec<u32>,
     control: u32,
     status: u32,
-    /// Number of right keys received so far. `None` after a wrong key: the flash then is locked until the next reset.
+    /// Number of correct unlock keys received so far. `None` after a wrong key: the flash is then locked until the next reset.
     keys: Option<usize>,
-    /// Address and value of the first half of a double word, until the second half is written.
+    /// Address and value of the first half of a double word (8 bytes), until the second half is written.
     half: Option<(u32, u32)>,
-    /// Address of a defective cell, which does not store what is written, for a test.
+    /// Address of a simulated defective cell, which does not store what is written.
     pub stuck: Option<u32>,
 }
 
 impl FlashMemory {
-    /// A flash of this many bytes, none of it erased.
+    /// Creates a flash of `size` bytes, no page of it erased.
     pub fn new(size: usize, dual_bank: bool) -> Self {
         let bank = if dual_bank { DUAL_BANK } else { 0 };
         Self {
@@ -58,7 +60,7 @@ impl FlashMemory {
         }
     }
 
-    /// Resets the controller.
+    /// Resets the flash controller; the flash keeps its content.
     pub fn reset(&mut self) {
         (self.control, self.status) = (LOCK, 0);
         (self.keys, self.half) = (Some(0), None);
@@ -69,7 +71,7 @@ impl FlashMemory {
         self.options & 0xff != 0xaa
     }
 
-    /// Reads a register of the controller.
+    /// Reads a register of the flash controller.
     pub fn read(&self, register: u32) -> u32 {
         match register {
             SR => self.status,
@@ -79,7 +81,7 @@ impl FlashMemory {
         }
     }
 
-    /// Writes a register of the controller.
+    /// Writes a register of the flash controller, with its effects such as erasing a page.
     pub fn write(&mut self, register: u32, value: u32) {
         match register {
             KEYR => self.key(value),
@@ -121,8 +123,8 @@ impl FlashMemory {
         self.erased.push(FLASH + begin);
     }
 
-    /// Programs the flash. Accepts only double words that were erased before, in the right order, after the controller permitted
-    /// it.
+    /// Programs a word of the flash. As a real flash does, it accepts only erased double words, half after half, once the
+    /// controller permits programming.
     pub fn program(&mut self, offset: u32, size: u32, value: u32) {
         if self.control & (LOCK | PROGRAM) != PROGRAM {
             self.status |= PGSERR;

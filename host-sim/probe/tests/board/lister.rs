@@ -1,4 +1,4 @@
-//! Simulated boards that can be connected, each with its probe.
+//! Simulated boards, each with its debug probe, that tests connect to the computer.
 
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -14,21 +14,21 @@ use crate::machine::Machine;
 use crate::memory::Memory;
 use crate::probe::SoftProbe;
 
-/// A problem with a probe.
+/// A simulated problem with a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     None,
-    /// The system reports that this user has no rights.
+    /// The operating system reports, when it lists the probe, that this user may not open it.
     NoRights,
-    /// The user has no rights, which shows only when the probe is opened.
+    /// The operating system refuses to open the probe for this user, but lists it without a hint.
     NoRightsWhenOpened,
-    /// Another program uses the probe.
+    /// Another program has opened the probe.
     Busy,
-    /// No chip answers on the probe's wires.
+    /// No chip answers on the wires of the probe.
     Silent,
 }
 
-/// A simulated board, with its probe's serial number.
+/// A simulated board, with the serial number of its debug probe.
 #[derive(Clone)]
 pub struct Board {
     pub machine: Arc<Mutex<Machine>>,
@@ -62,7 +62,7 @@ impl Board {
     }
 }
 
-/// A lister that finds the probes of these boards.
+/// Returns a probe-rs `Lister` that finds the probes of these simulated boards.
 pub fn connected(boards: &[&Board]) -> Lister {
     let boards = boards.iter().map(|board| (*board).clone()).collect();
     Lister::with_lister(Box::new(Boards(boards)))
@@ -119,7 +119,7 @@ impl ProbeLister for Boards {
     }
 }
 
-/// A factory of probes. The probe's description needs one for its name only.
+/// A factory of simulated probes. The crate probe-rs needs one in a probe's description, only for its name.
 #[derive(Debug)]
 struct Maker;
 

@@ -1,4 +1,5 @@
-//! Tests of the log of a running program: a ring buffer in RAM after RTT's documentation, filled as defmt-rtt fills it.
+//! Tests of reading the log of a running program. The log's ring buffer in RAM follows the documentation of RTT and is filled as
+//! the crate defmt-rtt fills it.
 
 use std::sync::Mutex;
 use std::time::Instant;
@@ -12,15 +13,15 @@ use crate::machine::Played;
 use crate::memory::{Memory, RAM};
 
 const CHIP: &str = "STM32G474RETx";
-/// Address of the ring buffer's name; the next lines have address and size of the buffer.
+/// RAM address of the text that names the log's ring buffer; the next lines have address and size of the buffer itself.
 const NAME: u32 = CONTROL_BLOCK + 0x100;
 const RING: u32 = CONTROL_BLOCK + 0x200;
 const RING_BYTES: u32 = 64;
-/// Address of the channel's write position; the next line has that of the read position.
+/// RAM address of the ring buffer's write position; the next line has the address of its read position.
 const WRITE: u32 = CONTROL_BLOCK + 24 + 12;
 const READ: u32 = WRITE + 4;
 
-/// The log messages of the invented programs, numbered from 1.
+/// The log messages of the invented programs, level and format text, numbered from 1.
 const MESSAGES: [(&str, &str); 4] = [
     ("info", "boot"),
     ("error", "fault {=u8} at tick {=u32}"),
@@ -34,7 +35,8 @@ fn program(clock: Option<&str>) -> Program {
         .with_messages(&MESSAGES, clock)
 }
 
-/// Encodes a message in rzCOBS: seven bytes, then a byte that says which of them were zero. Longer runs without zeros are counted.
+/// Encodes a log message in rzCOBS, a format without zero bytes: seven bytes, then a byte that says which of them were zero. Longer
+/// runs without zeros are counted.
 fn encoded(message: &[u8]) -> Vec<u8> {
     let (mut out, mut run, mut zeros) = (Vec::new(), 0_u8, 0_u8);
     for byte in message {
@@ -69,12 +71,12 @@ fn encoded(message: &[u8]) -> Vec<u8> {
     out
 }
 
-/// The bytes of a message: its number, then its values.
+/// The bytes of a log message before encoding: the message's number, then its values.
 fn message(number: u16, rest: &[&[u8]]) -> Vec<u8> {
     encoded(&[&number.to_le_bytes()[..], &rest.concat()].concat())
 }
 
-/// Writes an empty ring buffer into RAM, as a program does right after its start.
+/// Writes the control block of an empty ring buffer into RAM, as a program does right after its start.
 fn control_block(memory: &mut Memory) {
     let words = |all: &[u32]| {
         all.iter()
@@ -90,7 +92,7 @@ fn control_block(memory: &mut Memory) {
     memory.put(NAME, b"defmt\0");
 }
 
-/// Writes as many bytes into the ring buffer as fit, like a program that waits for its reader. Returns their number.
+/// Writes as many of the bytes into the ring buffer as fit, like a program that waits for its reader. Returns how many.
 fn into_ring(memory: &mut Memory, bytes: &[u8]) -> usize {
     let (mut write, read) = (
         memory.load(WRITE, 4).unwrap(),
@@ -109,7 +111,7 @@ fn into_ring(memory: &mut Memory, bytes: &[u8]) -> usize {
     count
 }
 
-/// A program that logs these bytes after each start.
+/// Returns a simulated program that logs these bytes after each start.
 fn says(bytes: Vec<u8>) -> Played {
     let mut said = 0;
     Box::new(move |memory, begins| {
@@ -121,7 +123,7 @@ fn says(bytes: Vec<u8>) -> Played {
     })
 }
 
-/// A board that runs a program, connected through a probe.
+/// Connects through a probe to a simulated board that runs the program `played`.
 fn running(board: &Board, played: Played) -> Attached {
     {
         let mut machine = board.machine.lock().unwrap();
@@ -131,7 +133,7 @@ fn running(board: &Board, played: Played) -> Attached {
     attach(choose::open(&connected(&[board]), None).unwrap(), CHIP).unwrap()
 }
 
-/// The first `count` events of the log.
+/// Reads the log until it has had `count` events, and returns these events as text.
 fn heard(attached: &mut Attached, program: &Program, count: usize) -> Vec<String> {
     let elf = program.elf();
     let (image, words) = (Image::read(&elf, CHIP).unwrap(), Words::read(&elf).unwrap());
@@ -178,9 +180,9 @@ fn messages_become_words() {
             "- as it is"
         ]
     );
-    // While it is read, the processor is never halted.
+    // The processor is never halted while the log is read.
     assert_eq!(board.machine.lock().unwrap().halts, halts);
-    // Once more where it ends, and the program runs on.
+    // Reads again up to the end of the log; the program goes on running.
     drop(attached);
     let machine = board.machine.lock().unwrap();
     assert_eq!(machine.halts, halts + 1);
@@ -227,7 +229,7 @@ fn a_reset_in_between_is_followed() {
     let (board, program) = (Board::g474("A1"), program(None));
     let (mut once, mut looks) = (says(message(1, &[])), 0);
     let played: Played = Box::new(move |memory, begins| {
-        // A while after its message was read the program begins anew, as by the board's button.
+        // Some time after its message was read, the program restarts, as by the board's reset button.
         let read = memory.load(READ, 4).unwrap();
         looks += u32::from(!begins && read != 0 && memory.load(WRITE, 4) == Some(read));
         once(memory, begins || looks == 50);
@@ -244,7 +246,7 @@ fn a_program_that_was_just_written_is_heard_from_its_start() {
     let (board, program) = (Board::g474("A1"), program(None));
     {
         let mut machine = board.machine.lock().unwrap();
-        // It takes a while until the ring is there.
+        // The program sets up the ring buffer only after some time.
         let (mut looks, mut said) = (0, says(all_messages()));
         machine.played = Some(Box::new(move |memory, begins| {
             looks = if begins { 0 } else { looks + 1 };
@@ -278,7 +280,7 @@ fn what_cannot_be_read_is_said() {
     };
     let board = Board::g474("A1");
     let mut attached = running(&board, Box::new(|_, _| {}));
-    // Nothing is set up within two seconds.
+    // The program does not set up the ring buffer within two seconds.
     refused(&mut attached, &elf, &["has set up no log", "device status"]);
     let mute = Program::default().with(FLASH, code(4000)).elf();
     refused(&mut attached, &mute, &["keeps no log"]);
@@ -289,9 +291,8 @@ fn what_cannot_be_read_is_said() {
     assert!(Words::read(b"no program").is_err());
 }
 
-/// Decodes the messages that the boards' own programs left in RAM after booting in the emulator, written by their own defmt-rtt.
-/// Runs only if a developer has made these files: `touchstone-emulator ram ELF BOARD FILE` writes `touchstone.ram` beside the ELF
-/// file.
+/// Decodes the messages that the boards' own firmware left in RAM after booting in the emulator. Runs only if a developer has made
+/// these files: `touchstone-emulator ram ELF BOARD FILE` writes `touchstone.ram` next to the ELF file.
 #[test]
 fn the_boards_own_messages() {
     for (name, chip, board) in crate::writing::own_boards() {
@@ -307,7 +308,7 @@ fn the_boards_own_messages() {
         let mut attached =
             attach(choose::open(&connected(&[&board]), None).unwrap(), chip).unwrap();
         attached.write(&image, |_| {}).unwrap();
-        // The loader used the RAM; the program put its own there again.
+        // The loader used the RAM, and the program then wrote its data there again.
         let mut machine = board.machine.lock().unwrap();
         machine.played = Some(Box::new(move |memory, begins| {
             if begins {

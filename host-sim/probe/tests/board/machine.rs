@@ -1,4 +1,5 @@
-//! The simulated processor as a debugger sees it: the debug registers of the Armv7-M manual (C1), and the effects of a reset.
+//! The simulated processor as a debugger sees it: the debug registers of the Armv7-M manual (chapter C1), and the effects of a
+//! reset.
 
 use crate::cpu::{Cpu, Stop};
 use crate::flash_memory::FLASH;
@@ -12,7 +13,7 @@ const DCRSR: u32 = 0xe000_edf4;
 const DCRDR: u32 = 0xe000_edf8;
 const DEMCR: u32 = 0xe000_edfc;
 const MVFR0: u32 = 0xe000_ef40;
-/// Control register of the breakpoint unit, which compares six instruction addresses and two literal addresses.
+/// Address of the control register of the breakpoint unit. The unit compares six instruction addresses and two literal addresses.
 const FP_CTRL: u32 = 0xe000_2000;
 const FP_COMP: u32 = 0xe000_2008;
 const FP_COMP_END: u32 = 0xe000_2028;
@@ -21,18 +22,18 @@ const DEBUG_ENABLED: u32 = 1;
 const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const CATCH_RESET: u32 = 1;
-/// Bits of the register that says why the processor halted: a halt request; the next lines: a breakpoint, a reset.
+/// Bits of the debug register that says why the processor halted. This one: a halt request. The next lines: a breakpoint, a reset.
 const HALTED: u32 = 1;
 const BREAKPOINT: u32 = 1 << 1;
 const CAUGHT: u32 = 1 << 3;
-/// Largest number of instructions of a flash algorithm; with more it is in an endless loop.
+/// Largest number of instructions that a call of the flash algorithm may take. A longer call counts as an endless loop.
 const INSTRUCTIONS_MAX: u32 = 10_000_000;
 
-/// A function in place of the program in flash. It is called whenever the probe accesses the running processor, with `true` right
-/// after the start.
+/// A function that stands for the program in flash. The simulation calls it whenever the probe accesses the running processor, with
+/// `true` right after the start.
 pub type Played = Box<dyn FnMut(&mut Memory, bool) + Send>;
 
-/// A simulated chip.
+/// A simulated microcontroller with its debug registers.
 pub struct Machine {
     pub memory: Memory,
     /// Number of resets that started the program in flash.
@@ -54,7 +55,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A chip whose processor runs the program in flash.
+    /// A microcontroller whose processor runs the program in flash.
     pub fn new(memory: Memory) -> Self {
         Self {
             memory,
@@ -74,12 +75,12 @@ impl Machine {
         }
     }
 
-    /// Whether the program in the flash runs.
+    /// Whether the processor runs the program in flash, rather than being halted.
     pub fn runs(&self) -> bool {
         !self.halted && self.fault.is_none() && self.cpu.r[15] < RAM
     }
 
-    /// Reads 1, 2 or 4 bytes for the probe; `None` is a bus fault.
+    /// Reads 1, 2 or 4 bytes for the probe; returns `None` for an address that gives a bus fault.
     pub fn load(&mut self, address: u32, bytes: u32) -> Option<u32> {
         self.play();
         let protected = self.memory.flash.is_protected();
@@ -106,7 +107,7 @@ impl Machine {
         })
     }
 
-    /// Writes 1, 2 or 4 bytes for the probe; `None` is a bus fault.
+    /// Writes 1, 2 or 4 bytes for the probe; returns `None` for an address that gives a bus fault.
     pub fn store(&mut self, address: u32, bytes: u32, value: u32) -> Option<()> {
         match address {
             AIRCR if value >> 16 == 0x05fa && value & 4 != 0 => self.reset(),
@@ -135,7 +136,7 @@ impl Machine {
         }
     }
 
-    /// Resets the chip: all but the power state is as after power-on.
+    /// Resets the microcontroller. All but the state of its power supply is then as after power-on.
     pub fn reset(&mut self) {
         self.memory.flash.reset();
         self.cpu = Cpu::default();
@@ -172,7 +173,7 @@ impl Machine {
         }
         self.halted = false;
         if self.cpu.r[15] < RAM {
-            // The board's own program, of which this plays only what a probe sees.
+            // Stands for the board's own program, as far as a probe sees it.
             if control & STEP != 0 {
                 self.halt(HALTED);
             }
@@ -200,14 +201,15 @@ impl Machine {
         }
     }
 
-    /// Halts the processor and sets the bit that records the reason.
+    /// Halts the processor and sets the bit `reason` in the debug register that says why.
     fn halt(&mut self, reason: u32) {
         self.halted = true;
         self.control |= HALT;
         self.dfsr |= reason;
     }
 
-    /// Handles a write to the debug register DCRSR: copies a processor register to DCRDR, or back if `write` is true.
+    /// Handles a write to the debug register DCRSR: copies a processor register to the register DCRDR, or DCRDR to it if `write` is
+    /// true.
     fn register(&mut self, which: usize, write: bool) {
         let place = match which {
             0..16 => &mut self.cpu.r[which],

@@ -1,4 +1,4 @@
-//! Tests with a simulated board behind a simulated probe. They run all code of the crate probe-rs except its USB drivers.
+//! Tests with a simulated board behind a simulated debug probe. They run all code of the crate probe-rs except its USB drivers.
 
 mod cpu;
 mod elf;

@@ -1,28 +1,28 @@
-//! The address space of a simulated STM32G4, as far as a flash algorithm and a log use it.
+//! The address space of a simulated STM32G4, as far as writing the flash and reading a log need it.
 
 use crate::flash_memory::{CONTROLLER, FLASH, FlashMemory};
 
-/// Address at which the RAM begins.
+/// First address of the RAM.
 pub const RAM: u32 = 0x2000_0000;
 /// Address of the register `DBGMCU_IDCODE` with the device number; the next line has its control register.
 const IDCODE: u32 = 0xe004_2000;
 const DEBUG_CONTROL: u32 = 0xe004_2004;
-/// Address of the word with the flash's size in KiB.
+/// Address of the word that holds the size of the flash in KiB.
 const FLASH_SIZE: u32 = 0x1fff_75e0;
 
-/// A chip's memory.
+/// The memory of a simulated microcontroller: flash, RAM and a few registers.
 pub struct Memory {
     /// The flash with its controller.
     pub flash: FlashMemory,
     /// The RAM.
     pub ram: Vec<u8>,
-    /// The chip's device number in `DBGMCU_IDCODE`.
+    /// The chip's device number, as read from the register `DBGMCU_IDCODE`.
     pub device: u32,
     debug_control: u32,
 }
 
 impl Memory {
-    /// The memory of a chip with this device number.
+    /// The memory of a microcontroller with this device number.
     pub fn new(device: u32, flash: FlashMemory, ram_bytes: usize) -> Self {
         Self {
             flash,
@@ -78,7 +78,7 @@ impl Memory {
         Some(())
     }
 
-    /// Writes bytes into RAM, for a function that plays the running program.
+    /// Writes bytes into RAM. Used by a function that stands for the running program.
     pub fn put(&mut self, address: u32, bytes: &[u8]) {
         let offset = (address - RAM) as usize;
         self.ram[offset..offset + bytes.len()].copy_from_slice(bytes);

@@ -1,5 +1,5 @@
-//! A simulated probe that leads to a [`Machine`]: debug port and memory access port of ADIv5 (IHI 0031), as a CMSIS-DAP probe
-//! reaches them.
+//! A simulated debug probe in front of a [`Machine`] (simulated microcontroller). It has the debug port and the memory access port
+//! of Arm's specification ADIv5 (IHI 0031), as a CMSIS-DAP probe reaches them.
 
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -14,14 +14,14 @@ use probe_rs::probe::{DebugProbe, DebugProbeError, WireProtocol};
 
 use crate::machine::Machine;
 
-/// Addresses of the debug port's registers.
+/// Addresses of the registers of the debug port (ADIv5).
 const DPIDR_OR_ABORT: u8 = 0x0;
 const CTRL_STAT: u8 = 0x4;
 const SELECT: u8 = 0x8;
 const POWER: u32 = 1 << 28 | 1 << 30;
 const STICKY_ERROR: u32 = 1 << 5;
 const CLEAR_STICKY_ERROR: u32 = 1 << 2;
-/// Addresses of the registers of access port 0.
+/// Addresses of the registers of access port 0 (ADIv5), which reads and writes the chip's memory.
 const CSW: u32 = 0x00;
 const TAR: u32 = 0x04;
 const DRW: u32 = 0x0c;
@@ -29,10 +29,10 @@ const BANKED_DATA: u32 = 0x10;
 const BASE: u32 = 0xf8;
 const IDR: u32 = 0xfc;
 
-/// A simulated probe.
+/// A simulated debug probe.
 pub struct SoftProbe {
     machine: Arc<Mutex<Machine>>,
-    /// Whether a chip answers on the probe's wires.
+    /// Whether a chip answers on the wires of the probe.
     answers: bool,
     select: u32,
     control: u32,
@@ -47,7 +47,7 @@ impl fmt::Debug for SoftProbe {
 }
 
 impl SoftProbe {
-    /// A probe that is wired to a chip.
+    /// A simulated debug probe that is wired to the microcontroller `machine`.
     pub fn new(machine: Arc<Mutex<Machine>>, answers: bool) -> Self {
         Self {
             machine,
@@ -64,7 +64,8 @@ impl SoftProbe {
         ArmError::Dap(DapError::FaultResponse)
     }
 
-    /// Address and size in bytes of a transfer. The address register advances within 1 KiB if this is enabled.
+    /// Address and size in bytes of the next memory transfer. Then advances the address register within 1 KiB, if the probe has
+    /// enabled this.
     fn transfer(&mut self, register: u32) -> Option<(u32, u32)> {
         if register != DRW {
             return Some((self.tar & !0xf | register & 0xc, 4));
@@ -79,7 +80,7 @@ impl SoftProbe {
 
     fn access_read(&mut self, register: u32) -> Result<u32, ArmError> {
         if self.select >> 24 != 0 {
-            // No other access port.
+            // There is no other access port.
             return Ok(0);
         }
         Ok(match register {
@@ -142,7 +143,7 @@ impl RawDapAccess for SoftProbe {
             RegisterAddress::ApRegister(register) => self.access_read(self.bank(register)),
             RegisterAddress::DpRegister(register) => Ok(match register.address {
                 DPIDR_OR_ABORT => 0x2ba0_1477,
-                // What was asked to be powered is.
+                // Every power-up request is acknowledged at once.
                 CTRL_STAT if self.select & 0xf == 0 => self.control | (self.control & POWER) << 1,
                 _ => 0,
             }),

@@ -1,4 +1,4 @@
-//! Tests of writing a program into the flash: probe-rs's loader with the maker's flash algorithm, which runs on the simulated
+//! Tests of writing a program into the flash: probe-rs's loader with the chip maker's flash algorithm, which runs on the simulated
 //! processor.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,8 @@ fn attached(board: &Board, chip: &str) -> Attached {
     attach(choose::open(&connected(&[board]), None).unwrap(), chip).unwrap()
 }
 
-/// Writes a program and reads every byte of the flash back.
+/// Writes a program into a simulated board's flash and checks every byte of the flash. Returns for each phase the bytes announced
+/// and done.
 fn written(board: &Board, chip: &str, program: &Program) -> BTreeMap<u8, (u64, u64)> {
     let before = board.machine.lock().unwrap().memory.flash.bytes.clone();
     let elf = program.elf();
@@ -74,7 +75,7 @@ fn a_program_is_erased_for_written_compared_and_started() {
     let machine = board.machine.lock().unwrap();
     let pages = [0, 0x800, 0x1000, 0x4_0000, 0x4_0800].map(|page| FLASH + page);
     assert_eq!(machine.memory.flash.erased, pages);
-    // What is told of it: five pages, then the parts in pieces of 1 KiB.
+    // The reported progress: five pages are erased, then the parts are written in pieces of 1 KiB.
     assert_eq!(phases[&0], (0x2800, 0x2800));
     assert_eq!(phases[&1].0, phases[&1].1);
     assert_eq!(phases[&2].0, phases[&2].1);
@@ -145,7 +146,7 @@ fn what_is_no_program_for_the_chip_is_refused_before_a_probe_is_looked_for() {
     }
 }
 
-/// Boards for each type of chip: name of the board, name of its chip, and the simulated board.
+/// For each type of chip that a supported board has: name of a board, name of its chip, and the simulated board.
 pub fn own_boards() -> [(&'static str, &'static str, Board); 3] {
     [
         ("nucleo-g474re", "STM32G474RETx", Board::g474("A1")),
@@ -154,7 +155,7 @@ pub fn own_boards() -> [(&'static str, &'static str, Board); 3] {
     ]
 }
 
-/// Folder of the boards' programs: that in `TOUCHSTONE_FIRMWARE`, else that of `cargo xtask firmware`.
+/// Folder with the firmware of the boards: the one in the variable `TOUCHSTONE_FIRMWARE`, else that of `cargo xtask firmware`.
 pub fn own_programs() -> std::path::PathBuf {
     std::env::var_os("TOUCHSTONE_FIRMWARE").map_or_else(
         || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/firmware"),
@@ -162,7 +163,7 @@ pub fn own_programs() -> std::path::PathBuf {
     )
 }
 
-/// Writes the boards' own programs, if a developer has built them.
+/// Writes the boards' own firmware into simulated boards. Runs only if a developer has built the firmware.
 #[test]
 fn the_boards_own_programs() {
     for (name, chip, board) in own_boards() {

@@ -1,8 +1,8 @@
-//! Minimal simulation loops, written by hand: compute the torque at the angle, then step the plant.
+//! Minimal simulation loops written by hand: compute the torque at the angle, then step the plant.
 //!
-//! They have no mechanics layer, no crossing detection, no recorder and no motion of a rest point. The planned loop's extra cost is
-//! the cost of effects that a scene does not use. Both loops use the same compiled control law, because a second copy would differ
-//! by an instruction or two.
+//! The loops have no mechanics layer, no crossing detection, no recorder and no motion of a rest point. The instructions that the
+//! planned loop needs in addition are the cost of effects that a scene does not use. Both loops use the same compiled control law,
+//! because a second copy would differ by an instruction or two.
 
 use crate::scenes::{HAND_RAD, JOLT_TICKS, Pressed, scene};
 use std::hint::black_box;
@@ -11,7 +11,7 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics as _, State, Stepper};
 
-/// The control law with the pressing torque added. Its type is hidden from the optimiser, as in a planned loop, where the program
+/// The control law with the pressing torque added. Its type is hidden from the optimiser, because in a planned loop the program
 /// chooses the law at run time.
 fn pressed(scene: &Scene) -> Option<Box<dyn Control>> {
     let control = plan::control(scene).ok()?;

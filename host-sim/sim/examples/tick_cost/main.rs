@@ -1,12 +1,11 @@
-//! Runs a given number of ticks of a named configuration, to count their instructions: `tick_cost NAME TICKS`. `tick_cost --list`
-//! prints the names.
+//! Simulates a given number of ticks (control periods) of a named configuration, to count their instructions: `tick_cost NAME
+//! TICKS`. `tick_cost --list` prints the names.
 //!
-//! Two runs of different length under callgrind differ by exactly the cost of the additional ticks. Names ending in `-by-hand` are
-//! the minimal loops of [`by_hand`]; all others are the loops that the simulation plans for a scene.
+//! Under callgrind, two runs of different length differ by exactly the instructions of the additional ticks. Names ending in
+//! `-by-hand` are the minimal loops of [`by_hand`]; all others are the loops that the simulation plans for a scene.
 //!
-//! `tick_cost --ladder FEW MORE` measures a list of configurations in one process. Of each it runs first few ticks, then more, with
-//! a call of [`mark`] before, between and after, at which callgrind can write its counts. `--ladder` alone prints the
-//! configurations.
+//! `tick_cost --ladder FEW MORE` measures a list of configurations in one process. For each it runs FEW ticks, then MORE ticks, and
+//! calls [`mark`] before, between and after them, where callgrind can write its counts. `--ladder` alone prints the configurations.
 
 mod by_hand;
 mod scenes;
@@ -29,7 +28,8 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// Runs `ticks` ticks of the planned loop of a configuration in which a simulated hand presses, without added torques.
+/// Runs `ticks` ticks of the planned loop of a configuration in which a simulated hand presses, and returns the last angle in rad.
+/// No torques are added.
 fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -53,8 +53,8 @@ fn mark(count: usize) {
     black_box(count);
 }
 
-/// Runs `few` and then `more` ticks of every configuration of the cost ladder, after a check that each can run. It calls [`mark`]
-/// before, between and after, so that only ticks lie between the marks.
+/// Runs `few` and then `more` ticks of every configuration of the cost list, after a check that each can run. Calls [`mark`]
+/// before, between and after, so that only ticks lie between two marks.
 fn climb(few: u64, more: u64) -> Option<()> {
     let names = ladder();
     for name in &names {

@@ -1,4 +1,4 @@
-//! The measured configurations: one scene without effects, and scenes with effects added to it.
+//! The configurations whose cost is measured: one scene without effects, and scenes with effects added to it.
 
 use std::path::Path;
 use touchstone_control::{Choice as _, LawKind};
@@ -99,8 +99,8 @@ kind = \"spring\"
 
 /// Makes the scene of a configuration; `None` for an unknown name.
 ///
-/// The name is one of [`CONFIGURATIONS`], or `with:` and effects joined by `+` at their typical magnitudes, `silent:` and an effect
-/// at amplitude zero, `law:` and the name of a control law, or `set:` and `key=value`.
+/// A name is one of [`CONFIGURATIONS`], or has a prefix: `with:` before effects joined by `+`, at their typical magnitudes;
+/// `silent:` before an effect at amplitude zero; `law:` before the name of a control law; `set:` before `key=value`.
 pub fn scene(name: &str) -> Option<Scene> {
     let bare = Scene::parse(BARE, Path::new("tick-cost.toml"))
         .and_then(|scene| scene.with_preset(Preset::Thesis))
@@ -126,10 +126,10 @@ pub fn scene(name: &str) -> Option<Scene> {
     bare.with_overrides(sets).ok()
 }
 
-/// Names of all configurations of the cost ladder, the list that `tick_cost --ladder` measures.
+/// Names of all configurations that `tick_cost --ladder` measures.
 ///
-/// The order is: no effect; each control law; estimated states and the energy guard; each effect at amplitude zero, where that is
-/// possible; each effect alone; all pairs of effects that a scene can have.
+/// The order is: no effect; each control law; the state estimator and the energy guard; each effect at amplitude zero, where that
+/// is possible; each effect alone; all pairs of effects that a scene can have.
 pub fn ladder() -> Vec<String> {
     let mut names = vec!["bare".to_owned()];
     names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));
@@ -151,7 +151,7 @@ pub fn ladder() -> Vec<String> {
 
 /// Number of ticks after which the pressing torque or the hand's rest point changes.
 pub const JOLT_TICKS: u32 = 32;
-/// The two rest points of the hand, taken in turn, rad. The change keeps the knob in motion inside the wall.
+/// The two rest points between which the hand alternates, rad. The change keeps the knob in motion inside the wall.
 pub const HAND_RAD: [f64; 2] = [0.6, 0.56];
 
 /// Presses the knob by given torques in place of a hand.
@@ -160,7 +160,7 @@ pub struct Pressed {
     ticks: u32,
 }
 
-/// The two pressing torques, taken in turn, N·m. The change keeps the knob in motion inside the wall.
+/// The two pressing torques between which the press alternates, N·m. The change keeps the knob in motion inside the wall.
 const PRESS: [f64; 2] = [0.022, 0.018];
 
 impl Stage for Pressed {

@@ -1,5 +1,5 @@
-//! What lies between the motor's torque command and the plant: delay, jitter and the unsteadiness of the hand. Also builds the
-//! plant's device and hand from a scene.
+//! Builds the plant (device and hand) of a scene, together with the effects between the motor's torque command and the plant:
+//! delay, jitter, and tremor and reflex of the hand.
 
 use super::chain::{
     Channel, Crossing, Delayed, Handled, Irregular, Lateness, PARTS, Prompt, Reflex, Stream, Tremor,
@@ -39,8 +39,8 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// Puts the effects between torque and plant (delay, jitter) around a plant. Without such effects the loop is compiled for the
-/// plant itself.
+/// Builds the mechanics of a run: a plant with the effects between torque command and plant (delay, jitter, tremor). For a plant
+/// without such effects, the simulation loop is compiled with the plant inlined.
 pub(super) fn crossed<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -58,7 +58,8 @@ where
     crossed_apart(scene, plant, state)
 }
 
-/// Same as [`crossed`], but always behind an indirect call: one compiled loop serves all plants with one type of state.
+/// Same as [`crossed`], but always calls the plant indirectly, so that one compiled loop serves all plants with the same type of
+/// state.
 pub(super) fn crossed_apart<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -99,7 +100,7 @@ where
             Box::new(delayed)
         }
     };
-    // From the plant outwards.
+    // Adds the effects of the hand from the plant outwards.
     if let (Some(reflex), Some(hand)) = (reflex(scene), hand(scene)) {
         let ticks = (reflex.delay_s / period).round() as usize;
         let gain = reflex.muscle_stiffness_n_m_per_rad / hand.stiffness;
@@ -116,10 +117,10 @@ where
     Ok(Box::new(Moving { crossing, state }))
 }
 
-/// Largest number of parts into which one tick (control period) is split while the plant is computed.
+/// Largest number of plant steps into which delay or jitter splits one tick (control period).
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
-        // Until the command comes, and after it.
+        // Before and after the command changes.
         return 2 * u64::from(PARTS.ilog2());
     }
     1 + u64::from(scene.timing.computational_delay_s > 0.0)
@@ -150,7 +151,7 @@ fn reflex(scene: &Scene) -> Option<&scene::HandReflex> {
 
 /// Converts an error of the plant's settings to an error that names the field of the scene.
 pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
-    // The plant speaks of positions and forces of any kind, the scene of angles and torques.
+    // The plant's names are for any axis; the scene's names are those of a knob.
     let path = match invalid.field {
         "inertia" => "device.inertia_kg_m2",
         "damping" => "device.damping_n_m_s_per_rad",
@@ -180,7 +181,7 @@ pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
     scene.error(path, problem, format!("give {}", invalid.needs))
 }
 
-/// Independent random-number sequence of a scene for one purpose, made from the scene's seed.
+/// Makes the random-number sequence for one purpose from the scene's seed. Sequences for different purposes are independent.
 pub(super) fn stream(scene: &Scene, channel: Channel) -> Stream {
     Stream::new(scene.seed.unwrap_or(1), channel)
 }

@@ -1,8 +1,8 @@
-//! Every effect (friction, noise, delay, …) that a scene can name: its place in the control loop, its typical magnitude and the
-//! source of that magnitude.
+//! The list of all effects (friction, noise, delay, …) that a scene can name. Each entry gives the effect's place in the control
+//! loop, its typical magnitude and the source of that magnitude.
 //!
-//! The cost measurement, the tests that an absent effect costs nothing, `touchstone plan` and the table of `docs/effects.md` all
-//! read the list of this module.
+//! The list serves the cost measurement, the tests that an absent effect costs nothing, `touchstone plan` and the table of
+//! `docs/effects.md`.
 
 mod all;
 mod place;
@@ -19,7 +19,7 @@ use crate::scene::{
 /// One effect of the simulation, such as friction or sensor noise.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// The effect's name.
+    /// Name of the effect in lists and commands.
     pub name: &'static str,
     /// Place of the effect in the loop.
     pub place: Place,
@@ -31,13 +31,13 @@ pub struct Effect {
     pub source: &'static str,
     /// Whether the effect belongs to the hand.
     pub of_hand: bool,
-    /// Whether a given scene has the effect.
+    /// Returns whether a given scene has the effect.
     pub is_named: fn(&Scene) -> bool,
     /// Adds the effect to a scene, at its typical magnitude.
     pub add: fn(&mut Scene),
-    /// Removes the effect from a scene, and the effects that need it.
+    /// Removes the effect from a scene, and also all effects that need it.
     pub remove: fn(&mut Scene),
-    /// Sets the amplitude of the effect to zero, so that it changes nothing; `None` for an effect without an amplitude.
+    /// Sets the amplitude of the effect to zero, so that the effect changes nothing; `None` for an effect without an amplitude.
     pub silence: Option<fn(&mut Scene)>,
 }
 
@@ -60,7 +60,7 @@ fn back_emf(scene: &Scene) -> Option<f64> {
     Some(current.back_emf_n_m_s_per_rad)
 }
 
-/// A flexible transmission whose first mode is at 150 Hz.
+/// A flexible transmission for the device of a scene, with its first resonance at 150 Hz.
 fn transmission(scene: &Scene) -> Transmission {
     let given = Transmission::default();
     let share = given.knob_share;
@@ -68,13 +68,13 @@ fn transmission(scene: &Scene) -> Transmission {
     let rate = std::f64::consts::TAU * 150.0;
     Transmission {
         spring_n_m_per_rad: reduced * rate * rate,
-        // A twentieth of critical.
+        // A twentieth of the critical damping.
         damper_n_m_s_per_rad: 0.1 * reduced * rate,
         ..given
     }
 }
 
-/// Effects of sensor, timing, device and hand: everything outside the control law and the walls.
+/// Entries for effects of sensor, timing, device and hand.
 const WORLD: &[Effect] = &[
     Effect {
         name: "encoder",
@@ -297,7 +297,7 @@ const WORLD: &[Effect] = &[
         add: |scene| {
             let friction = friction(scene);
             friction.bristle_stiffness_n_m_per_rad = Some(10.0);
-            // Bristles without friction never let go.
+            // Bristles without friction in motion would never yield, so the friction must be above 0.
             friction.kinetic_n_m = friction.kinetic_n_m.max(1e-6);
             friction.static_n_m = Some(friction.static_n_m().max(friction.kinetic_n_m));
         },

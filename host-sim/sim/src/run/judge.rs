@@ -1,4 +1,4 @@
-//! Gathers the values by which a run is judged, tick by tick, and gives the verdict.
+//! Judges a run: gathers measures tick by tick (per control period), and derives the verdict, such as passive or unstable.
 
 use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
@@ -10,7 +10,7 @@ use super::tick::{Recorder, Tick};
 use super::verdict::{NotJudged, Verdict};
 use super::wall::InsideGuard;
 
-/// Collects the values of each tick (control period) for the verdict and the measures of a run.
+/// Collects the values of each tick (control period) from which verdict and measures of a run follow.
 #[derive(Debug, Clone)]
 pub struct Judge {
     terms: Terms,
@@ -21,7 +21,7 @@ pub struct Judge {
     energy_true_min: f64,
     energy_user_min: f64,
     energy_observed_min: f64,
-    /// Sums over the second half of the press: force in N·m, penetration in rad. Their quotient is the displayed stiffness.
+    /// Sums of force in N·m and penetration in rad over the second half of the press. Their quotient is the displayed stiffness.
     shown: (f64, f64),
     felt: Felt,
     guard: Option<GuardWatch>,
@@ -32,14 +32,15 @@ pub struct Judge {
     finite: bool,
 }
 
-/// How often and how far the energy guard intervened in a run.
+/// How often and how far the energy guard reduced the force in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
-    /// Lowest value of the guard's energy account, J.
+    /// Lowest value of the energy guard's account, J: energy that the wall may still give.
     pub account_min_j: f64,
-    /// Number of ticks in which the guard passed less force than the control law requested.
+    /// Number of ticks in which the energy guard passed less force than the control law requested.
     pub limited_ticks: u64,
-    /// Tick from which the guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut down.
+    /// Tick from which the energy guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut
+    /// down.
     pub tripped_tick: Option<u64>,
 }
 
@@ -58,7 +59,7 @@ impl GuardWatch {
     }
 }
 
-/// Measures of the wall's haptic quality, such as stiffness, hardness and ripple.
+/// Measures of how the wall feels to a hand, such as stiffness, hardness and ripple.
 #[derive(Debug, Clone)]
 struct Felt {
     peak: PeakPenetration,
@@ -70,7 +71,7 @@ struct Felt {
     rise: ContactRise,
     /// Kinetic energy of the device in the first tick, J.
     kinetic_start_j: Option<f64>,
-    /// Energy stored in springs, gravity and magnets of the device since the start, J.
+    /// Energy stored since the start in the device's springs, gravity and magnets, J.
     stored_j: f64,
     wall_window: WorstWindow,
     hand_window: WorstWindow,
@@ -96,12 +97,12 @@ impl Felt {
         }
     }
 
-    /// Adds one tick to the measures. `wall_j` and `loss_j` are the energies absorbed by the wall's port and lost in the device up
-    /// to the end of the tick, J.
+    /// Adds one tick (control period) to the measures. `wall_j` is the energy absorbed by the wall and `loss_j` the energy
+    /// dissipated in the device, both in J from the start of the run to the end of the tick.
     fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
         let e = tick.angle_rad - terms.surface_rad;
         let force = tick.motor_force_n_m;
-        // The force is held over the tick, so the motion that belongs to it is that of the tick's middle.
+        // The force is held over the tick, so it belongs to the position in the middle of the tick.
         let middle = 0.5 * (tick.angle_rad + tick.angle_after_rad) - terms.surface_rad;
         self.peak.record(e);
         if let Some(settle) = &mut self.settle {
@@ -114,7 +115,7 @@ impl Felt {
             release.record(tick.index, e, tick.velocity_rad_per_s);
         }
         self.ripple.record(tick.index, force);
-        // A detent before the wall is no contact with it.
+        // The torque of a detent outside the wall is not a contact with the wall.
         let is_walls = e > 0.0 || !terms.has_more;
         self.hardness.record(e, if is_walls { force } else { 0.0 });
         self.rise.record(e, tick.velocity_rad_per_s, force);
@@ -124,7 +125,7 @@ impl Felt {
             .get_or_insert(kinetic_j(tick.velocity_rad_per_s));
         self.wall_window.record(wall_j);
         self.stored_j += tick.stored_j;
-        // What the hand put in is in the wall, in the device's losses, in its motion, or in what else it keeps energy in.
+        // The hand's energy went into the wall, the device's losses, its motion, or its springs, gravity and magnets.
         let moving_j = kinetic_j(tick.velocity_after_rad_per_s) + self.stored_j;
         self.hand_window
             .record(wall_j + loss_j + moving_j - start_j);
@@ -134,21 +135,23 @@ impl Felt {
 /// Verdict and measures of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
-    /// Why the run could not be judged; `None` if it was judged.
+    /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
     /// Displayed stiffness: mean force over mean penetration at the end of the press, N·m/rad.
     pub k_displayed: Option<f64>,
-    /// Rate-hardness of the first contact: slope of the force after contact over the speed of the touch, N·m/rad.
+    /// Rate-hardness of the first contact, N·m/rad: slope of the force after contact over the speed of the touch.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact: largest rise of the force within 1 ms over the largest speed, N·m/rad.
+    /// Extended rate-hardness of the first contact, N·m/rad: largest rise of the force within 1 ms, divided by that time and by the
+    /// largest speed.
     pub extended_rate_hardness: Option<f64>,
     /// Largest motor torque in the first 5 ms of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// Deepest penetration over that of an ideal spring, `F/k_de`; 1 is ideal.
+    /// Deepest penetration divided by that of an ideal spring, `F/k_de`, under the push `F`. `k_de` is the requested stiffness; 1
+    /// is ideal.
     pub peak_penetration_ratio: Option<f64>,
-    /// Ratio of force to penetration, `F/x`, while the hand moves rhythmically inside the wall.
+    /// Dynamic stiffness, the ratio of force to penetration, while the hand moves rhythmically inside the wall.
     pub dynamic_stiffness: Option<DynamicStiffness>,
     /// Ripple of the motor's torque from tick to tick, rms, N·m.
     pub ripple_rms_n_m: Option<f64>,
@@ -160,27 +163,28 @@ pub struct Judgement {
     pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the device at the end of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy of the wall's port, computed from true positions, J; negative where the wall gave energy away.
+    /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative where the wall
+    /// gave energy to the device.
     pub energy_true_min: f64,
-    /// Lowest energy of the user's port, J: that of the wall's port plus what the device dissipated.
+    /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
     pub energy_user_min: f64,
-    /// Most energy that the user's port gave beyond what it had taken, J; 0 within the rounding of the sums.
+    /// Most energy that the user got out beyond what was put in, J; 0 within the rounding of the sums.
     pub energy_out: f64,
-    /// Lowest energy that the law's own observer reported, J; `None` for a law without an observer.
+    /// Lowest energy that the passivity observer of the control law reported, J; `None` for a law without an observer.
     pub energy_observed_min: Option<f64>,
-    /// Most energy that the hand got out of the device in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J. The window may start at any tick.
     pub energy_out_worst_window_j: f64,
-    /// Most energy that the wall gave out in any window of time, J.
+    /// Most energy that the wall gave out in any window of time, J. The window may start at any tick.
     pub energy_out_wall_worst_window_j: f64,
     /// Interventions of the energy guard; `None` for a scene without a guard.
     pub guard: Option<GuardWatch>,
     /// Time until the press had settled, in ticks.
     pub settled: Option<Settled>,
-    /// Largest penetration, rad.
+    /// Largest penetration of the device into the wall, rad.
     pub penetration_max: f64,
-    /// Largest force to either side, N·m, as an amount.
+    /// Largest absolute force, N·m.
     pub force_max: f64,
-    /// Number of ticks with a force from the wall.
+    /// Number of ticks (control periods) in which the wall exerted a force.
     pub contact_ticks: u64,
 }
 
@@ -208,7 +212,7 @@ impl Judge {
         }
     }
 
-    /// Energy that the wall's port absorbed so far, J, from true positions.
+    /// Energy that the wall has absorbed since the start of the run, J, computed from true positions.
     #[must_use]
     pub fn energy_true_j(&self) -> f64 {
         self.energy_true
@@ -242,7 +246,7 @@ impl Judge {
         Judgement {
             verdict,
             not_judged: rested.not_judged.filter(|_| verdict == Verdict::NotJudged),
-            // The mean over an oscillation that leaves the wall is no stiffness.
+            // Over an oscillation that leaves the wall, mean force over mean penetration is not a stiffness.
             k_displayed: (held
                 && has_wall
                 && !matches!(verdict, Verdict::Unstable | Verdict::NoContact)
@@ -260,7 +264,7 @@ impl Judge {
             ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
             ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
             release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
-            // It is measured from the wall's surface.
+            // The excursion is measured from the wall's surface, so it needs the main wall.
             release_excursion_rad: felt
                 .release
                 .filter(|_| has_wall)
@@ -291,9 +295,9 @@ impl Judge {
         }
     }
 
-    /// Energy that the user's port gave beyond what it had taken, J.
+    /// Most energy that the user got out beyond what was put in, J.
     fn energy_out(&self) -> f64 {
-        // Rounding of the two sums, and a millionth of what went through the port.
+        // Tolerance for the rounding of the two sums: a millionth of the exchanged energy.
         let tolerance = 1e-12 + 1e-6 * self.throughput;
         if self.energy_user_min < -tolerance {
             -self.energy_user_min
@@ -326,7 +330,7 @@ impl Recorder for Judge {
         let touching = force != 0.0;
         self.finite &= tick.angle_rad.is_finite();
         self.contact_ticks += u64::from(touching);
-        // An end to the other side pushes with a negative force.
+        // The lower end stop pushes with a negative force.
         self.force_max = self.force_max.max(force.abs());
         self.penetration_max = self.penetration_max.max(e);
         self.energy_true += tick.absorbed_j;
@@ -334,13 +338,13 @@ impl Recorder for Judge {
         self.loss += tick.device_loss_j;
         self.energy_true_min = self.energy_true_min.min(self.energy_true);
         self.energy_user_min = self.energy_user_min.min(self.energy_true + self.loss);
-        // NaN (no observer) never is the smaller.
+        // `min` ignores NaN, which stands for a law without an observer.
         self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
         if let Some(guard) = &tick.inside.guard {
             GuardWatch::record(&mut self.guard, tick.index, guard);
         }
         self.press(tick, e);
-        // In a detent the force is none; there is no wall to leave.
+        // The force is also 0 in the middle of a detent, where there is no wall to leave.
         let left = self.terms.has_wall && self.touching && !touching;
         self.rest.record(tick, left, &self.terms);
         self.felt

@@ -1,4 +1,4 @@
-//! A run without an end, whose hand is moved from outside the simulation: the caller gives one rest point of the hand per tick.
+//! A simulation that runs until the caller stops it: the caller gives the hand's rest point for each tick (control period).
 
 use super::chain::Control;
 use super::mechanics::{Mechanics, Standing};
@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
-/// Runs the loop of a scene tick by tick. The loop is that of [`super::simulate`]: the rest points given here, replayed as an exact
-/// recording, give the same forces bit for bit.
+/// Runs the control loop of a scene tick by tick (per control period). It computes the same loop as [`super::simulate`]: a replay
+/// of the recorded rest points gives the same forces bit for bit.
 pub struct Live {
     scene: Scene,
     control: Box<dyn Control>,
@@ -20,30 +20,30 @@ pub struct Live {
     stored_j: f64,
 }
 
-/// Energies of a run up to now, J. All except `motion_j` are sums over the ticks.
+/// Energies of a run from its start to the present tick, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
-    /// Energy that the wall's port absorbed, J, exact for a force held over each tick.
+    /// Energy that the wall absorbed, J, exact for a force held over each tick (control period).
     pub wall_j: f64,
     /// Energy dissipated in the device, J.
     pub device_loss_j: f64,
-    /// Kinetic energy of the device, and the energy stored in its springs, gravity and magnets, J.
+    /// Kinetic energy of the device and energy stored in its springs, gravity and magnets, as the change since the start, J.
     pub motion_j: f64,
 }
 
 impl Energies {
-    /// Energy that the hand put into the device, J: wall, losses and motion. Negative where the hand got more energy out than it
-    /// put in.
+    /// Energy that the hand put into the device, J: absorbed by the wall, dissipated and stored in motion. Negative where the hand
+    /// got more energy out than it put in.
     #[must_use]
     pub fn hand_j(&self) -> f64 {
         self.wall_j + self.device_loss_j + self.motion_j
     }
 }
 
-/// One tick, and the energies up to the sample with which the tick starts.
+/// Result of one tick (control period), and the energies up to the position sample with which the tick starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
-    /// The tick that was run.
+    /// Values of the simulated tick.
     pub tick: Tick,
     /// Energies at the start of the tick.
     pub energies: Energies,
@@ -59,12 +59,12 @@ impl Recorder for Last {
 }
 
 impl Live {
-    /// Starts the loop of a scene. The hand's motion and the duration in the scene have no influence.
+    /// Starts the loop of a scene. The scene's hand motion and duration are ignored.
     ///
     /// # Errors
     /// Settings that the control law or its number format cannot represent; a plant that cannot be built.
     pub fn new(scene: &Scene) -> Result<Self> {
-        // The hand waits where it would without a motion, so a recording is not looked for.
+        // The hand starts where a hand without a motion rests, so the scene's recording is not read.
         let mut still = scene.clone();
         still.operator.motion = MotionSpec::None;
         let motion = RestPath::from_scene(&still)?;
@@ -83,8 +83,8 @@ impl Live {
         })
     }
 
-    /// Starts the loop of another scene from the present position and velocity of device and hand. The law starts without memory,
-    /// no command is on its way, and energies and time start from 0.
+    /// Starts the loop of another scene from the present position and velocity of device and hand. The control law, the queue of
+    /// delayed commands, energies and time are reset.
     ///
     /// # Errors
     /// Same as [`Live::new`].
@@ -106,7 +106,7 @@ impl Live {
         self.mechanics.angle_rad()
     }
 
-    /// Number of ticks run so far.
+    /// Number of ticks (control periods) simulated so far.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.next
@@ -136,9 +136,10 @@ impl Live {
         Moment { tick, energies }
     }
 
-    /// Scene that repeats this loop's ticks from a file of the rest points (columns `time_s`, `rest_rad` and `force_n_m`). A
-    /// [changed](Live::changed) loop cannot be replayed exactly: it may start with the hand apart from the device, which a scene
-    /// cannot express. Start a new loop before a recording.
+    /// Makes a scene that repeats the ticks of this loop from a file of rest points (columns `time_s`, `rest_rad` and `force_n_m`).
+    ///
+    /// A loop that [`Live::changed`] started cannot be replayed exactly: it may start with the hand at another angle than the
+    /// device, which a scene cannot express. Start a new loop before a recording.
     #[must_use]
     pub fn replay(&self, file: &Path) -> Scene {
         let mut scene = self.scene.clone();

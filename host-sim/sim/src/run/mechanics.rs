@@ -7,9 +7,9 @@ use crate::scene::RestPath;
 use std::ops::Range;
 use touchstone_world::plant::Kinematics as _;
 
-/// The mechanical half of a run (device and hand), independent of the type of plant.
+/// The mechanical half of a run: device and hand. The trait hides the type of the plant.
 pub trait Mechanics {
-    /// Runs the loop over the given ticks, and passes each tick to the recorder, if there is one.
+    /// Simulates the ticks (control periods) of a range, and passes each tick to the recorder, if there is one.
     fn advance(
         &mut self,
         control: &mut dyn Control,
@@ -40,7 +40,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// Device and hand at the same angle and velocity.
+    /// Device and hand with the same angle and velocity.
     #[must_use]
     pub fn together(angle_rad: f64, velocity_rad_per_s: f64) -> Self {
         Self {
@@ -52,10 +52,10 @@ impl Standing {
     }
 }
 
-/// A plant with its state, behind its crossing (delay and jitter of the torque command). The loop is compiled once for each type of
+/// A plant with its state, behind the delay and jitter of its torque command (crossing). The loop is compiled once for each type of
 /// crossing.
 pub struct Moving<C: Crossing> {
-    /// The plant, and what lies between the torque command and it.
+    /// Delay and jitter of the torque command, and the plant on which the command acts.
     pub crossing: C,
     /// Present state of the plant.
     pub state: C::State,
@@ -76,7 +76,7 @@ impl<C: Crossing> Mechanics for Moving<C> {
             (Some(recorder), _) => cycle_recorded(
                 crossing, *state, control, rest_rad, ticks, period_s, recorder,
             ),
-            // A hand that does not move is not asked where it is.
+            // If the hand does not move, its rest point is not computed again in every tick.
             (None, Some(still)) => cycle(crossing, *state, control, |_| still, ticks, period_s),
             (None, None) => cycle(crossing, *state, control, rest_rad, ticks, period_s),
         };

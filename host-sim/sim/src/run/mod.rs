@@ -1,7 +1,7 @@
 //! Runs a scene: `scene -> plan -> loop -> record`.
 //!
-//! One tick of the loop, in the order in which a sample becomes a torque: [`chain::Sensor`] (encoder), [`wall::Wall`] (the law
-//! of the control crate), [`chain::Stage`] (limit, steps), [`chain::Crossing`] (delay, plant), then what is recorded.
+//! One tick (control period) turns a position sample into a torque: [`chain::Sensor`] (encoder), [`wall::Wall`] (control law),
+//! [`chain::Stage`] (torque limit and resolution), [`chain::Crossing`] (delay and plant). Then the tick is recorded.
 
 pub mod chain;
 mod crossed;
@@ -39,8 +39,8 @@ use work::Work;
 
 pub use tick::{Recorder, Tick};
 
-/// The control loop: runs the given ticks from the plant's present state and returns the state at their end. Time is an integer
-/// number of ticks, so it does not drift.
+/// The control loop without a recorder: simulates the given ticks (control periods) from the present state of the plant, and
+/// returns the state at their end. Time is an integer number of ticks, so it does not drift.
 // Inlined, the state stays in registers; behind a call it would be written back in every tick.
 #[inline(always)]
 pub fn cycle<C: Crossing>(
@@ -62,7 +62,7 @@ pub fn cycle<C: Crossing>(
     state
 }
 
-/// Same loop as the one without a recorder, bit for bit, for runs with a recorder.
+/// The control loop with a recorder. It computes the same as [`cycle`], bit for bit.
 pub fn cycle_recorded<C: Crossing>(
     crossing: &mut C,
     mut state: C::State,
@@ -102,7 +102,7 @@ pub fn cycle_recorded<C: Crossing>(
     state
 }
 
-/// Runs a scene and returns its measures, with a trace of all ticks if `with_trace`.
+/// Runs a scene and returns its measures, with a trace of all ticks (control periods) if `with_trace`.
 ///
 /// # Errors
 /// Settings that the law or its number format cannot represent, named by their field of the scene; a plant or recording that cannot
@@ -117,7 +117,7 @@ pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     Ok(run_of(scene, &judge, trace))
 }
 
-/// Same as [`run()`], for runs that take long: calls `done` with the number of finished ticks every few thousand ticks.
+/// Same as [`run()`], with progress: calls `done` with the number of finished ticks every few thousand ticks.
 ///
 /// # Errors
 /// Same as [`run()`].
@@ -139,7 +139,7 @@ fn run_of(scene: &Scene, judge: &Judge, trace: Option<record::Trace>) -> Run {
     }
 }
 
-/// Runs a scene under a recorder and gives the recorder back.
+/// Runs a scene, passes every tick (control period) to the recorder, and returns the recorder.
 ///
 /// # Errors
 /// Same as [`run()`].
@@ -148,7 +148,7 @@ pub fn watch<R: Recorder>(scene: &Scene, mut recorder: R) -> Result<R> {
     Ok(recorder)
 }
 
-/// Runs a scene, with or without a recorder. Without one, values that only a record needs are not computed.
+/// Runs a scene, with or without a recorder. Without a recorder, values that only a recorder needs are not computed.
 ///
 /// # Errors
 /// Same as [`run()`].
@@ -165,7 +165,7 @@ pub fn simulate(scene: &Scene, recorder: Option<&mut dyn Recorder>) -> Result<()
     Ok(())
 }
 
-/// The passivity bounds that the scene's settings violate, each with a one-line message that names the field.
+/// Returns a warning for each passivity bound that the scene's settings violate, with a one-line message that names the field.
 ///
 /// # Errors
 /// Settings that the control crate cannot represent, named by their field of the scene.
@@ -177,8 +177,8 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
         .collect())
 }
 
-/// The [`warnings`] that are printed without `--strict-passive`. Bounds that the energy guard covers are left out, and so is the
-/// energy credit, which is a documented default. Results files name all of them.
+/// Returns those [`warnings`] that are printed without `--strict-passive`. Left out are bounds that the energy guard covers, and
+/// the warning about the law's energy credit per contact, which is a documented default. Results files contain all warnings.
 ///
 /// # Errors
 /// Same as [`warnings`].

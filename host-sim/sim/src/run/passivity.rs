@@ -1,17 +1,17 @@
-//! Tests whether the settings of a control law keep the bounds for which the law is passive by itself.
+//! Checks whether the settings of a control law keep the bounds within which the law is passive without an energy guard.
 
 use super::warnings;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use touchstone_control::{LawKind, StatesKind};
 
-/// Returns the first passivity bound of the control law that the scene violates, as an error at the field concerned; `None` if the
+/// Returns the first passivity bound of the control law that the scene violates, as an error at the field concerned. `None`: the
 /// scene keeps all bounds.
 ///
-/// A spring of stiffness `k` under a zero-order hold is passive if the device damping known to the law is at least `k (T/2 + t_d)`.
-/// With virtual damping `B` the device damping must exceed `k (T/2 + t_d) + B` (Colgate and Schenkel). `T` is the control period,
-/// `t_d` the computational delay. The enhanced law counts as such a spring if its settings need no augmentation. The bounds of the
-/// other laws, among them passivity observer and energy credit, are those of [`warnings`].
+/// A spring of stiffness `k` under a zero-order hold is passive if the device damping that the law assumes is at least `k (T/2 +
+/// t_d)`. With virtual damping `B`, the device damping must exceed `k (T/2 + t_d) + B` (Colgate and Schenkel). `T` is the control
+/// period, `t_d` the computational delay. Enhanced successive force augmentation counts as such a spring if its settings need no
+/// augmentation. The bounds of the other laws are those of [`warnings`].
 ///
 /// # Errors
 /// A setting that the control crate cannot represent.
@@ -35,7 +35,7 @@ pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
 }
 
 fn spring(scene: &Scene) -> Option<Error> {
-    // The enhanced law up to `k_v` is a damped spring.
+    // Without augmentation (`k_de` up to the soft stiffness `k_v`), the enhanced law is a damped spring.
     let set = scene.law.virtual_damping_n_m_s_per_rad;
     let own = match scene.law.kind {
         LawKind::SpringDamper => set,

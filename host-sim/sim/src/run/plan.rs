@@ -1,6 +1,6 @@
-//! Turns a scene into a runnable plan: the controller side and the mechanics, each with the effects that the scene names.
+//! Builds a runnable plan from a scene: the controller side and the mechanics, each with the effects that the scene names.
 //!
-//! An effect that the scene does not name is not built at all, so it costs no branch in the loop.
+//! An effect that the scene does not name is not built, so it costs no branch in the loop.
 
 use super::chain::{
     Channel, Control, Counts, CurrentError, Eccentric, ExactAngle, Limited, Lossy, Noisy, Sampled,
@@ -23,7 +23,7 @@ use touchstone_world::plant::{BareCoulomb, BareLinear, Biased, HeldCoulomb, Held
 
 /// A scene that is ready to run.
 pub struct Plan {
-    /// The controller side: from the true angle to the motor's torque.
+    /// The controller side: computes the motor's torque from the device's true angle.
     pub control: Box<dyn Control>,
     /// Device and hand in their initial state.
     pub mechanics: Box<dyn Mechanics>,
@@ -47,7 +47,7 @@ impl Plan {
     }
 }
 
-/// Builds the controller side of a scene: everything from the true angle to the motor's torque.
+/// Builds the controller side of a scene: sensor, control law, and effects on the torque.
 ///
 /// # Errors
 /// Settings that the law or its number format cannot represent, named by their field of the scene.
@@ -58,7 +58,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
         Number::F32 => sampled::<f32>(scene),
         Number::F64 => sampled::<f64>(scene),
     }?;
-    // From the law outwards, a line an effect.
+    // Adds the effects from the control law outwards to the motor.
     if let Some(limit_n_m) = scene.device.torque_limit_n_m {
         control = Staged::around(control, Limited { limit_n_m });
     }
@@ -101,7 +101,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// Builds the control law with its position sensor.
+/// Builds the control law in the number format `N`, with its position sensor.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()
@@ -127,7 +127,7 @@ fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
 fn count_scale(scene: &Scene) -> Result<CountScale> {
     let surface = Si::checked_from_num(scene.wall.surface_rad)
         .ok_or_else(|| scene.error("wall.surface_rad", "too large", "give a value below 2e9"))?;
-    // Without an encoder the scale is never read.
+    // Without an encoder the scale is not used.
     let counts = scene
         .encoder
         .as_ref()
@@ -155,7 +155,7 @@ pub fn start(scene: &Scene, motion: &RestPath) -> Standing {
     )
 }
 
-/// Builds device and hand of a scene, starting from `from`.
+/// Builds device and hand of a scene, with the initial positions and velocities `from`.
 ///
 /// # Errors
 /// A plant that cannot be built, named by its field of the scene.
@@ -223,7 +223,7 @@ fn asymmetry(scene: &Scene) -> Option<f64> {
     friction.asymmetry_n_m.filter(|bias| *bias != 0.0)
 }
 
-/// Builds a plant that a numerical integration method advances instead of the exact step.
+/// Builds a plant that a numerical integration method advances, in place of the closed-form solution.
 fn stepped<const N: usize>(
     scene: &Scene,
     plant: &scene::Plant,
@@ -246,7 +246,7 @@ fn by<M: Method<N> + 'static, const N: usize>(
     model: &Model<N>,
     state: State<N>,
 ) -> Result<Box<dyn Mechanics>> {
-    // The parts of a delayed tick share its substeps by their lengths.
+    // A delay divides a tick into parts; each gets substeps in proportion to its length.
     let per_s = f64::from(plant.substeps) / scene.timing.period_s();
     let substeps = |interval_s: f64| (interval_s * per_s).round().max(1.0) as u32;
     crossed(

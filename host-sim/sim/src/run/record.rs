@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use serde::Serialize;
 use touchstone_control::{Choice as _, LawKind};
 
-/// Measures of one run, all in SI units. `None` means that the measure does not apply, for example where the scene has no hold.
+/// Measures of one run, in SI units. `None` means that the measure does not apply, for example because the scene has no hold.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// Name of the scene.
@@ -15,13 +15,13 @@ pub struct Summary {
     /// Control law of the scene.
     #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
-    /// Name in tables and figures instead of the law's own name, for a report that compares two settings of one law. In results
-    /// files the name comes from [`Summary::word`].
+    /// Name of the run in tables and figures in place of the law's name, for a report that compares two settings of one law. The
+    /// name in results files is that of [`Summary::word`].
     #[serde(skip)]
     pub shown_as: Option<&'static str>,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
     pub number: String,
-    /// Requested stiffness `k_de` of the wall, N·m/rad.
+    /// Stiffness `k_de` that the wall should display, N·m/rad.
     pub k_desired: f64,
     /// Grip: `none`, `light`, `medium`, `firm` or `custom`.
     pub grip: String,
@@ -29,71 +29,73 @@ pub struct Summary {
     pub encoder_counts_per_rev: Option<f64>,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
-    /// Why the run could not be judged; `None` if it was judged.
+    /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<String>,
-    /// Stiffness displayed at the end of the hold, mean force over mean penetration, N·m/rad.
+    /// Stiffness displayed at the end of the hold, N·m/rad: mean force divided by mean penetration.
     pub k_displayed: Option<f64>,
-    /// Rate-hardness of the first contact, thesis (1.5), from true force and true motion, N·m/rad.
+    /// Rate-hardness of the first contact (thesis, equation 1.5), computed from true force and true motion, N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad.
+    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad: largest rate of change of the force, divided by
+    /// the largest speed.
     pub extended_rate_hardness: Option<f64>,
     /// Largest torque of the motor in the first five milliseconds of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// Deepest penetration over `F/k_de`, with `F` the largest static torque that the motion aims at; 1 is ideal.
+    /// Deepest penetration divided by that of an ideal spring, `F/k_de`; 1 is ideal. `F` is the largest static torque of the hand's
+    /// push, `k_de` the requested stiffness.
     pub peak_penetration_ratio: Option<f64>,
-    /// Ratio of force to penetration, `F/x`, while the hand moves rhythmically inside the wall. Empty if the hand does not, or
-    /// leaves the wall.
+    /// Dynamic stiffness, the ratio of force to penetration, while the hand moves rhythmically inside the wall. Empty if the hand
+    /// does not move rhythmically or leaves the wall.
     pub dynamic_stiffness: Vec<DynamicStiffness>,
-    /// Ripple of the motor's torque from tick to tick, rms, while the hand moves or presses steadily, N·m.
+    /// Ripple of the motor's torque from tick to tick (control periods), rms, while the hand moves or presses steadily, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// RMS of the ripple above 50 Hz, N·m.
+    /// Ripple of the motor's torque above 50 Hz, rms, N·m.
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
-    /// Largest outward speed from the moment at which the hand begins to let go, rad/s.
+    /// Largest outward speed of the device after the hand begins to let go, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
-    /// Largest distance outside the wall's surface from the moment at which the hand begins to let go, rad.
+    /// Largest distance of the device outside the wall's surface after the hand begins to let go, rad.
     pub release_excursion_rad: Option<f64>,
-    /// Largest peak-to-peak motion of the HIP at the end of the hold, rad.
+    /// Largest peak-to-peak motion of the device at the end of the hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest true energy of the wall's port, J (negative: the wall gave energy away).
+    /// Lowest energy that the wall has absorbed since the start, J; negative where the wall gave energy to the device.
     pub energy_true_min: f64,
-    /// Lowest true energy of the user's port: the wall's plus what the device dissipated, J.
+    /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
     pub energy_user_min: f64,
-    /// Most energy that the user's port gave beyond what it had taken, J; 0 or more. It is
-    /// [`energy_user_min`](Self::energy_user_min) with the sign changed, or 0 within the rounding of the sums.
+    /// Most energy that the user got out beyond what was put in, J; 0 or more. It is [`energy_user_min`](Self::energy_user_min)
+    /// with the sign changed, or 0 within the rounding of the sums.
     pub energy_out: f64,
-    /// Lowest energy that the law's own observer reported, J; `None` for laws without one.
+    /// Lowest energy that the passivity observer of the control law reported, J; `None` for laws without an observer.
     pub energy_observed_min: Option<f64>,
-    /// Most energy that the hand got out of the device in any window of time, J, counting the wall, the device's losses and the
-    /// device's motion.
+    /// Most energy that the hand got out of the device in any window of time, J. The window may start at any tick.
     pub energy_out_worst_window_j: f64,
-    /// Most energy that the wall's port gave in any window of time, J.
+    /// Most energy that the wall gave out in any window of time, J. The window may start at any tick.
     pub energy_out_wall_worst_window_j: f64,
-    /// Lowest value of the guard's energy account, J (negative after overspeed); `None` without a guard.
+    /// Lowest value of the energy guard's account, J: the energy that the wall may still give (negative after overspeed). `None`
+    /// without a guard.
     pub guard_account_min_j: Option<f64>,
-    /// Ticks in which the guard passed less force than the control law requested; `None` without a guard.
+    /// Number of ticks in which the energy guard passed less force than the control law requested; `None` without a guard.
     pub guard_limited_ticks: Option<u64>,
-    /// Time at which the guard switched the force off, for overspeed or at the end of the range of positions, s. `None` if it did
-    /// not, or without a guard.
+    /// Time at which the energy guard switched the force off, s, because of overspeed or the end of the range of positions. `None`
+    /// if it did not, or without a guard.
     pub guard_tripped_s: Option<f64>,
-    /// Time from the first touch until force over penetration stays within 5 % of the requested stiffness, s; `None` if it never
-    /// does.
+    /// Settling time, s: from the first touch until force over penetration stays within 5 % of the requested stiffness. `None` if
+    /// it never settles.
     pub settle_time: Option<f64>,
-    /// Time from the end of the press' ramp until the force has settled, s; 0 if it had settled before.
+    /// Time from the end of the press' ramp until force over penetration has settled, s; 0 if it had settled before.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Deepest true penetration of the wall, rad; 0 if the wall was never reached, infinite if the simulation diverged.
     pub penetration_max: f64,
-    /// Largest force command, N·m.
+    /// Largest commanded force, N·m.
     pub force_max: f64,
-    /// Number of ticks simulated.
+    /// Number of ticks (control periods) that were simulated.
     pub ticks: u64,
-    /// Number of ticks with a force from the wall.
+    /// Number of ticks (control periods) in which the wall exerted a force.
     pub contact_ticks: u64,
 }
 
 impl Summary {
-    /// Name of the run in results and file names: the law's name in commands, or the name that a report gives the run, in lower
+    /// Name of the run in results and file names: the law's name as in `--law`, or the name that a report gives the run, in lower
     /// case.
     #[must_use]
     pub fn word(&self) -> String {
@@ -109,7 +111,7 @@ impl Summary {
         self.verdict.name()
     }
 
-    /// Name of the verdict, followed by the reason if the run could not be judged.
+    /// Name of the verdict, with the reason if the run could not be judged.
     #[must_use]
     pub fn verdict_and_why(&self) -> String {
         match &self.not_judged {
@@ -118,7 +120,7 @@ impl Summary {
         }
     }
 
-    /// Collects the measures of a run from its judge.
+    /// Collects the measures of a run from the judge that observed it.
     #[must_use]
     pub fn of(scene: &Scene, judge: &Judge) -> Self {
         let judged = judge.finish();
@@ -170,34 +172,35 @@ impl Summary {
 /// Columns of the recorded run, one entry per tick. All vectors have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
-    /// Time of the sample, s.
+    /// Time of each position sample, s.
     pub time_s: Vec<f64>,
-    /// True angle of the device (HIP), rad.
+    /// True angle of the device, rad.
     pub angle_rad: Vec<f64>,
     /// True velocity of the device, rad/s.
     pub velocity_rad_per_s: Vec<f64>,
-    /// Angle as the encoder gave it to the law, rad.
+    /// Angle that the sensor gave to the control law, rad.
     pub angle_measured_rad: Vec<f64>,
-    /// Angle of the hand's mass, rad (the device's own where there is no hand).
+    /// Angle of the hand's mass, rad; without a hand, the device's angle.
     pub hand_rad: Vec<f64>,
-    /// The hand's moving rest point, rad.
+    /// Rest point of the hand, rad: the angle to which the person pulls the hand.
     pub rest_rad: Vec<f64>,
     /// Force of the control law after its limit, N·m, positive out of the wall.
     pub force_n_m: Vec<f64>,
-    /// Position `x_s` of the undeformed wall surface, rad.
+    /// Position `x_s` of the wall's surface before the control law moves it, rad.
     pub surface_rad: Vec<f64>,
     /// Position `x_s - O` of the shifted surface, rad. The law moves the surface by the offset `O` to deform the virtual spring
     /// further.
     pub surface_shifted_rad: Vec<f64>,
-    /// Position of the law's virtual filter mass, rad; the device's angle for a law that has none or does not use it in the tick.
+    /// Position of the control law's virtual filter mass, rad. It is the device's angle where the law has no such mass or does not
+    /// use it.
     pub mass_rad: Vec<f64>,
-    /// Energy that the law's own observer reports, J (NaN: the law has none).
+    /// Energy that the passivity observer of the control law reports, J; NaN for a law without an observer.
     pub energy_observed_j: Vec<f64>,
-    /// True energy of the wall's port under the zero-order hold, J.
+    /// Energy that the wall has absorbed since the start, J, from true positions with the force held over each control period.
     pub energy_true_j: Vec<f64>,
-    /// Energy that the device dissipated so far (viscous and dry friction), J.
+    /// Energy that the device has dissipated since the start, J (viscous and dry friction).
     pub energy_device_loss_j: Vec<f64>,
-    /// Energy that the guard may still let the wall give the hand, J (NaN: the scene has no guard).
+    /// Account of the energy guard, J: energy that the wall may still give to the hand. NaN for a scene without an energy guard.
     pub guard_account_j: Vec<f64>,
 }
 
@@ -205,7 +208,7 @@ impl Trace {
     /// All columns, in the order of the fields.
     #[must_use]
     pub fn columns(&self) -> [&[f64]; 14] {
-        // No `..` here: a field that is forgotten does not compile.
+        // No `..` here, so that a forgotten field is a compile error.
         let Trace {
             time_s,
             angle_rad,
@@ -241,11 +244,11 @@ impl Trace {
     }
 }
 
-/// One finished run.
+/// A finished simulation, with its measures and its trace.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The measures of the run.
     pub summary: Summary,
-    /// Trace of the run; `None` when logging was off.
+    /// Trace of the run; `None` if the run was made without a trace.
     pub trace: Option<Trace>,
 }

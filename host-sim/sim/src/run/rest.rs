@@ -1,19 +1,20 @@
-//! Decides whether the device rests while the hand rests. The last quarter of every hold is examined.
+//! Decides whether the device rests while the hand holds still. The last quarter of every hold is examined.
 //!
-//! A press defines its holds. In a recording, a hold is a span in which the hand's rest point moves less than the threshold of a
-//! limit cycle. If the hand never rests, the device's motion is not attributed to the wall.
+//! The motion of a press defines its holds. In a recording, a hold is a span in which the hand's rest point moves less than the
+//! amplitude threshold of a limit cycle. If the hand never holds still, the device's motion is not attributed to the wall.
 
 use super::terms::Terms;
 use super::tick::Tick;
 use super::verdict::NotJudged;
 
-/// Least time for which the device is examined, s: one period of 50 Hz. Most limit cycles are faster.
+/// Least time for which the device must be examined, s: one period of 50 Hz. Most limit cycles are faster.
 const LEAST_S: f64 = 0.02;
-/// Shortest span that counts as rest of a recorded hand, s. Earlier motion may die away in its first three quarters.
+/// Shortest span in which a recorded hand counts as still, s. Only its last quarter is examined, so that earlier motion can die
+/// away.
 const LEAST_STILL_S: f64 = 0.8;
-/// A span of rest is recorded in pieces of this length, s.
+/// Length of the pieces into which a span of a still hand is divided, s.
 const PIECE_S: f64 = 0.05;
-/// If the device moves by more than this factor times the hand's motion, the wall is taken to move it.
+/// Factor times the hand's motion above which the device's motion is attributed to the wall.
 const BEYOND_HAND: f64 = 2.0;
 
 /// Smallest and largest value of a series of numbers.
@@ -46,7 +47,7 @@ impl Span {
     }
 }
 
-/// Motion, exits from the wall and torque limits in a stretch of time.
+/// Observations of the device over some time: motion, exits from the wall, and whether the torque limit was reached.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     motion: Span,
@@ -89,7 +90,7 @@ impl Seen {
     }
 }
 
-/// The last quarter of a hold, in which the device is examined.
+/// The examined part of a hold: its last quarter, in ticks.
 #[derive(Debug, Clone)]
 struct Hold {
     from: u64,
@@ -97,7 +98,7 @@ struct Hold {
     seen: Seen,
 }
 
-/// The present span in which a recorded hand rests, kept in pieces.
+/// The present span in which a recorded hand holds still, divided into pieces.
 #[derive(Debug, Clone)]
 struct Still {
     hand: Span,
@@ -112,7 +113,7 @@ impl Still {
         pieces: Vec::new(),
     };
 
-    /// The last quarter of the hold, if it is long enough.
+    /// Observations over the last quarter of the span; `None` if the span is shorter than [`LEAST_STILL_S`].
     fn end(&self, terms: &Terms) -> Option<Seen> {
         let long_enough = self.ticks as f64 * terms.period_s >= LEAST_STILL_S;
         let quarter = (self.pieces.len() / 4).max(1);
@@ -121,12 +122,12 @@ impl Still {
     }
 }
 
-/// Examines every tick for rest of device and hand.
+/// Examines every tick (control period) for motion of device and hand.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     holds: Vec<Hold>,
     current: usize,
-    /// Values at the ends of the spans in which a recorded hand rested.
+    /// Observations over the last quarter of each finished span in which a recorded hand held still.
     found: Vec<Seen>,
     still: Still,
     piece_ticks: u64,
@@ -135,19 +136,19 @@ pub(super) struct Rest {
 /// Whether the device rested in the holds of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rested {
-    /// Largest motion of the device in contact, peak to peak, rad.
+    /// Largest peak-to-peak motion of the device while in contact, rad.
     pub peak_to_peak: Option<f64>,
-    /// Whether the device keeps moving, by more than its hand.
+    /// Whether the device keeps moving by more than the motion of its hand explains.
     pub oscillates: bool,
-    /// Whether the device keeps moving and leaves the wall, is at its torque limit or has moved far.
+    /// Whether the device has lost the wall: it keeps moving, and also leaves the wall, is at its torque limit or moves far.
     pub lost: bool,
-    /// Why the run does not show whether the device rests; `None` if it does.
+    /// Reason why the run does not show whether the device rests; `None` if it does.
     pub not_judged: Option<NotJudged>,
 }
 
 impl Rest {
     pub fn new(terms: &Terms) -> Self {
-        // Without a hold, the last fifth of the run stands for one.
+        // Without a hold, the last fifth of the run counts as a hold.
         let quiet = if terms.holds.is_empty() {
             vec![(terms.ticks - terms.ticks / 5, terms.ticks)]
         } else {
@@ -171,7 +172,7 @@ impl Rest {
         }
     }
 
-    /// Examines one tick; `left` says that the device left the wall in it.
+    /// Examines one tick. `left` is true if the device left the wall in this tick.
     pub fn record(&mut self, tick: &Tick, left: bool, terms: &Terms) {
         let at_limit = tick.force_n_m.abs() >= terms.force_limit_n_m;
         if let Some(hold) = self.holds.get_mut(self.current) {
@@ -186,7 +187,7 @@ impl Rest {
         }
     }
 
-    /// Extends or ends the present span in which a recorded hand rests.
+    /// Extends the present span in which a recorded hand holds still, or ends the span if the hand has moved too far.
     fn follow(&mut self, tick: &Tick, left: bool, at_limit: bool, terms: &Terms) {
         let mut hand = self.still.hand;
         hand.add(tick.rest_rad);
@@ -212,7 +213,7 @@ impl Rest {
     pub fn finish(&self, terms: &Terms) -> Rested {
         let mut windows = self.found.clone();
         windows.extend(self.still.end(terms));
-        // A recorded hand that never rests is looked at as any other: at the end.
+        // If a recorded hand never holds still, the end of the run is examined, as for other motions.
         if windows.is_empty() {
             windows.extend(self.holds.iter().map(|hold| hold.seen));
         }
@@ -254,9 +255,9 @@ impl Rest {
         let seen_s = windows
             .last()
             .map_or(0.0, |window| window.ticks as f64 * terms.period_s);
-        // A tick's share of slack: times are rounded to ticks.
+        // One control period of tolerance, because times are rounded to ticks.
         if seen_s + terms.period_s < LEAST_S {
-            // What moves so shortly need not go on.
+            // A motion over such a short time need not continue.
             rested.oscillates = false;
             rested.not_judged = Some(NotJudged::TooShort {
                 seen_s,

@@ -55,13 +55,13 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
     }
 }
 
-/// Rounds a value for messages: the control crate's exact format has more digits than the scene file.
+/// Rounds a setting to six digits for messages, because its fixed-point format has more digits than the scene file.
 fn short(value: Si) -> f64 {
     let value = value.to_num::<f64>();
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Message of a warning, with the field of the scene, the bound, the value and the consequence.
+/// Message of a passivity warning, with the field of the scene, the bound, the value and the consequence.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
     let (problem, fix) = match *warning {
         Warning::SoftAboveCritical { k_soft, k_critical } => (

@@ -1,4 +1,4 @@
-//! Several walls and detents in the loop: the environment of a scene, in any number format.
+//! Runs the environment of a scene (several walls, detents, a torque profile) in the loop, in any number format.
 
 use super::chain::{Control, Counts, ExactPlace, Sampled};
 use super::settings;
@@ -11,17 +11,17 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
-/// An environment with the scale of its encoder. It receives positions instead of penetrations, since each of its walls has its own
-/// surface.
+/// An environment of several walls, with the scale from encoder counts to positions. It receives positions instead of penetrations,
+/// because each wall has its own surface.
 #[derive(Debug, Clone, Copy)]
 struct Surroundings<N: Reported> {
     environment: Environment<N>,
     scale: CountScale,
-    /// Position at which the torque changed since the last tick; `None` if it is not measured.
+    /// Position at which the motor's torque last changed; `None` if that position is not measured.
     changed: Option<Changed>,
 }
 
-/// Position at which the torque changed.
+/// Position at which the motor's torque changed: an encoder count, or an angle in rad.
 #[derive(Debug, Clone, Copy)]
 enum Changed {
     At(i64),
@@ -34,7 +34,7 @@ struct Placed(f64);
 
 impl<N: Reported> Reading<N> for Placed {
     fn angle(&self) -> Si {
-        // A plant that left all numbers is nowhere; its run is called unstable for it.
+        // The angle is NaN after the simulation diverged; the run is then called unstable elsewhere.
         match self.0.is_nan() {
             true => Si::ZERO,
             false => Si::saturating_from_num(self.0),
@@ -100,7 +100,7 @@ impl<N: Reported> Wall for Surroundings<N> {
     }
 }
 
-/// Builds the controller side of a scene with an environment.
+/// Builds the controller side of a scene that has an environment besides `[wall]`.
 pub(super) fn surrounded<N: Reported + 'static>(
     scene: &Scene,
     named: &crate::scene::Environment,
@@ -158,7 +158,7 @@ pub(super) fn surrounded<N: Reported + 'static>(
     })
 }
 
-/// The settings of all walls, each with the name of the field that sets its stiffness.
+/// Settings of all walls in the scene, each with the name of the field that gives its stiffness.
 fn faces(
     scene: &Scene,
     named: &crate::scene::Environment,
@@ -228,7 +228,7 @@ fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
         .ok_or_else(|| scene.error(path, "too large", "give a value below 2e9"))
 }
 
-/// Converts an error of the control crate to an error that names the field of the scene.
+/// Converts an error of the control crate about an environment to an error that names the field of the scene.
 fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused) -> Error {
     match refused {
         Refused::Wall(place, error) => {

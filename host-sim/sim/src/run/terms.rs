@@ -1,25 +1,26 @@
-//! The criteria by which a run is judged, computed from the scene before the first tick.
+//! Criteria by which a run is judged, such as the threshold of a limit cycle. They follow from the scene before the first tick.
 
 use super::measure::Wiggle;
 use crate::scene::{MotionSpec, Scene};
 
-/// Largest motion in a hold that still counts as a limit cycle, rad. Beyond it the device is taken to have lost the wall.
+/// Largest motion of the device during a hold that still counts as a limit cycle, rad. With a larger motion the run counts as
+/// unstable.
 const UNSTABLE_RAD: f64 = 0.25;
 /// Encoder counts per turn that set the threshold of a limit cycle for a scene without an encoder.
 const ASSUMED_COUNTS: f64 = 40_000.0;
-/// Least time from the start of a rhythmic motion to its measurement, s, so that the press before it has died away.
+/// Least time from the start of a rhythmic motion to its measurement, s, so that the transient of the press has died away.
 const SETTLING_S: f64 = 0.5;
 
-/// The criteria of a run's judgement.
+/// Criteria by which a run is judged, computed from its scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
-    /// Whether the wall of `[wall]` acts. The measures of a wall need it.
+    /// Whether the main wall `[wall]` acts. Measures of a wall are taken only if it does.
     pub has_wall: bool,
-    /// Whether there is more than that wall: detents, end stops, a spring, a profile.
+    /// Whether the scene has an environment besides `[wall]`: detents, end stops, further walls or a torque profile.
     pub has_more: bool,
     /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
-    /// Requested stiffness `k_de` of the wall, N·m/rad.
+    /// Stiffness `k_de` that the wall should display, N·m/rad.
     pub k_desired: f64,
     /// Inertia of the device, kg·m².
     pub inertia_kg_m2: f64,
@@ -29,29 +30,29 @@ pub struct Terms {
     pub limit_cycle_rad: f64,
     /// Largest motion in a hold that counts as a limit cycle, rad; a larger one counts as unstable.
     pub unstable_rad: f64,
-    /// Whether the hand's motion is a recording, whose holds must be detected while it runs.
+    /// Whether the hand's motion is a recording. Its holds must then be detected during the run.
     pub recorded: bool,
     /// Peak-to-peak motion that the hand's tremor adds to its rest point, rad.
     pub tremor_rad: f64,
-    /// Torque limit of the device or the law, N·m.
+    /// Force at which the torque limit counts as reached, N·m: 0.1 % below the lower limit of device and law.
     pub force_limit_n_m: f64,
-    /// Quiet holds, each from its first tick to the tick after its last. The last hold is the press.
+    /// Steady holds of the hand, each as its first tick and the tick after its last. The last hold is the press.
     pub holds: Vec<(u64, u64)>,
     /// The press of the hand; `None` for a motion without a press.
     pub press: Option<Press>,
-    /// The hand's rhythmic motion inside the wall; `None` if it is too short to be measured.
+    /// The hand's rhythmic motion inside the wall; `None` if the scene has none or it is too short to be measured.
     pub wiggle: Option<Wiggle>,
     /// First tick, and tick after the last, of the measurement of torque ripple. It covers the rhythmic motion if there is one,
     /// else the second half of the press, else all ticks.
     pub ripple: (u64, u64),
-    /// Ticks of the run.
+    /// Number of ticks (control periods) in the run.
     pub ticks: u64,
 }
 
 /// A press of the hand into the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Press {
-    /// Largest static torque at which the hand aims, N·m, including the amplitude of a rhythmic motion.
+    /// Largest static torque of the hand's push, N·m, including the amplitude of a rhythmic motion.
     pub push_n_m: f64,
     /// Tick at which the ramp of the press ends.
     pub ramp_end: u64,
@@ -60,7 +61,7 @@ pub struct Press {
 }
 
 impl Terms {
-    /// Computes the criteria for a scene.
+    /// Computes the criteria of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let rate = f64::from(scene.timing.rate_hz);
@@ -96,7 +97,7 @@ impl Terms {
                 (Some(tremor), Some(_)) => 2.0 * tremor.amplitude_rad,
                 _ => 0.0,
             },
-            // The law's own limit is met a quantum early: it is rounded towards zero.
+            // A force limited by the law may be one step of the number format below the limit, because it is rounded towards zero.
             force_limit_n_m: device_limit.min(scene.law.force_limit_n_m) * (1.0 - 1e-3),
             press: push(&scene.operator.motion).and_then(|(push_n_m, ramp_end_s)| {
                 holds.last().map(|&(_, release)| Press {
@@ -119,7 +120,7 @@ impl Terms {
     }
 }
 
-/// Largest static torque of a press, N·m, and the end of its ramp, s.
+/// Largest static torque of a press, N·m, and the time at which its ramp ends, s. `None` for a motion without a press.
 fn push(motion: &MotionSpec) -> Option<(f64, f64)> {
     match motion {
         MotionSpec::RampAndHold(m) => Some((m.push_torque_n_m, m.start_s + m.ramp_s)),
@@ -137,8 +138,11 @@ fn push(motion: &MotionSpec) -> Option<(f64, f64)> {
     }
 }
 
-/// Frequency of a rhythm, Hz, and the whole periods at its full amplitude that end last, s: after a period and half a second, and
-/// before the half period over which it fades. `None` where no period is left.
+/// Frequency of the rhythmic motion, Hz, with start and end of its measurement, s. The measurement covers the last whole periods at
+/// full amplitude.
+///
+/// It starts after the first period, or after half a second if that is later, and ends before the half period over which the motion
+/// fades. `None` if no whole period is left.
 fn rhythm_s(motion: &MotionSpec) -> Option<(f64, (f64, f64))> {
     let MotionSpec::PressWiggleRelease(m) = motion else {
         return None;
@@ -147,7 +151,7 @@ fn rhythm_s(motion: &MotionSpec) -> Option<(f64, (f64, f64))> {
     let start_s = m.start_s + m.ramp_s;
     let end_s = start_s + m.wiggle_s - 0.5 * period_s;
     let from_s = start_s + period_s.max(SETTLING_S);
-    // A hair below a whole number is that number.
+    // The tolerance of 1e-9 counts a value slightly below a whole number as that number.
     let periods = ((end_s - from_s) / period_s + 1e-9).floor();
     (m.wiggle_amplitude_n_m > 0.0 && periods >= 1.0)
         .then_some((m.wiggle_frequency_hz, (end_s - periods * period_s, end_s)))

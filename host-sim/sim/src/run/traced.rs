@@ -1,4 +1,4 @@
-//! A judge that also keeps every tick.
+//! Judges a run and also keeps the values of every tick (control period) as a trace.
 
 use super::judge::Judge;
 use super::record::Trace;
@@ -15,10 +15,10 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// Prepares a trace of a scene.
+    /// Prepares a trace for a run of the scene.
     ///
     /// # Errors
-    /// A trace that is too long for memory.
+    /// The trace would be too long for memory.
     pub fn of(scene: &Scene, judge: Judge) -> Result<Self> {
         Work::of(scene).check_trace(scene)?;
         Ok(Self {
@@ -55,7 +55,7 @@ impl Recorder for Traced {
                 .map_or(tick.angle_rad, |mass| mass + self.surface_rad),
         );
         trace.energy_observed_j.push(tick.inside.energy_j);
-        // Up to the sample, as the observed energy: what this tick moves comes after it.
+        // Energy up to the sample, like the observed energy; the energy of this tick is added afterwards.
         trace.energy_true_j.push(self.judge.energy_true_j());
         trace.energy_device_loss_j.push(self.judge.device_loss_j());
         let account = tick.inside.guard.map_or(f64::NAN, |guard| guard.account_j);

@@ -1,4 +1,5 @@
-//! The drive train of a scene: whether the scene needs one, how many substeps it takes per tick, and why.
+//! The drive train of a scene (flexible transmission, current lag, friction with bristles, cogging): whether the scene needs one,
+//! and how many substeps it takes per tick.
 
 use touchstone_world::plant::train::{
     Current, DriveTrain, Friction, Harmonic, Links, LuGre, Shaft, Sliding, TrainState, Transmission,
@@ -9,35 +10,35 @@ use super::mechanics::{Mechanics, Standing};
 use crate::error::Result;
 use crate::scene::{Integrator, Scene};
 
-/// Everything at the motor's shaft and beyond that plants without a drive train do not have.
+/// A drive train: the effects between motor and knob that the basic plant model of device and hand lacks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Train {
-    /// Linear part of the drive train.
+    /// Linear part of the drive train: inertias, springs, dampers and the current lag.
     pub links: Links,
-    /// Nonlinear part of the drive train, such as friction, cogging and play.
+    /// Nonlinear part of the drive train, such as friction and cogging.
     pub shaft: Shaft,
-    /// Substeps per control period.
+    /// Number of substeps per control period.
     pub substeps: u32,
     /// Reasons for this number of substeps, one per line; empty where one substep is enough.
     pub reasons: Vec<String>,
-    /// Field of the scene that requires this number of substeps.
+    /// Field of the scene that requires this number of substeps; `None` where one is enough.
     pub cause: Option<&'static str>,
 }
 
-/// Number of substeps that one effect requires.
+/// Number of substeps per control period that one effect requires, with field and reason.
 struct Wish {
     count: f64,
     path: &'static str,
     reason: String,
 }
 
-/// Fastest motion for which cogging is resolved, rad/s: faster than a hand turns a knob.
+/// Largest speed of the device for which the substeps resolve cogging, rad/s. A hand turns a knob more slowly.
 const FAST_RAD_PER_S: f64 = 10.0;
-/// Most substeps per tick that a scene gets without setting `plant.substeps`.
+/// Largest number of substeps per control period that the program chooses by itself; `plant.substeps` can set more.
 const MOST: f64 = 4096.0;
 
 impl Train {
-    /// The drive train of a scene; `None` where a plant without a drive train is enough.
+    /// Builds the drive train of a scene; `None` if the scene names no effect that needs one.
     #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let device = &scene.device;
@@ -72,7 +73,7 @@ impl Train {
         })
     }
 
-    /// Builds the mechanics of a run from the drive train.
+    /// Builds the mechanics of a run from the drive train. `from` gives the initial positions and velocities.
     ///
     /// # Errors
     /// A plant that cannot be built, named by its field of the scene; an integration method that cannot advance a drive train.
@@ -106,7 +107,7 @@ impl Train {
             Some(_) => [from.hand_rad, from.hand_velocity_rad_per_s],
             None => device,
         };
-        // The parts of a tick share its substeps by their lengths.
+        // A delay or jitter divides a tick into parts; each gets substeps in proportion to its length.
         let per_s = f64::from(self.substeps) / scene.timing.period_s();
         let substeps = |interval_s: f64| (interval_s * per_s).ceil().max(1.0) as u32;
         crossed::crossed_apart(
@@ -117,7 +118,7 @@ impl Train {
     }
 }
 
-/// The linear part of a scene's device and hand, whether its run needs a drive train or not.
+/// Linear part of a scene's device and hand as a drive train, even if the run does not need a drive train.
 #[must_use]
 pub fn links(scene: &Scene) -> Links {
     let device = &scene.device;
@@ -184,7 +185,7 @@ fn friction(scene: &Scene) -> Friction {
     }
 }
 
-/// Number of substeps, the reasons for it, and the field of the scene that requires it.
+/// Number of substeps per control period, the reasons for it, and the field of the scene that requires it.
 fn substeps(
     scene: &Scene,
     links: &Links,

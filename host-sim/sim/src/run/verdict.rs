@@ -1,12 +1,12 @@
-//! How a run ended: names of the verdicts in options and results, and their meanings.
+//! Verdicts on a run: their names in options and results, and their meanings.
 
 use serde::Serialize;
 
-/// How a run ended. The order is from good to bad.
+/// Verdict on a run. The order is from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The device came to rest, and the user never got more energy out of it than was put in.
+    /// The device came to rest, and at no time had the user got more energy out of it than was put in.
     Passive,
     /// The device came to rest, but at some time it had given the user more energy than it had received.
     Active,
@@ -14,9 +14,10 @@ pub enum Verdict {
     LimitCycle,
     /// The device leaves the wall repeatedly, hits the torque limit, or its motion grows without bound.
     Unstable,
-    /// The hand's motion hides whether the wall lets the device rest; [`NotJudged`] gives the reason.
+    /// The hand's motion hides whether the device would come to rest at the wall; [`NotJudged`] gives the reason.
     NotJudged,
-    /// The device never touched the wall, so the run says nothing about it. Last in the order, so that it never counts as good.
+    /// The device never touched the wall, so the run says nothing about it. This verdict is the last in the order, so that it never
+    /// counts as good.
     NoContact,
 }
 
@@ -26,7 +27,7 @@ pub const NO_CONTACT: &str = "no-contact";
 /// Name of the verdict on a run that does not show whether the wall lets the device rest.
 pub const NOT_JUDGED: &str = "not-judged";
 
-/// Name and meaning of every verdict, from good to bad; last those that say nothing about the wall.
+/// Name and meaning of every verdict, from good to bad; the last two say nothing about the wall.
 pub const WORDS: [(&str, &str); 6] = [
     (
         "passive",
@@ -79,14 +80,14 @@ impl Verdict {
     }
 }
 
-/// Why a run is [`Verdict::NotJudged`].
+/// Reason why a run has the verdict [`Verdict::NotJudged`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotJudged {
-    /// The hand moved while the device should have rested.
+    /// The hand moved in the time in which the device should have rested.
     HandMoves {
         /// Motion of the hand's rest point, peak to peak, rad.
         hand_rad: f64,
-        /// Motion of the device in the same time, peak to peak, rad.
+        /// Motion of the device in the same time as that of the hand, peak to peak, rad.
         device_rad: f64,
     },
     /// The run ended before the hand had held still for long enough.

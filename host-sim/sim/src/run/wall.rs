@@ -1,4 +1,5 @@
-//! The wall, which the loop calls once a tick: encoder reading in, force out, for every control law and number format.
+//! The wall as the simulation loop calls it once per tick (control period): an encoder reading in, a force out. It hides control
+//! law and number format.
 
 use touchstone_control::law::View;
 use touchstone_control::{
@@ -8,40 +9,40 @@ use touchstone_control::{
 /// Internal values of a control law after a tick, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inside {
-    /// Energy that the law's own observer reports, J; NaN for a law without an observer.
+    /// Energy that the passivity observer of the control law reports, J; NaN for a law without an observer.
     pub energy_j: f64,
-    /// Offset `O` by which the law has moved the wall's surface, rad.
+    /// Offset `O` by which the control law has moved the wall's surface, rad.
     pub offset_rad: f64,
-    /// Penetration of the law's virtual mass, rad; `None` while the mass is not in use.
+    /// Penetration of the control law's virtual filter mass, rad; `None` while the law does not use the mass.
     pub mass_rad: Option<f64>,
-    /// Internal values of the energy guard after the law; `None` without a guard.
+    /// Internal values of the energy guard that limits the law's force; `None` without a guard.
     pub guard: Option<InsideGuard>,
 }
 
 /// Internal values of the energy guard after a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InsideGuard {
-    /// Energy that the hand may still get out, J.
+    /// Account of the energy guard, J: energy that the hand may still get out of the wall.
     pub account_j: f64,
-    /// Whether the guard passed less force than the control law requested.
+    /// Whether the energy guard passed less force than the control law requested.
     pub limited: bool,
-    /// Whether the guard has switched the force off, for overspeed or at the end of the range of positions.
+    /// Whether the energy guard has switched the force off, because of overspeed or the end of the range of positions.
     pub tripped: bool,
 }
 
-/// A control law at the surface of a wall. The loop calls one of the two `at_…` methods once a tick.
+/// A control law at the surface of a wall. The loop calls one of the two `at_…` methods once per tick (control period).
 pub trait Wall {
-    /// Force (pushing out of the wall, N·m) for an encoder count.
+    /// Returns the force for an encoder count, N·m, positive out of the wall.
     fn at_count(&mut self, count: i64) -> f64;
-    /// Force for an exact penetration, rad; for scenes without an encoder.
+    /// Returns the force for an exact penetration in rad, N·m, positive out of the wall. Used for scenes without an encoder.
     fn at_penetration(&mut self, penetration_rad: f64) -> f64;
-    /// Reports the force that was really commanded, N·m, after an effect (such as a limit) changed the last force of the law.
+    /// Reports the force that was really commanded, N·m, after a limit or another effect changed the force of the control law.
     fn commanded(&mut self, force_n_m: f64);
-    /// Reports the encoder count at which the motor's torque changed since the last tick.
+    /// Reports the encoder count at the moment when the motor's torque last changed.
     fn changed_at_count(&mut self, count: i64);
-    /// Same as `changed_at_count`, as a penetration in rad, for scenes without an encoder.
+    /// Reports the penetration in rad at the moment when the motor's torque last changed, for scenes without an encoder.
     fn changed_at_penetration(&mut self, penetration_rad: f64);
-    /// The law's internal values after the last tick.
+    /// Returns the internal values of the control law after the last tick.
     fn inside(&self) -> Inside;
 }
 
@@ -50,12 +51,12 @@ pub trait Wall {
 pub struct Controlled<N: Reported> {
     controller: Controller<N>,
     scale: CountScale,
-    /// Penetration at which the torque changed since the last tick; `None` if that is not measured.
+    /// Penetration at which the motor's torque last changed; `None` if that position is not measured.
     at_change: Option<Position<N>>,
 }
 
 impl<N: Reported> Controlled<N> {
-    /// Builds a law from its settings and the scale of its encoder.
+    /// Builds the control law from its settings and the scale of the encoder.
     ///
     /// # Errors
     /// Same as [`Controller::new`].
@@ -69,7 +70,8 @@ impl<N: Reported> Controlled<N> {
 }
 
 impl<N: Reported> Controlled<N> {
-    /// Runs one tick of the controller at a penetration. Both sensors call this method, so that the law is compiled only once.
+    /// Runs the control law for one tick (control period) at a penetration. Encoder and exact sensor both call this method, so that
+    /// the law is compiled only once.
     #[inline(never)]
     fn force(&mut self, e: Position<N>) -> Force<N> {
         self.controller.tick_with_change(e, self.at_change)
@@ -107,7 +109,8 @@ impl<N: Reported> Wall for Controlled<N> {
     }
 }
 
-/// Internal values of a law and a guard in SI units; without a law its energy is NaN, its offset 0.
+/// Converts the internal values of a control law and its energy guard to SI units. Without a law, the observer's energy is NaN and
+/// the offset 0.
 pub(super) fn inside<N: Reported>(view: Option<&View<N>>, guard: Option<&Guarded<N>>) -> Inside {
     let energy = view.and_then(|view| view.energy);
     Inside {

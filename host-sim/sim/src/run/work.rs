@@ -1,4 +1,5 @@
-//! Estimates the cost of a run before it starts: ticks, plant steps per tick, and the setting that causes them.
+//! Estimates the computing time of a run before it starts, from ticks and plant steps per tick, and names the setting that causes
+//! it.
 
 use super::crossed;
 use super::train::Train;
@@ -6,41 +7,44 @@ use crate::error::Result;
 use crate::scene::{Integrator, Scene};
 use touchstone_world::plant::HeldCoulomb;
 
-/// Time on a slow machine for one tick without its plant, s: sensor, law and record.
+/// Computing time for one tick (control period) without its plant steps, on a slow machine, s. It covers sensor, control law and
+/// record.
 const TICK_S: f64 = 0.5e-6;
-/// Time on a slow machine for one substep of a drive train or an integration method, s. A fast machine needs a seventh.
+/// Computing time for one substep of a drive train or of an integration method, on a slow machine, s. A fast machine needs a
+/// seventh.
 const SUBSTEP_S: f64 = 0.35e-6;
-/// Time on a slow machine for one power series, s. A device with friction in a hand needs one between two stops.
+/// Computing time for one power series, on a slow machine, s. The closed-form solution of a hand on a device with dry friction
+/// needs one series between two stops.
 const SERIES_S: f64 = 2.0e-6;
-/// A run that may take longer than this prints a note before it starts, s.
+/// Computing time above which a note is printed before the run starts, s.
 pub const LONG_S: f64 = 1.0;
-/// A run that may take longer than this is refused, s: one day.
+/// Estimated computing time above which a run is refused, s: one day.
 pub const MOST_S: f64 = 86_400.0;
-/// Longest trace that is kept, in ticks. Its fourteen columns take 2.2 GB.
+/// Longest trace that is kept, in ticks (control periods). Its fourteen columns take 2.2 GB of memory.
 pub const MOST_OF_TRACE: u64 = 20_000_000;
 
-/// Estimated cost of a run.
+/// Estimated computing time of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Work {
-    /// Ticks of the run.
+    /// Number of ticks (control periods) in the run.
     pub ticks: u64,
-    /// Largest number of plant steps per tick.
+    /// Largest number of plant steps per tick (control period).
     pub steps: u64,
-    /// Estimated time on a slow machine, s. A fast machine needs a third of it.
+    /// Estimated computing time on a slow machine, s. A fast machine needs a third of it.
     pub seconds: f64,
-    /// Field of the scene that causes most of the cost.
+    /// Field of the scene that causes most of the computing time.
     path: &'static str,
-    /// Why the field causes the cost.
+    /// Explanation why the field causes the computing time.
     reason: Option<String>,
 }
 
 impl Work {
-    /// Estimates the cost of running a scene.
+    /// Estimates the computing time of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let (steps, step_s, cause) = steps(scene);
         let ticks = scene.timing.ticks();
-        // Where most of a run is its ticks, their number is what asks for it.
+        // With few plant steps per tick, the number of ticks causes most of the cost.
         let (path, reason) = cause
             .filter(|_| steps > 32)
             .map_or(("timing.duration_s", None), |(path, reason)| {
@@ -61,7 +65,7 @@ impl Work {
         self.seconds > LONG_S
     }
 
-    /// Note with the estimated time and its cause, for a run that [takes long](Self::is_long); else `None`.
+    /// Note with the estimated computing time and its cause, for a run that [takes long](Self::is_long); else `None`.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         self.is_long().then(|| {
@@ -129,7 +133,7 @@ impl Work {
     }
 }
 
-/// Time in words, rounded to two digits.
+/// Writes a duration in words, rounded to two digits.
 fn spoken(seconds: f64) -> String {
     let (number, unit) = match seconds {
         s if s < 100.0 => (s, "s"),
@@ -143,7 +147,8 @@ fn spoken(seconds: f64) -> String {
     }
 }
 
-/// Largest number of plant steps per tick, the time of one step in s, and the field and reason if there is more than one step.
+/// Returns the largest number of plant steps per tick, the computing time of one step in s, and the field and reason for the
+/// number. Field and reason are `None` for a single step.
 fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
     let parts = crossed::parts(scene);
     if let Some(train) = Train::of(scene) {
@@ -170,7 +175,7 @@ fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
         let reason = format!(
             "device and pad move so fast beside a tick that friction needs {series} series"
         );
-        // Nearly every tick of a plant that is not stiff is one matrix.
+        // For a plant that is not stiff, nearly every tick is one product with a matrix.
         let step_s = if series > 2 { SERIES_S } else { SUBSTEP_S };
         return (series + parts - 1, step_s, Some((path, reason)));
     }
@@ -239,7 +244,7 @@ mod tests {
             );
             assert_eq!(error.lines().count(), 1, "{error}");
         }
-        // A day of an ordinary knob is no more than minutes; its trace is too much.
+        // A simulated day of an ordinary knob takes only minutes, but its trace is too long.
         let scene = of("thesis-knob", &[day]);
         Work::of(&scene).check(&scene).unwrap();
         let error = run(&scene, true).unwrap_err().to_string();

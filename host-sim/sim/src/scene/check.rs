@@ -7,7 +7,7 @@ use super::problem::Problem;
 use super::schema::MOTION_KIND;
 use super::units::tidy;
 
-/// Finds the first contradiction between fields of a scene, each of which is in its own range.
+/// Finds the first contradiction between fields of a scene. Each single field is already known to lie within its own range.
 pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
     friction(scene)
         .or_else(|| shaft(scene))
@@ -68,7 +68,7 @@ fn profile(scene: &Scene) -> Option<Problem> {
     )
 }
 
-/// Reports a strength (of detents or a profile) above the largest torque of the law.
+/// Reports a strength (largest torque of detents or of a torque profile, N·m) above the force limit of the control law.
 fn within_limit(scene: &Scene, path: &'static str, strength: f64) -> Option<Problem> {
     let limit = scene.law.force_limit_n_m;
     (strength > limit).then(|| {
@@ -218,12 +218,12 @@ fn recording(recorded: &Recorded) -> Option<Problem> {
 
 fn duration(scene: &Scene) -> Option<Problem> {
     let end = match &scene.operator.motion {
-        // The release may be cut short: nothing is judged in it.
+        // The release may be cut off by the end of the run, because no measure needs it.
         motion @ (MotionSpec::RampAndHold(_)
         | MotionSpec::PressWiggleRelease(_)
         | MotionSpec::TouchAndPress(_)) => motion.hold_window_s()?.1,
         MotionSpec::Tap(tap) => tap.start_s + tap::length_s(tap),
-        // The way back may be cut short.
+        // The turn back may be cut off by the end of the run.
         MotionSpec::Turn(turn) => turn.start_s + turn.turn_s + turn.stay_s,
         MotionSpec::None | MotionSpec::Recorded(_) => return None,
     };

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::effects::{Cogging, CurrentLoop, CurrentSensor, Imbalance, Transmission};
 use touchstone_control::{Settings, choice};
 
-/// A knob with one degree of freedom: `inertia · x'' + damping · x' + friction = torques`.
+/// A knob with one degree of freedom. Its angle `x` in rad obeys `inertia · x'' + damping · x' + friction = torques`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DeviceSpec {
@@ -13,7 +13,7 @@ pub struct DeviceSpec {
     pub inertia_kg_m2: f64,
     /// Viscous damping, N·m·s/rad, 0 or more. Default 4e-4.
     pub damping_n_m_s_per_rad: f64,
-    /// Angle at the start, rad. Absent: the device starts where the hand's rest point starts.
+    /// Angle of the device at the start, rad. Absent: the device starts at the first rest point of the hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_angle_rad: Option<f64>,
     /// Velocity at the start, rad/s, positive into the wall. Default 0.
@@ -21,13 +21,13 @@ pub struct DeviceSpec {
     /// Largest torque that the drive delivers, N·m, above 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_limit_n_m: Option<f64>,
-    /// Smallest step of the torque that the amplifier makes, N·m, above 0. Absent: no steps.
+    /// Resolution of the amplifier: smallest step between two torques that it can make, N·m, above 0. Absent: no steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplifier_step_n_m: Option<f64>,
-    /// Dry friction. Absent: none.
+    /// Dry friction of the device. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// Cogging of the motor; absent means none.
+    /// Cogging torque of the motor. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cogging: Option<Cogging>,
     /// Torque of an eccentric weight. Absent: none.
@@ -51,7 +51,7 @@ impl Default for DeviceSpec {
             // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
             inertia_kg_m2: 1e-4,
             // The thesis found 5e-4 by feel with a finger on the knob, so that value holds the finger's damping too.
-            // This much in the device and 3.4e-4 in a medium fingertip come near it.
+            // The default damping of the device and that of a medium fingertip together come near this value.
             damping_n_m_s_per_rad: 4e-4,
             initial_angle_rad: None,
             initial_velocity_rad_per_s: 0.0,
@@ -67,33 +67,33 @@ impl Default for DeviceSpec {
     }
 }
 
-/// Coulomb friction with a higher break-away torque.
+/// Dry (Coulomb) friction, whose break-away torque may be higher than the torque while sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Friction {
     /// Torque while sliding, N·m, 0 or more. Default 1e-3.
     pub kinetic_n_m: f64,
-    /// Torque that a resting device bears before it slides, N·m, at least the kinetic one. Absent: equal to it.
+    /// Torque that the device at rest withstands before it slides, N·m, at least `kinetic_n_m`. Absent: equal to `kinetic_n_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_n_m: Option<f64>,
-    /// Difference of friction from its kinetic value: added in the positive direction, subtracted in the negative one, N·m, at most
-    /// the kinetic one. Absent: 0.
+    /// Asymmetry of the friction torque, N·m, at most `kinetic_n_m`. It is added to the friction of a motion in the positive
+    /// direction and subtracted in the negative direction. Absent: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub asymmetry_n_m: Option<f64>,
-    /// Velocity at which friction has come down from its static to its kinetic value (Stribeck), rad/s, above 0. Absent: it is kinetic as
-    /// soon as the device moves.
+    /// Stribeck velocity, rad/s, above 0: velocity at which the friction torque has fallen from its static to its kinetic value.
+    /// Absent: the friction is kinetic as soon as the device moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck_rad_per_s: Option<f64>,
     /// Stiffness of the surfaces' bristles in the LuGre friction model, N·m/rad, above 0. Absent: rigid bristles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bristle_stiffness_n_m_per_rad: Option<f64>,
-    /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: the root of their stiffness times the inertia.
+    /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: the square root of bristle stiffness times the device's inertia.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bristle_damping_n_m_s_per_rad: Option<f64>,
 }
 
 impl Friction {
-    /// Break-away torque, N·m: the one given, else the kinetic torque.
+    /// Break-away torque, N·m: `static_n_m` if the scene gives it, else `kinetic_n_m`.
     pub fn static_n_m(&self) -> f64 {
         self.static_n_m.unwrap_or(self.kinetic_n_m)
     }
@@ -101,7 +101,7 @@ impl Friction {
 
 impl Default for Friction {
     fn default() -> Self {
-        // Small direct-drive motors have 0.5 to 3 mN·m (sweep it: no maker publishes it).
+        // Small direct-drive motors have 0.5 to 3 mN·m. No maker publishes the value, so it should be varied.
         Friction {
             kinetic_n_m: 1e-3,
             static_n_m: None,
@@ -113,16 +113,16 @@ impl Default for Friction {
     }
 }
 
-/// A position sensor with steps.
+/// A position sensor with finite resolution: the control law receives whole encoder counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Encoder {
-    /// Steps in one turn, above 0. Default 40,000.
+    /// Encoder counts per turn, above 0. Default 40,000.
     pub counts_per_rev: f64,
 }
 
 impl Encoder {
-    /// Width of one encoder step, rad.
+    /// Angle of one encoder count, rad.
     pub fn step_rad(&self) -> f64 {
         std::f64::consts::TAU / self.counts_per_rev
     }
@@ -138,33 +138,34 @@ impl Default for Encoder {
 }
 
 choice! {
-    /// Integration method for device and hand.
+    /// Integration method that advances device and hand over a control period.
     Integrator {
-        /// The exact step, with no step size.
+        /// Closed-form solution of the equations of motion over a whole control period: no numerical step size.
         #[default]
         Exact = "exact",
-        /// Implicit Euler with set-valued friction.
+        /// Implicit Euler; dry friction is solved exactly in each step, including sticking (set-valued friction).
         ImplicitEuler = "implicit-euler",
-        /// Implicit midpoint with set-valued friction.
+        /// Implicit midpoint rule; dry friction is solved exactly in each step, including sticking (set-valued friction).
         ImplicitMidpoint = "implicit-midpoint",
-        /// Semi-implicit Euler.
+        /// Semi-implicit Euler; dry friction takes at most the torque that stops the device.
         SemiImplicitEuler = "semi-implicit-euler",
-        /// Classical Runge–Kutta, with smoothed friction.
+        /// Classical Runge–Kutta of order 4; dry friction is smoothed around zero velocity.
         RungeKutta4 = "runge-kutta-4",
     }
 }
 
-/// The integration method of the plant, to compare other methods with the exact step.
+/// The integration method of device and hand, for comparisons of numerical methods with the closed-form solution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plant {
-    /// The method. Default `exact`.
+    /// The integration method. Default `exact`, the closed-form solution.
     #[serde(
         serialize_with = "super::law::word",
         deserialize_with = "super::law::of_word"
     )]
     pub integrator: Integrator,
-    /// Substeps per control period, 1 to 100,000. The exact step uses them only for effects that need substeps. Default 16.
+    /// Integration steps per control period, 1 to 100,000. The method `exact` uses them only for effects that need substeps.
+    /// Default 16.
     pub substeps: u32,
 }
 
@@ -172,13 +173,13 @@ impl Default for Plant {
     fn default() -> Self {
         Plant {
             integrator: Integrator::default(),
-            // Enough for an explicit method beside a pole of a few kilohertz at 1 kHz.
+            // Enough for an explicit method with a pole of a few kilohertz, at a control rate of 1 kHz.
             substeps: 16,
         }
     }
 }
 
-/// Rate and duration of a run, and delay of the law's command.
+/// Control rate, duration of a run, and delay from a sample to its torque command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Timing {
@@ -186,17 +187,18 @@ pub struct Timing {
     pub rate_hz: u32,
     /// Simulated time, s, above 0, at most a day. Default 3.
     pub duration_s: f64,
-    /// Time from a sample to its command on the motor, s, 0 to 1; it may be a fraction of a period or several.
-    /// Default 0.
+    /// Computational delay, s, 0 to 1: time from the position sample to the moment at which its torque command acts on the motor.
+    /// It need not be a whole number of control periods. Default 0.
     pub computational_delay_s: f64,
-    /// Largest lateness of a sample, s, 0 to one control period; each sample is late by a random time up to it. Absent: none is
-    /// late.
+    /// Jitter: largest lateness of a position sample, s, 0 to one control period. Each sample is late by a random time up to this
+    /// value. Absent: no sample is late.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter_s: Option<f64>,
-    /// Largest additional time from a sample to its command, s, 0 to 1; each command takes a random time up to it. Absent: none.
+    /// Largest random time that is added to the computational delay of a torque command, s, 0 to 1. It is drawn anew for each
+    /// command. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub latency_spread_s: Option<f64>,
-    /// Fraction of control periods that are lost, 0 to 0.9; the motor then keeps its torque. Absent: none.
+    /// Fraction of control periods in which the control law does not run, 0 to 0.9; the motor then keeps its torque. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_share: Option<f64>,
 }
@@ -207,7 +209,7 @@ impl Timing {
         1.0 / f64::from(self.rate_hz)
     }
 
-    /// Number of ticks in the run, at least 1.
+    /// Number of ticks (control periods) in the run, at least 1.
     pub fn ticks(&self) -> u64 {
         ((self.duration_s * f64::from(self.rate_hz)).round() as u64).max(1)
     }
@@ -220,7 +222,7 @@ impl Default for Timing {
             rate_hz: Settings::default().rate_hz,
             // The default press (2.5 s) and half a second to see that the released device comes to rest.
             duration_s: 3.0,
-            // The thesis' bounds are those without delay.
+            // The thesis' bounds hold without a delay.
             computational_delay_s: 0.0,
             jitter_s: None,
             latency_spread_s: None,
@@ -233,9 +235,9 @@ impl Default for Timing {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wall {
-    /// Undeformed surface `x_s`, rad. Default 0.5.
+    /// Position `x_s` of the wall's surface before the control law moves it, rad. Default 0.5.
     pub surface_rad: f64,
-    /// Requested stiffness `k_de`, N·m/rad, 0 to 500,000. Default 5.
+    /// Stiffness `k_de` that the wall should display to the hand, N·m/rad, 0 to 500,000. Default 5.
     pub k_desired_n_m_per_rad: f64,
 }
 

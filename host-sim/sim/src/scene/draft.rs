@@ -1,4 +1,5 @@
-//! Reads a scene from text: a list of fields with the line of each, changed by overrides, then checked as a whole.
+//! Reads a scene from TOML text into a list of fields, each with its line, which overrides can change. Checks all fields
+//! afterwards.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -21,17 +22,17 @@ use crate::harmless;
 /// Top-level key of a scene file that names the shipped scene on which the file builds. A scene that has been read has no such key.
 const BASE: &str = "base";
 
-/// A scene before its check: values by the dotted paths of their fields.
+/// A scene that has not been checked yet: values by the dotted paths of their fields.
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
     pub fields: BTreeMap<String, Value>,
-    /// Tables in the text, including empty ones: `[encoder]` alone adds an encoder.
+    /// Tables whose heading the text contains, including empty ones: `[encoder]` alone adds an encoder.
     pub tables: BTreeSet<String>,
     pub origin: Origin,
 }
 
 impl Draft {
-    /// Reads TOML text. Only the syntax is checked here.
+    /// Reads a scene from TOML text. Only the TOML syntax is checked here.
     pub fn from_toml(text: &str, file: &Path) -> Result<Self> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, file, &error))?;
         let mut draft = Draft {
@@ -39,7 +40,7 @@ impl Draft {
             tables: BTreeSet::new(),
             origin: Origin::of_file(file),
         };
-        // Where lines end, once: a file may have a hundred thousand keys.
+        // The line ends are searched only once, because a file may have a hundred thousand keys.
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
@@ -50,7 +51,7 @@ impl Draft {
                 .entry("name".into())
                 .or_insert_with(|| Value::String(stem.to_string_lossy().into_owned()));
         }
-        // A recording stands beside its scene, wherever the program is started.
+        // The path of a recording is relative to the scene's folder, not to the current folder.
         if let (Some(Value::String(recording)), Some(folder)) =
             (draft.fields.get_mut("operator.motion.file"), file.parent())
         {
@@ -65,7 +66,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Fills in fields that the text does not give, from the shipped scene that its key `base` names.
+    /// Fills in the fields that the text leaves out with the values of the shipped scene that the key `base` names.
     fn take_base(&mut self) -> Result<()> {
         let Some(base) = self.fields.remove(BASE) else {
             return Ok(());
@@ -82,7 +83,7 @@ impl Draft {
             return Err(self.origin.error(BASE, problem, fix));
         };
         let below = Draft::from_toml(text, &file)?;
-        // Another hand or motion takes the place of the base's.
+        // A hand or motion in the text replaces that of the base scene as a whole.
         let writes_hand =
             self.fields.contains_key("operator.grip") || self.has_table("operator.hand");
         let motion = match self.fields.get(MOTION_KIND) {
@@ -105,7 +106,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Lists the fields of a scene, each with the place where it was written.
+    /// Lists the fields of a checked scene, each with the file and line, or the option, that gave its value.
     pub fn from_scene(scene: &Scene) -> Self {
         let mut draft = Draft {
             fields: BTreeMap::new(),
@@ -118,7 +119,8 @@ impl Draft {
         draft
     }
 
-    /// Makes errors quote the new value, not a line, for every field that differs from `before`: no file has that value.
+    /// Marks every field that differs from `before` as changed in code, so that errors quote its new value instead of a file's
+    /// line.
     pub fn changed_since(mut self, before: &Draft) -> Self {
         for (path, value) in &self.fields {
             if before.fields.get(path) != Some(value) {
@@ -160,7 +162,7 @@ impl Draft {
         }
     }
 
-    /// Whether the text has the table, by its heading or by a field in it.
+    /// Whether the text contains the table, by its heading or by a field in the table.
     pub fn has_table(&self, table: &str) -> bool {
         let inside = |path: &String| {
             path.strip_prefix(table)
@@ -200,7 +202,7 @@ impl Draft {
         );
     }
 
-    /// The kind of motion in the text, valid or not; `none` for a scene without a motion.
+    /// Name of the hand's motion in the text, valid or not; `none` for a scene without a motion.
     pub fn motion(&self) -> Option<&str> {
         match self.fields.get(MOTION_KIND) {
             Some(Value::String(kind)) => Some(kind),
@@ -209,10 +211,10 @@ impl Draft {
         }
     }
 
-    /// Checks all fields and builds the scene. Of several problems, the one earliest in the file is reported.
+    /// Checks all fields and builds the scene. Of several errors, the one that comes first in the file is returned.
     pub fn build(mut self) -> Result<Scene> {
         let mut problems = self.problems();
-        // Overrides first, then line by line; on one line the outermost.
+        // Problems of overrides come first, then those of the file by line; on one line the outermost field comes first.
         problems
             .sort_by_cached_key(|problem| (self.origin.place(&problem.path), problem.path.len()));
         if let Some(Problem { path, problem, fix }) = problems.into_iter().next() {
@@ -237,7 +239,7 @@ impl Draft {
                 "compare with a shipped scene",
             )
         })?;
-        // Both come to tables and logs, in one line.
+        // Name and description are printed in tables and logs, where they must be one line.
         scene.name = harmless::one_line(&scene.name);
         scene.description = harmless::one_line(&scene.description);
         scene.origin = self.origin;
@@ -247,9 +249,9 @@ impl Draft {
         }
     }
 
-    /// Lists all problems of single fields.
+    /// Lists the problems of single fields: unknown names, wrong types and values out of range.
     fn problems(&self) -> Vec<Problem> {
-        // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
+        // An unknown motion is reported by itself; its fields are then not checked, because they are unknown too.
         let motion = self
             .motion()
             .filter(|motion| choices(MOTION_KIND).contains(motion));
@@ -352,7 +354,7 @@ fn syntax_error(text: &str, file: &Path, error: &toml::de::Error) -> Error {
             .chars()
             .all(|c| c.is_ascii_alphanumeric() || more.contains(c))
     };
-    // The two slips that TOML's own words explain least.
+    // The two mistakes that the TOML parser's own message explains least.
     let (problem, fix) = if value.starts_with(|c: char| c.is_ascii_alphabetic()) && plain("-_./") {
         (
             "text without quotes".to_owned(),

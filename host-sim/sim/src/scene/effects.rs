@@ -1,23 +1,24 @@
-//! Effects that refine the basic model of device, sensors and hand. Each is absent unless a scene names it.
+//! Effects that refine the basic model of device, sensors and hand, such as noise or cogging. An effect is simulated only if the
+//! scene gives its table.
 //!
 //! A table without fields adds its effect at a typical magnitude; [`crate::run::effects::EFFECTS`] gives the source of each
 //! default.
 
 use serde::{Deserialize, Serialize};
 
-/// Errors of the position sensor in addition to its steps.
+/// Errors of the position sensor, in addition to the quantisation by the encoder.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorErrors {
-    /// White noise. Absent: none.
+    /// White noise of the position sensor. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<SensorNoise>,
-    /// An error that repeats every turn. Absent: none.
+    /// Angle error that repeats every turn. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub periodic: Option<PeriodicError>,
 }
 
-/// White noise of the position sensor, added before the encoder counts.
+/// White noise of the position sensor, added to the angle before the encoder quantises it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
@@ -31,19 +32,20 @@ impl Default for SensorNoise {
     }
 }
 
-/// Error of a disc or a magnet that is off the axis, or tilted: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
+/// Angle error of a sensor disc or magnet that is off the axis or tilted: `A sin(n x + phase) + A2 sin(2n x + phase2)`. `x` is the
+/// angle of the device, `n` the periods per turn, `A` and `A2` are amplitudes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PeriodicError {
-    /// Amplitude, rad, 0 or more. Default 8.7e-3.
+    /// Amplitude `A`, rad, 0 or more. Default 8.7e-3.
     pub amplitude_rad: f64,
-    /// Periods in one turn, 1 to 100,000. Default 1.
+    /// Periods per turn `n`, 1 to 100,000. Default 1.
     pub periods_per_rev: u32,
-    /// Phase at angle 0, rad. Default 0.
+    /// Phase of the error's first component where the device is at angle 0, rad. Default 0.
     pub phase_rad: f64,
-    /// Amplitude of the second component, which has twice as many periods, rad, 0 or more. Default 0.
+    /// Amplitude `A2` of the second component, which has twice as many periods per turn, rad, 0 or more. Default 0.
     pub second_amplitude_rad: f64,
-    /// Phase of the second component at angle 0, rad. Default 0.
+    /// Phase of the error's second component where the device is at angle 0, rad. Default 0.
     pub second_phase_rad: f64,
 }
 
@@ -59,15 +61,16 @@ impl Default for PeriodicError {
     }
 }
 
-/// Cogging torque of the motor's magnets, `-A sin(n x + phase)`.
+/// Cogging torque of the motor's magnets, `-A sin(n x + phase)`. `x` is the device's angle, `A` the amplitude, `n` the periods per
+/// turn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cogging {
-    /// Amplitude, N·m, 0 or more. Default 1e-3.
+    /// Amplitude of the cogging torque, N·m, 0 or more. Default 1e-3.
     pub torque_n_m: f64,
-    /// Periods in one turn, 1 to 100,000. Default 84.
+    /// Periods of the cogging torque per turn, 1 to 100,000. Default 84.
     pub periods_per_rev: u32,
-    /// Phase at angle 0, rad. Default 0.
+    /// Phase of the cogging torque where the device is at angle 0, rad. Default 0.
     pub phase_rad: f64,
 }
 
@@ -75,20 +78,20 @@ impl Default for Cogging {
     fn default() -> Self {
         Cogging {
             torque_n_m: 1e-3,
-            // The least common multiple of 12 slots and 14 poles.
+            // The least common multiple of 12 slots and 14 poles, a common motor.
             periods_per_rev: 84,
             phase_rad: 0.0,
         }
     }
 }
 
-/// Torque of gravity on a knob with an eccentric weight, `-A sin(x + phase)`.
+/// Torque of gravity on a knob with an eccentric weight, `-A sin(x + phase)`. `x` is the device's angle, `A` the amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Imbalance {
-    /// Weight times its distance from the axis, N·m, 0 or more. Default 1e-3.
+    /// Amplitude of the torque, N·m, 0 or more: weight times its distance from the axis. Default 1e-3.
     pub torque_n_m: f64,
-    /// Angle of the weight from its lowest point at angle 0, rad. Default 0.
+    /// Angle of the eccentric weight from its lowest point, while the device is at angle 0, rad. Default 0.
     pub phase_rad: f64,
 }
 
@@ -101,13 +104,14 @@ impl Default for Imbalance {
     }
 }
 
-/// Errors of the current sensor, which a current loop turns into torque errors. Given as torque: current times torque constant.
+/// Errors of the motor's current sensor, which the current controller turns into torque errors. All values are given as torque:
+/// current times torque constant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CurrentSensor {
-    /// Root mean square of the noise, N·m, 0 or more. Default 8.7e-4.
+    /// Root mean square of the sensor's noise, as torque, N·m, 0 or more. Default 8.7e-4.
     pub noise_rms_n_m: f64,
-    /// Step of the current sensor's converter, N·m, 0 or more. Default 8.7e-4.
+    /// Resolution of the sensor's analogue-to-digital converter, as torque, N·m, 0 or more. Default 8.7e-4.
     pub step_n_m: f64,
 }
 
@@ -120,38 +124,41 @@ impl Default for CurrentSensor {
     }
 }
 
-/// First-order lag of the torque behind its command: a current loop, or windings driven by a voltage.
+/// First-order lag of the motor's torque behind its command, caused by a current controller or by windings that a voltage drives.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CurrentLoop {
-    /// Bandwidth, Hz, above 0. For windings driven by a voltage it is `R/(2π L)`. Default 600.
+    /// Bandwidth of the lag, Hz, above 0. Default 600. For windings driven by a voltage it is `R/(2π L)`, with winding resistance
+    /// `R` and inductance `L`.
     pub bandwidth_hz: f64,
-    /// Damping by the motor's back-EMF, N·m·s/rad, 0 or more. Windings driven by a voltage have `k_t²/R`; three phases, with `k_t`
-    /// for an amplitude of 1 A, have `k_t²/(3/2 R)`. A current loop has 0. Default 0.
+    /// Damping by the motor's back-EMF, N·m·s/rad, 0 or more. Default 0, which suits a current controller.
+    ///
+    /// Windings driven by a voltage have `k_t²/R`, with torque constant `k_t` and winding resistance `R`. Three phases, with `k_t`
+    /// for an amplitude of 1 A, have `k_t²/(3/2 R)`.
     pub back_emf_n_m_s_per_rad: f64,
 }
 
 impl Default for CurrentLoop {
     fn default() -> Self {
         CurrentLoop {
-            // The firmware's own default.
+            // The default of the firmware.
             bandwidth_hz: 600.0,
             back_emf_n_m_s_per_rad: 0.0,
         }
     }
 }
 
-/// A flexible transmission between the motor, which has the encoder, and the knob.
+/// A flexible transmission between the motor with the encoder on one side and the knob on the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Transmission {
-    /// Stiffness, N·m/rad, above 0. Default 20.
+    /// Stiffness of the transmission, N·m/rad, above 0. Default 20.
     pub spring_n_m_per_rad: f64,
-    /// Damping, N·m·s/rad, 0 or more. Default 1e-3.
+    /// Damping of the transmission, N·m·s/rad, 0 or more. Default 1e-3.
     pub damper_n_m_s_per_rad: f64,
-    /// The knob's fraction of the device's inertia, 0.001 to 0.999. Default 0.3.
+    /// Inertia of the knob as a fraction of the whole device's inertia, 0.001 to 0.999. Default 0.3.
     pub knob_share: f64,
-    /// Total play, rad, 0 or more. Default 0.
+    /// Total play (backlash) of the transmission, rad, 0 or more. Default 0.
     pub play_rad: f64,
 }
 
@@ -185,13 +192,13 @@ impl Default for HandTremor {
     }
 }
 
-/// Reflex of the hand: muscles that answer a stretch after a delay.
+/// Stretch reflex of the hand: muscles that answer a stretch with a torque after a delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HandReflex {
-    /// Delay from stretch to torque, s, 0 to 1; rounded to control periods. Default 0.05.
+    /// Delay from the stretch to the muscles' torque, s, 0 to 1, rounded to whole control periods. Default 0.05.
     pub delay_s: f64,
-    /// Torque of the muscles per stretch, N·m/rad, 0 or more. Default 0.0225.
+    /// Torque of the muscles per angle of stretch, N·m/rad, 0 or more. Default 0.0225.
     pub muscle_stiffness_n_m_per_rad: f64,
 }
 

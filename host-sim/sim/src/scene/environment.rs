@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 use touchstone_control::environment::{Refused, Shape, Side, WHOLE};
 
-/// The environment on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
+/// Walls, detents and torque profiles on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Environment {
-    /// Whether `[wall]` itself acts. Default true.
+    /// Whether the main wall `[wall]` acts. Default true.
     pub first_wall: bool,
     /// A second wall. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,19 +43,19 @@ impl Default for Environment {
     }
 }
 
-/// A further wall, with a control law of its own.
+/// A wall in addition to `[wall]`, with its own copy of the control law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FurtherWall {
     /// Position of the surface, rad. Default 0.
     pub at_rad: f64,
-    /// The solid side of the surface. Default `below`.
+    /// Side of the surface on which the wall is solid. Default `below`.
     #[serde(
         serialize_with = "super::law::word",
         deserialize_with = "super::law::of_word"
     )]
     pub solid: Side,
-    /// Requested stiffness of the wall, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    /// Stiffness that the wall should display, N·m/rad, 0 to 500,000. Absent: the stiffness of `[wall]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m_per_rad: Option<f64>,
 }
@@ -64,7 +64,7 @@ impl Default for FurtherWall {
     fn default() -> Self {
         FurtherWall {
             at_rad: 0.0,
-            // Opposite the first one, which is solid above.
+            // Opposite to the main wall, which is solid above its surface.
             solid: Side::Below,
             stiffness_n_m_per_rad: None,
         }
@@ -79,7 +79,7 @@ pub struct Endstops {
     pub lower_rad: f64,
     /// The upper end, rad: solid above it. Default 1.
     pub upper_rad: f64,
-    /// Requested stiffness of both end stops, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    /// Stiffness that each of the two end stops should display, N·m/rad, 0 to 500,000. Absent: the stiffness of `[wall]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m_per_rad: Option<f64>,
 }
@@ -94,15 +94,16 @@ impl Default for Endstops {
     }
 }
 
-/// Detents, evenly around a turn: `A` times a triangle over the way from one to the next.
+/// Equally spaced detents. The torque is a triangle wave over the angle, of amplitude `strength_n_m`, with one period per detent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetentRing {
-    /// Number of detents in one turn, 1 to 6283; 0: detents are `pitch_rad` apart. Default 24.
+    /// Number of detents per turn, 1 to 6283. With 0 the detents are `pitch_rad` apart. Default 24.
     pub per_rev: u32,
-    /// Distance between two detents where `per_rev` is 0, rad, 0.001 to a turn. Default 0.2.
+    /// Angle between two neighbouring detents, rad, 0.001 to a turn. Only used where `per_rev` is 0. Default 0.2.
     pub pitch_rad: f64,
-    /// Largest torque of a detent, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
+    /// Largest torque of a detent, N·m, from 0 to the force limit of the control law; it acts a quarter of the way to the next
+    /// detent. Default 0.02.
     pub strength_n_m: f64,
     /// Position of one of the detents, rad. Default 0.
     pub centre_rad: f64,
@@ -119,21 +120,25 @@ impl Default for DetentRing {
     }
 }
 
-/// A torque given as a curve over the angle: points at equal distances, joined by straight lines.
+/// A torque given as a curve over the angle: equally spaced points, joined by straight lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueProfile {
-    /// Copies of the profile in one turn, 1 to 6283, each line from the last point to the first of the next copy. 0: the profile is
-    /// there once, from `start_rad` to `end_rad`, and the torque of the nearer end holds outside. Default 6.
+    /// Number of copies of the profile per turn, 1 to 6283. A straight line joins the last point of a copy to the first of the
+    /// next.
+    ///
+    /// With 0 the profile exists once, from `start_rad` to `end_rad`; outside, the torque of the nearer end point acts. Default 6.
     pub per_rev: u32,
     /// Position of the first point, rad. Default 0.
     pub start_rad: f64,
-    /// Position of the last point where `per_rev` is 0, rad. Default 1.
+    /// Position of the last point, rad. Only used where `per_rev` is 0. Default 1.
     pub end_rad: f64,
-    /// Torque at a point of value 1, N·m, from 0 to the law's force limit. Default 0.02.
+    /// Torque of a point of value 1, N·m, from 0 to the force limit of the control law. Default 0.02.
     pub strength_n_m: f64,
-    /// The points, 2 to 96, each from -1 to 1 and rounded to 0.0001. A positive one pushes towards larger angles. Default: a magnetic
-    /// detent, which draws from an eighth of the distance to the next detent on either side and leaves the rest free.
+    /// The 2 to 96 points of the profile, each from -1 to 1 and rounded to 0.0001. A positive value pushes towards larger angles.
+    ///
+    /// Default: a magnetic detent. It attracts the knob within an eighth of the distance between detents on either side, and leaves
+    /// the knob free elsewhere.
     pub shape: Vec<f64>,
 }
 
@@ -150,7 +155,7 @@ impl Default for TorqueProfile {
 }
 
 impl TorqueProfile {
-    /// Converts the points to the control law's format.
+    /// Converts the points to the fixed-point format of the control law.
     ///
     /// # Errors
     /// There are fewer than 2 points or more than 96, or one is outside -1 to 1.
@@ -161,7 +166,7 @@ impl TorqueProfile {
         Shape::new(&points)
     }
 
-    /// Converts the points of the control law's format to those of a scene.
+    /// Converts points in the fixed-point format of the control law to floats for a scene.
     #[must_use]
     pub fn of_points(shape: &Shape) -> Vec<f64> {
         (shape.points().iter())
@@ -171,7 +176,7 @@ impl TorqueProfile {
 }
 
 impl Environment {
-    /// Whether the environment differs from `[wall]` alone.
+    /// Whether the scene has anything in addition to `[wall]`, or lacks `[wall]`.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         let detents = self.detents.as_ref();
@@ -182,13 +187,13 @@ impl Environment {
             || self.acting_profile().is_some()
     }
 
-    /// The profile, if it has any torque.
+    /// The torque profile; `None` if the scene has none or its strength is 0.
     #[must_use]
     pub fn acting_profile(&self) -> Option<&TorqueProfile> {
         self.profile.as_ref().filter(|it| it.strength_n_m > 0.0)
     }
 
-    /// Further walls of the scene, each with the name of its table.
+    /// Walls in addition to `[wall]`, each with the name of its table in the scene file.
     pub fn further(&self) -> impl Iterator<Item = (&'static str, &FurtherWall)> {
         [
             ("environment.wall2", &self.wall2),

@@ -1,4 +1,4 @@
-//! A scene: all values that describe one simulation.
+//! The type of a scene: all values that describe one simulation.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ use super::operator::Operator;
 use super::origin::Origin;
 use crate::error::Error;
 
-/// One experiment: device, wall, control law and hand.
+/// One simulated experiment: device, wall, control law and hand.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scene {
-    /// Name in tables and results. Default: the file's name without its ending.
+    /// Name of the scene in tables and results. Default: the file's name without its extension.
     pub name: String,
     /// Description of the scene in words. Default: empty.
     pub description: String,
@@ -23,22 +23,22 @@ pub struct Scene {
     pub seed: Option<u32>,
     /// The device that the hand moves.
     pub device: DeviceSpec,
-    /// Position sensor. Absent: the law sees the exact position.
+    /// Position sensor with counts. Absent: the control law receives the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoder: Option<Encoder>,
     /// Errors of the position sensor. Default: none.
     pub sensor: SensorErrors,
-    /// Integration method of device and hand over a control period. Absent: the exact step.
+    /// Integration method that advances device and hand over a control period. Absent: the closed-form solution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<Plant>,
-    /// Control rate, duration and delay.
+    /// Control rate, duration of the run, and computational delay.
     pub timing: Timing,
     /// The virtual wall.
     pub wall: Wall,
-    /// The environment beside the wall. Absent: nothing.
+    /// Walls, detents and torque profiles in addition to `[wall]`. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
-    /// The law and its parameters.
+    /// The control law and its parameters.
     pub law: Law,
     /// The person at the knob: grip and intended motion.
     pub operator: Operator,
@@ -54,8 +54,8 @@ impl Scene {
         self.origin.error(path, problem, fix)
     }
 
-    /// Start and end of the time over which displayed stiffness and limit cycle are judged, s; `None` without a quiet
-    /// hold.
+    /// Start and end of the time over which displayed stiffness and limit cycle are measured, s. `None` if the hand never holds
+    /// still.
     pub fn hold_window_s(&self) -> Option<(f64, f64)> {
         self.operator.motion.hold_window_s()
     }

@@ -1,5 +1,5 @@
-//! The control law's parameters as a scene gives them: a field for each row of the law's table, [`touchstone_control::law_settings`],
-//! in floats.
+//! The parameters of the control law in a scene file, as floats: one field for each entry of the control crate's list
+//! [`touchstone_control::law_settings`].
 
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -7,21 +7,21 @@ use touchstone_control::choices::*;
 use touchstone_control::{Choice, choice};
 
 choice! {
-    /// Number format that the law computes in.
+    /// Number format in which the control law computes.
     Number {
-        /// Fixed point, 32 bits: what the firmware runs.
+        /// Fixed point, 32 bits: the format of the firmware.
         #[default]
         Fixed32 = "fixed32",
-        /// Fixed point, 16 bits: small enough to prove exhaustively.
+        /// Fixed point, 16 bits: small enough for proofs that go through all values.
         Fixed16 = "fixed16",
-        /// IEEE single precision.
+        /// IEEE single precision floating point, 32 bits.
         F32 = "f32",
-        /// IEEE double precision: the reference.
+        /// IEEE double precision: the reference for comparisons.
         F64 = "f64",
     }
 }
 
-/// Type, default and text of a kind of row.
+/// Rust type, default value and text form of one type of entry in the list of law settings.
 macro_rules! row {
     (@type number $range:tt) => { f64 };
     (@type flag ()) => { bool };
@@ -55,9 +55,10 @@ macro_rules! law {
         })+
     ) => {
         law! { @table
-            /// Parameters of all laws. Each law takes what it has a use for and ignores the rest, so that laws compare in one scene.
+            /// Parameters of all control laws. A law ignores parameters that it does not use, so that one scene can compare several
+            /// laws.
             Law { $($l_name: $l_kind $l_range = $l_default, $l_unit, $l_about;)+ } {
-                /// Number format that the law computes in. Default `fixed32`.
+                /// Number format in which the control law computes. Default `fixed32`.
                 number Number
                 $($(#[$doc])* $group $Group)+
             }
@@ -94,8 +95,10 @@ macro_rules! law {
 touchstone_control::law_settings!(law);
 
 impl Law {
-    /// Rule at the end of the first contact: the one given, else `keep-force` for the original augmentation (thesis
-    /// 2.17) and `zero-offset` for every later one (§3.2).
+    /// Rule for the wall's offset at the end of the first contact: the one that the scene gives, else a default.
+    ///
+    /// The default is `keep-force` for the original successive force augmentation (thesis, equation 2.17), and `zero-offset` for
+    /// all other laws (thesis, §3.2).
     pub fn first_contact(&self) -> FirstContact {
         self.first_contact.unwrap_or(match self.kind {
             LawKind::Sfa => FirstContact::KeepForce,
@@ -104,7 +107,7 @@ impl Law {
     }
 }
 
-/// Reads and writes one parameter of the law in a scene's text.
+/// Converts one parameter of the control law from and to its text in a scene file.
 trait Leaf: Sized {
     type Text: Serialize + DeserializeOwned;
     fn text(&self) -> Self::Text;
@@ -166,7 +169,7 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
-/// Reads a choice from its name, for `#[serde(deserialize_with)]`.
+/// Reads a value of an enumeration from its name, for `#[serde(deserialize_with)]`.
 pub(crate) fn of_word<'de, T: Choice, D: Deserializer<'de>>(
     from: D,
 ) -> std::result::Result<T, D::Error> {
@@ -174,7 +177,7 @@ pub(crate) fn of_word<'de, T: Choice, D: Deserializer<'de>>(
     T::of_word(&text).ok_or_else(|| D::Error::custom("unknown word"))
 }
 
-/// Writes a choice as its name, for `#[serde(serialize_with)]`.
+/// Writes a value of an enumeration as its name, for `#[serde(serialize_with)]`.
 pub(crate) fn word<T: Choice, S: Serializer>(
     choice: &T,
     to: S,

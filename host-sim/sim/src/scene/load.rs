@@ -1,4 +1,4 @@
-//! Loads scenes from shipped ones, files and text, and makes checked copies with changes.
+//! Loads scenes by name, from files or from text, and makes changed copies that are checked again.
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 use crate::input;
 
 impl Scene {
-    /// Loads a shipped scene by its name, or any other scene from its file. `./tap` is a file even if a shipped scene is named
-    /// `tap`.
+    /// Loads a shipped scene by its name, or any other scene from its file. A name that begins with `./` always means a file, even
+    /// if a shipped scene has the same name.
     ///
     /// # Errors
     /// [`Error::Io`] if there is no such shipped scene and no readable file, [`Error::File`] for a problem in the file.
@@ -54,8 +54,8 @@ impl Scene {
         Scene::parse(&text, &path)
     }
 
-    /// Reads a scene from TOML text. Error messages call the text `file`, and relative paths in the scene start from that file's
-    /// folder.
+    /// Reads a scene from TOML text. `file` is the name of the text in error messages; its folder is the base of relative paths in
+    /// the scene.
     ///
     /// # Errors
     /// [`Error::File`] for the first problem in the text.
@@ -71,8 +71,7 @@ impl Scene {
         Draft::from_scene(self).build().map(drop)
     }
 
-    /// Finds a contradiction between fields of a scene, each of which is in its range by itself. [`Scene::check`] includes this
-    /// test.
+    /// Finds a contradiction between fields of a scene, each of which is within its own range. [`Scene::check`] includes this test.
     pub fn contradiction(&self) -> Option<Error> {
         super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
     }
@@ -91,11 +90,11 @@ impl Scene {
             .build()
     }
 
-    /// Returns the scene with a recording as the hand's motion in place of its own (`--operator-motion FILE`).
+    /// Returns a copy of the scene in which the hand follows the recording `file` (option `--operator-motion FILE`).
     ///
-    /// The recording's mean angle is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall. The
-    /// simulation lasts as long as the recording, and the device starts at rest where the hand starts. `--set motion.scale=…` and
-    /// `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) describes the
+    /// The mean angle of the recording is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall. The
+    /// simulation lasts as long as the recording. The device starts at rest at the hand's first position. `--set motion.scale=…`
+    /// and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) describes the
     /// placement.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
-//! Scenes: what to simulate, in TOML, every field with its unit in its name.
+//! Scenes: TOML files that describe what to simulate. The name of every field contains its unit.
 //!
-//! A scene names the effects it wants; what it does not name is `None` in it and is not computed. Every field has a
-//! default. The types hold what a scene means (`experiment` and what it names); [`schema`] holds every field's name, unit and
-//! range; `draft` reads and checks, for `load` and `overrides`. [`RestPath`] turns the operator's intention into the hand's rest point.
+//! An effect that a scene does not name is `None` and is not computed. Every field has a default. The type of a scene is in
+//! `experiment`; [`schema`] lists name, unit and range of every field. `draft` reads and checks scenes for the modules `load` and
+//! `overrides`. [`RestPath`] turns the intended motion of a scene into the hand's rest point over time.
 
 mod check;
 mod device;

@@ -1,7 +1,8 @@
-//! The person at the knob in a scene: the hand's mechanical values and its intended motion.
+//! The person at the knob in a scene: mechanical values of the hand and its intended motion.
 //!
-//! The chain is device – fingertip pad – hand – moving rest point. Every grip includes the pad's compliance, because a hand bolted
-//! to the device would suppress the instabilities that the thesis examines.
+//! The model is a chain: device, fingertip pad (spring and damper), hand (mass), and a moving rest point at the end of the hand's
+//! spring. Every grip includes the compliant pad, because a hand bolted rigidly to the device would suppress the instabilities that
+//! the thesis examines.
 
 use std::path::PathBuf;
 
@@ -40,12 +41,12 @@ impl Operator {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grip {
-    /// No hand at the device: the hardest case for a control law, as no damping comes from outside.
+    /// No hand at the device. This case is the hardest for a control law, because no damping comes from outside.
     #[default]
     None,
-    /// Fingertips just touch the knob.
+    /// Fingertips that just touch the knob.
     Light,
-    /// A medium grip, as close to that of the thesis' experiments as it can be matched.
+    /// A medium grip, matched as closely as possible to the one in the thesis' experiments.
     Medium,
     /// The whole hand grips the knob.
     Firm,
@@ -54,7 +55,7 @@ pub enum Grip {
 }
 
 impl Grip {
-    /// Name of the grip in scenes and results.
+    /// Name of the grip in scene files and results.
     pub fn name(self) -> &'static str {
         match self {
             Grip::None => "none",
@@ -85,24 +86,26 @@ impl Grip {
     }
 }
 
-/// Mechanical values of a hand in rotary units. Values that `[operator.hand]` leaves out are those of the medium grip.
+/// Mechanical values of a hand, converted to rotation about the knob's axis. Values that `[operator.hand]` leaves out are those of
+/// the medium grip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Hand {
-    /// Fingertip pad's stiffness between device and hand, N·m/rad, above 0. Default 0.1575.
+    /// Stiffness of the fingertip pad between device and hand, N·m/rad, above 0. Default 0.1575.
     pub pad_stiffness_n_m_per_rad: f64,
-    /// Fingertip pad's damping, N·m·s/rad, 0 or more. Default 1e-4.
+    /// Damping of the fingertip pad, N·m·s/rad, 0 or more. Default 1e-4.
     pub pad_damping_n_m_s_per_rad: f64,
-    /// Hand's moment of inertia, kg·m², above 0. Default 6.75e-5.
+    /// Moment of inertia of the hand, kg·m², above 0. Default 6.75e-5.
     pub inertia_kg_m2: f64,
     /// Damping between hand and ground, N·m·s/rad, 0 or more. Default 6.75e-4.
     pub damping_n_m_s_per_rad: f64,
-    /// Stiffness between hand and rest point, N·m/rad, above 0. The rest point is where the person pulls to. Default 0.0225.
+    /// Stiffness of the spring between hand and rest point, N·m/rad, above 0. The rest point is the angle to which the person pulls
+    /// the hand. Default 0.0225.
     pub stiffness_n_m_per_rad: f64,
 }
 
 impl Hand {
-    /// Angle by which fingertip pad and hand together yield under one newton metre, rad/(N·m).
+    /// Angle by which fingertip pad and hand together yield per newton metre, rad/(N·m).
     pub fn compliance_rad_per_n_m(&self) -> f64 {
         1.0 / self.pad_stiffness_n_m_per_rad + 1.0 / self.stiffness_n_m_per_rad
     }
@@ -110,12 +113,13 @@ impl Hand {
 
 impl Default for Hand {
     fn default() -> Self {
-        // The grip that is nearest to that of the thesis' experiments.
+        // The grip that is most similar to that of the thesis' experiments.
         Grip::Medium.hand().expect("a preset")
     }
 }
 
-/// The hand's intended motion, as a scene gives it. [`RestPath`](super::RestPath) computes the hand's rest point over time from it.
+/// The intended motion of the hand, as the scene file gives it. [`RestPath`](super::RestPath) computes the hand's rest point over
+/// time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum MotionSpec {
@@ -132,7 +136,7 @@ pub enum MotionSpec {
     TouchAndPress(TouchAndPress),
     /// Turns the knob by an angle and back, with or without a wall.
     Turn(Turn),
-    /// Follows a recorded motion.
+    /// Follows a recorded motion from a CSV file.
     Recorded(Recorded),
 }
 
@@ -150,8 +154,8 @@ impl MotionSpec {
         }
     }
 
-    /// Times of the steady holds in order, s, each from the end of its ramp to its own end. The displayed stiffness is measured in
-    /// the last hold.
+    /// Start and end of each steady hold, s, in order of time. A hold starts when the ramp before it ends. The displayed stiffness
+    /// is measured in the last hold.
     pub fn holds_s(&self) -> Vec<(f64, f64)> {
         match self {
             MotionSpec::RampAndHold(m) => {
@@ -176,7 +180,7 @@ impl MotionSpec {
         }
     }
 
-    /// Multiplies the push torque by the factor `share`; a motion without a push does not change.
+    /// Multiplies the push torque by `share`. A motion without a push does not change.
     pub fn scale_push(&mut self, share: f64) {
         match self {
             MotionSpec::RampAndHold(motion) => motion.push_torque_n_m *= share,
@@ -199,17 +203,19 @@ impl MotionSpec {
     }
 }
 
-/// Shortest time of a ramp, s: half a period of 10 Hz, the highest frequency of voluntary motion.
+/// Shortest time that a ramp of the hand may take, s: half a period of 10 Hz, the highest frequency of voluntary motion.
 pub const FASTEST_RAMP_S: f64 = 0.05;
 /// Highest frequency of voluntary motion, Hz.
 pub const FASTEST_MOTION_HZ: f64 = 10.0;
-/// Highest frequency of the wiggle, Hz. It is faster than voluntary motion, to probe force over position, and still within the
-/// range in which a hand transmits tremor.
+/// Highest frequency of the wiggle (alternating harder and softer push), Hz.
+///
+/// It lies above voluntary motion, so that force over position can be measured there, and within the range in which a hand
+/// transmits tremor.
 pub const FASTEST_WIGGLE_HZ: f64 = 16.0;
 
 /// Default distance outside the wall at which a hand waits, rad.
 ///
-/// It lets the hand reach the wall at 1.6 to 2.1 rad/s in the default press, depending on the grip, after a short way.
+/// From this distance the default press reaches the wall at 1.6 to 2.1 rad/s, depending on the grip.
 pub const APPROACH_RAD: f64 = 0.05;
 
 /// Motion of a press: the hand moves into the wall, presses, holds, lets go.
@@ -224,7 +230,7 @@ pub struct RampAndHold {
     pub hold_s: f64,
     /// Time from the full push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Static torque of the push, N·m, above 0, against a wall of exactly the requested stiffness. Default 0.1.
     pub push_torque_n_m: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -235,7 +241,7 @@ impl Default for RampAndHold {
         RampAndHold {
             // A tenth of a second of rest shows that the device starts in equilibrium.
             start_s: 0.1,
-            // An unhurried press.
+            // A press at a moderate pace.
             ramp_s: 0.5,
             // Pad and hand ring for about half a second; the second half of the hold is still.
             hold_s: 1.5,
@@ -282,7 +288,7 @@ pub struct Turn {
     pub from_rad: f64,
     /// Angle by which the rest point turns, rad, of either sign, not 0. Default 1.
     pub angle_rad: f64,
-    /// Time of each of the two turns, out and back, s, at least 0.05. Default 2.
+    /// Time of each of the two turns (out and back), s, at least 0.05. Default 2.
     pub turn_s: f64,
     /// Time for which the hand stays between the two turns, s, above 0. Default 1.
     pub stay_s: f64,
@@ -300,8 +306,8 @@ impl Default for Turn {
     }
 }
 
-/// Motion of a light touch followed by a press. An unstable law can fail in either: a wall that gives too much energy throws the
-/// lightly touching hand off; a wall that samples too coarsely oscillates under the firm press.
+/// Motion of a light touch followed by a firm press. An unstable control law can fail in either phase: a wall that gives too much
+/// energy throws the lightly touching hand off, and a wall sampled too coarsely oscillates under the firm press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TouchAndPress {
@@ -311,7 +317,7 @@ pub struct TouchAndPress {
     pub touch_ramp_s: f64,
     /// Duration of the light touch, s, above 0. Default 2.
     pub touch_s: f64,
-    /// Static torque of the light touch against a wall that displays the desired stiffness, N·m, above 0. Default 0.02.
+    /// Static torque of the light touch, N·m, above 0, against a wall of exactly the requested stiffness. Default 0.02.
     pub touch_torque_n_m: f64,
     /// Time from the light touch to the full push, s, at least 0.05. Default 0.3.
     pub ramp_s: f64,
@@ -319,7 +325,7 @@ pub struct TouchAndPress {
     pub hold_s: f64,
     /// Time from the full push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Static torque of the push, N·m, above 0, against a wall of exactly the requested stiffness. Default 0.1.
     pub push_torque_n_m: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -344,7 +350,7 @@ impl Default for TouchAndPress {
     }
 }
 
-/// Motion of a press with a wiggle: the hand presses, presses harder and softer in turn, holds still, lets go.
+/// Motion of a press with a wiggle: the hand presses, pushes harder and softer in turn (wiggle), holds still and lets go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressWiggleRelease {
@@ -352,17 +358,19 @@ pub struct PressWiggleRelease {
     pub start_s: f64,
     /// Time from rest outside the wall to the mean push, s, at least 0.05. Default 0.5.
     pub ramp_s: f64,
-    /// Duration of the wiggle, s, above 0. Default 1.
+    /// Duration of the wiggle (alternating harder and softer push), s, above 0. Default 1.
     pub wiggle_s: f64,
     /// Duration of the steady push after the wiggle, s, above 0. Default 1.
     pub hold_s: f64,
     /// Time from the steady push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Mean static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Mean static torque of the push, N·m, above 0, against a wall of exactly the requested stiffness. Default 0.1.
     pub push_torque_n_m: f64,
-    /// Amplitude of the wiggle: static torque by which the push rises and falls, N·m, 0 or more. Default 0.03.
+    /// Amplitude of the wiggle, N·m, 0 or more: torque by which the static push rises above its mean and falls below it. Default
+    /// 0.03.
     pub wiggle_amplitude_n_m: f64,
-    /// Frequency of the wiggle, Hz, above 0, at most 16. Voluntary motion ends near 10 Hz. Default 2.
+    /// Frequency of the wiggle (alternating harder and softer push), Hz, above 0, at most 16. Voluntary motion ends near 10 Hz.
+    /// Default 2.
     pub wiggle_frequency_hz: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -388,9 +396,10 @@ impl Default for PressWiggleRelease {
     }
 }
 
-/// Motion from a recording: rest point = surface + offset + scale · (angle - mean angle), or the recorded rest point unchanged.
+/// Motion from a recording. The hand's rest point is `surface + offset + scale · (angle - mean angle)`, or the recorded angle
+/// itself where `exact` is set.
 ///
-/// With the defaults the recording's mean angle lies on the wall's surface, so that the hand goes in and out of the wall.
+/// With the defaults the mean angle of the recording lies on the wall's surface, so that the hand goes in and out of the wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
@@ -403,13 +412,15 @@ pub struct Recorded {
     /// Distance of the recording's mean angle from the wall's surface, rad, positive inside. Default 0.
     #[serde(default)]
     pub offset_rad: f64,
-    /// `true`: the recorded angles are the rest point unchanged, each held until the next, so that a record of ticks is repeated
-    /// bit for bit. Scale and offset must then be 1 and 0. Default `false`: the recording is placed on the wall and smoothed.
+    /// With `true` the recorded angles are used as rest points without change, each held until the next sample. A record of all
+    /// ticks (control periods) is thus repeated bit for bit. Scale and offset must then be 1 and 0.
+    ///
+    /// With `false` the recording is placed on the wall and smoothed. Default `false`.
     #[serde(default)]
     pub exact: bool,
 }
 
-/// Default scale of a recorded motion, which leaves it unchanged.
+/// Default factor on a recorded motion: 1, which leaves the motion unchanged.
 fn unchanged() -> f64 {
     1.0
 }

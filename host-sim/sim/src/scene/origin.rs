@@ -1,11 +1,11 @@
-//! Where the values of a scene were written, so that an error found late still names file and line.
+//! Remembers in which file and line each value of a scene was written, so that errors found late can name the place.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 
-/// Where one field or table was written.
+/// The place in a file or on the command line where a field or table of a scene was written.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
     /// The value comes from the command line, as the user wrote it: `--set key=value`.
@@ -14,7 +14,7 @@ pub(crate) enum Place {
     Line(usize),
 }
 
-/// The file from which a scene was read, and the place of every field in it.
+/// The file of a scene, and the line or option that gave each field.
 #[derive(Debug, Clone, Default)]
 pub struct Origin {
     file: Option<PathBuf>,
@@ -29,7 +29,7 @@ impl PartialEq for Origin {
 }
 
 impl Origin {
-    /// Origin of a scene from `file`, with no field recorded yet.
+    /// Origin of a scene read from `file`; the places of its fields are added later.
     pub(crate) fn of_file(file: &Path) -> Self {
         Origin {
             file: Some(file.to_owned()),
@@ -42,17 +42,17 @@ impl Origin {
         self.file.as_deref()
     }
 
-    /// Records where the field `path` was written. A field from the command line is looked up by its own path, not by its table.
+    /// Records where the field `path` was written.
     pub(crate) fn put(&mut self, path: &str, place: Place) {
         self.places.insert(path.to_owned(), place);
     }
 
-    /// Whether the file or an option gives the field itself.
+    /// Whether the file or an option gives the field explicitly.
     pub(crate) fn is_written(&self, path: &str) -> bool {
         self.places.contains_key(path)
     }
 
-    /// Place of the field, or of the innermost table around it that was written; else the first line of the file.
+    /// Place where the field was written, else the place of the innermost table around the field, else the first line of the file.
     pub(crate) fn place(&self, path: &str) -> Place {
         let mut path = path;
         loop {

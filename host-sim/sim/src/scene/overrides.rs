@@ -44,10 +44,11 @@ impl Scene {
         draft.build()
     }
 
-    /// Returns the scene with one field changed by an option that has a name of its own, such as `--law tdpa`:
+    /// Returns the scene with one field changed by an option with its own name. For example, `--law tdpa` calls
     /// `with_option("law.kind", "tdpa", "--law tdpa")`.
     ///
-    /// `option` is the text that the user wrote; errors quote it. All else is as in [`with_overrides`](Scene::with_overrides).
+    /// `option` is the text that the user wrote; errors quote it. Otherwise the rules are those of
+    /// [`with_overrides`](Scene::with_overrides).
     ///
     /// # Errors
     /// Same as [`with_overrides`](Scene::with_overrides).
@@ -58,7 +59,7 @@ impl Scene {
     }
 }
 
-/// Tables of a scene whose fields a settings file may contain.
+/// Tables of a scene whose fields a settings file may change.
 const SETTINGS: [&str; 3] = ["timing", "wall", "law"];
 
 /// Line number in the text, from 1, of a TOML syntax error.

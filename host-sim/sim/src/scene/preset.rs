@@ -1,4 +1,4 @@
-//! Named sets of the law's parameters.
+//! Named sets of the control law's parameters.
 
 use super::experiment::Scene;
 use super::origin::Place;
@@ -16,18 +16,20 @@ macro_rules! rows {
 }
 
 touchstone_control::choice! {
-    /// A named set of the law's parameters. It fills in parameters that a scene does not give.
+    /// A named set of law parameters, which fills in the parameters that a scene leaves out.
     Preset {
-        /// The law as this project ships it: tuned, on estimated states, behind the energy guard. The fields' defaults.
+        /// The control law as this project ships it: tuned, with estimated position and velocity, behind the energy guard. Its
+        /// values are the defaults of the fields.
         #[default]
         Shipped = "shipped",
-        /// The law as the thesis builds it: below its own passivity bounds, on measured states, without a guard.
+        /// The control law as the thesis builds it: within its own passivity bounds, with measured position and velocity, without
+        /// energy guard.
         Thesis = "thesis",
     }
 }
 
 impl Preset {
-    /// The preset's fields and values, where these differ from the defaults.
+    /// Fields of the preset whose values differ from the defaults, each with its value as text.
     #[must_use]
     pub const fn fields(self) -> &'static [(&'static str, &'static str)] {
         match self {
@@ -38,7 +40,7 @@ impl Preset {
 }
 
 impl Scene {
-    /// The scene with a preset's values in the fields that neither its file nor an option wrote.
+    /// Returns the scene with the preset's values in all fields that neither the scene file nor an option gives.
     ///
     /// # Errors
     /// Same as [`Scene::with_overrides`].

@@ -10,10 +10,10 @@ use super::operator::Grip;
 use super::schema::{self, FIELDS, Field, Kind};
 
 impl Scene {
-    /// The scene as TOML, every default filled in, with units and meanings as comments; it reads back as the same
-    /// scene.
+    /// Writes the scene as TOML, with every default filled in and with units and meanings as comments. Reading the text gives the
+    /// same scene.
     ///
-    /// Effects that the scene does not name, and that are not simulated, are listed as comments too.
+    /// Effects that the scene does not simulate are listed in comments.
     pub fn to_toml(&self) -> String {
         let draft = Draft::from_scene(self);
         let mut text = String::new();
@@ -46,14 +46,14 @@ fn line(text: &mut String, line: &str) {
     text.write_str(line).expect("a string takes everything");
 }
 
-/// Formats one field with its comment.
+/// Formats one field of the scene as a TOML line with its comment.
 fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     let name = field.name();
     let Some(value) = value else {
         return format!("# {name} absent: {}\n", field.absent.unwrap_or("no value"));
     };
     let value = match (field.kind, value) {
-        // Counts read better without a decimal point.
+        // Large whole numbers, such as encoder counts, read better without a decimal point.
         (Kind::Number(_), Value::Float(number))
             if number.fract() == 0.0 && number.abs() >= 100.0 && number.abs() < 1e15 =>
         {
@@ -63,7 +63,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
         (_, value) => value.to_string(),
     };
     let mut line = format!("{name} = {value}");
-    // Name and description are plain by themselves, and a long text may take several lines.
+    // Name and description at the top level need no explanation, and may take several lines.
     if !field.table().is_empty() {
         line = format!("{line:<44} # {}", field.about_with_unit());
         if let (Kind::Choice(words), false) = (field.kind, field.path == "operator.grip") {
@@ -76,7 +76,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     line + "\n"
 }
 
-/// Formats the hand's values of a grip.
+/// Formats the mechanical values of a grip as comment lines.
 fn grip_values(grip: Grip) -> String {
     match grip.hand() {
         Some(hand) => format!(

@@ -1,13 +1,13 @@
-//! Problems of a scene, before the line in the file is known.
+//! Problems found in a scene, before the file's line is looked up.
 
-/// A problem with one field or table.
+/// A problem with one field or table of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
     /// Dotted path of the field or table.
     pub path: String,
-    /// What is wrong, in words.
+    /// Description of the problem.
     pub problem: String,
-    /// Remedy, in words.
+    /// What the user can do about the problem.
     pub fix: String,
 }
 

@@ -1,8 +1,8 @@
-//! Former names of settings, in scenes and on devices.
+//! Former names of renamed settings, in scene files and on devices.
 
 use touchstone_control::Field;
 
-/// Pairs of former and present path of a setting.
+/// Pairs of the former and the present path of a renamed setting.
 const RENAMED: &[(&str, &str)] = &[
     ("law.k_v_n_m_per_rad", "law.k_soft_n_m_per_rad"),
     ("law.c_i_n_m_s_per_rad", "law.device_damping_n_m_s_per_rad"),
@@ -26,15 +26,15 @@ const RENAMED: &[(&str, &str)] = &[
     ("control.rate_hz", "timing.rate_hz"),
 ];
 
-/// Present path of a setting, given its former path or the end of it.
+/// Returns the present path of a setting, given its former path or the end of its former path.
 pub fn renamed(old: &str) -> Option<&'static str> {
-    // The law's settings lay in the wall's table on a device.
+    // Devices formerly had the law's settings in the table `wall`.
     let moved = |path: &&'static str| {
         let new = path.strip_prefix("law.")?;
         (old.strip_prefix("wall.")? == new).then_some(*path)
     };
     let name = |path: &'static str| path.rsplit('.').next();
-    // The end of a path names it only if it is no name of today.
+    // The end of a former path is accepted only if no present field has that name.
     let was = |path: &'static str, new: &'static str| {
         let end = path.strip_suffix(old);
         end == Some("") || name(path) != name(new) && end.is_some_and(|rest| rest.ends_with('.'))

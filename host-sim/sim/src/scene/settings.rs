@@ -1,11 +1,11 @@
-//! Converts a scene's law and wall to the control crate's settings, which are exact numbers that the crate checks.
+//! Converts the control law and wall of a scene to the control crate's settings: fixed-point numbers whose ranges the crate checks.
 
 use touchstone_control::{PositionSettings, Settings, Si, setting_path};
 
 use super::experiment::Scene;
 use crate::error::Result;
 
-/// A setting by its kind of row.
+/// Converts one value of a scene to the control crate's setting, by the type of the value (number, flag or choice).
 macro_rules! row {
     ($scene:ident $path:expr, $law:expr, $name:ident: number $range:tt) => {
         si($scene, $path, $law.$name)?
@@ -53,14 +53,14 @@ macro_rules! settings {
 touchstone_control::law_settings!(settings);
 
 impl Scene {
-    /// Resolution of the scene's encoder; the default resolution for a scene without one.
+    /// Encoder resolution of the scene for the control crate; the default resolution for a scene without an encoder.
     fn position_settings(&self) -> PositionSettings {
         let count = self
             .encoder
             .as_ref()
             .map_or(0.0, |encoder| encoder.step_rad());
         PositionSettings {
-            // Rounded up.
+            // The count is rounded up by one step of the format, so that it is not below the true value.
             count: Si::saturating_from_num(count).saturating_add(if count > 0.0 {
                 Si::DELTA
             } else {
@@ -70,7 +70,7 @@ impl Scene {
     }
 }
 
-/// Converts an SI value of a scene to the control crate's exact format.
+/// Converts a value of a scene in SI units to the control crate's fixed-point format.
 fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
     Si::checked_from_num(value).ok_or_else(|| {
         scene.error(

@@ -1,4 +1,4 @@
-//! The scenes that come with the program.
+//! The scenes that are compiled into the program.
 
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
-//! Units at the end of names of scene fields and CSV columns, such as `inertia_kg_m2` and `angle_deg`.
+//! Units at the end of the names of scene fields and CSV columns, such as the `kg_m2` of `inertia_kg_m2`.
 
-/// Quantity that a unit measures.
+/// Physical quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Dimension {
     Angle,
@@ -15,16 +15,16 @@ pub(crate) enum Dimension {
     Power,
 }
 
-/// One way to write a unit.
+/// One spelling of a unit, with its factor to SI.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unit {
-    /// The unit as it ends a name, such as `kg_m2`.
+    /// The unit as it appears at the end of a name, such as `kg_m2`.
     pub suffix: &'static str,
     /// The unit as printed for people, such as kg·m².
     pub shown: &'static str,
-    /// The dimension that the unit measures.
+    /// The physical quantity that the unit measures.
     pub dimension: Dimension,
-    /// Size of the unit in SI units.
+    /// Factor from the unit to the SI unit.
     pub si: f64,
 }
 
@@ -40,7 +40,7 @@ const fn unit(dimension: Dimension, suffix: &'static str, shown: &'static str, s
 const TAU: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TAU / 360.0;
 
-/// All units that can be read. The SI unit of each dimension comes first.
+/// All spellings of units that can be read. The SI unit of each quantity comes first.
 pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Angle, "rad", "rad", 1.0),
     unit(Dimension::Angle, "mrad", "mrad", 1e-3),
@@ -95,9 +95,9 @@ pub(crate) fn by_suffix(suffix: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.suffix == suffix)
 }
 
-/// The longest unit that ends `name`; `name` may consist of the unit alone.
+/// The longest unit at the end of `name`; `name` may consist of the unit alone.
 ///
-/// `None` also if the name only seems to end in a plain unit, such as a rate (`…_per_s2`).
+/// Also `None` if the unit is only the end of an unlisted rate, such as the `s` of `counts_per_s`.
 pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {
     let ends = |suffix: &str| {
         name.strip_suffix(suffix)
@@ -111,7 +111,7 @@ pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {
     (!stem.ends_with("per_")).then_some(unit)
 }
 
-/// Whether every word of a name's end could belong to a unit, known here or not (`lb_in2`, `n_per_mm`).
+/// Whether every word at the end of a name could belong to a unit, even to one that is not in the list (`lb_in2`, `n_per_mm`).
 pub(crate) fn looks_like_unit(end: &str) -> bool {
     const WORDS: &[&str] = &[
         "n", "mn", "un", "kn", "nm", "mnm", "ncm", "nms", "kgf", "lb", "lbf", "oz", "ozf", "in",
@@ -122,7 +122,8 @@ pub(crate) fn looks_like_unit(end: &str) -> bool {
     end.split('_').all(|word| WORDS.contains(&word))
 }
 
-/// Shortest number that TOML reads back as `value`, rounded to 12 digits to remove the rounding of unit conversion.
+/// Writes `value` as the shortest decimal number after rounding to 12 digits, which removes the rounding errors of a unit
+/// conversion.
 pub(crate) fn tidy(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     format!("{rounded:?}")

@@ -6,9 +6,9 @@ use super::renamed::renamed;
 use super::schema::{self, Field, Kind};
 use super::units;
 
-/// Problem and fix for a field or table that does not exist at `path`.
+/// Problem and remedy, as text, for a field or table name that does not exist.
 ///
-/// `motion` is the kind of motion in the scene, where it is known: it decides which fields `[operator.motion]` has.
+/// `motion` is the name of the scene's motion, if known: it decides which fields `[operator.motion]` has.
 pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -> (String, String) {
     let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
     if let Some(field) = schema::at(path) {
@@ -55,10 +55,10 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
     }
 }
 
-/// Problem and remedy for a setting that has been renamed to `new`.
+/// Problem and remedy, as text, for a setting that is now called `new`.
 pub(crate) fn was_renamed(new: &str) -> (String, String) {
     let fix = if new.ends_with("_per_ms") {
-        // What it was a share of each tick.
+        // The former setting was a fraction per control period; the new one is a fraction per millisecond.
         format!("write {new}, of the value times timing.rate_hz/1000")
     } else {
         format!("write {new}")
@@ -66,13 +66,13 @@ pub(crate) fn was_renamed(new: &str) -> (String, String) {
     ("it has another name now".to_owned(), fix)
 }
 
-/// Problem and remedy if `name` is one of the given fields with another unit or without a unit.
+/// Problem and remedy, as text, if `name` is one of the given fields with a wrong unit or without a unit; else `None`.
 pub(crate) fn wrong_unit(
     name: &str,
     fields: &[&Field],
     value: Option<&Value>,
 ) -> Option<(String, String)> {
-    // The longest stem first: `touch_ramp_…` begins with `touch`.
+    // Fields with the longest name first, because `touch_ramp_…` also begins with `touch`.
     let mut stems: Vec<(&str, &Field)> = fields
         .iter()
         .filter_map(|field| Some((field.stem()?, *field)))
@@ -101,7 +101,8 @@ pub(crate) fn wrong_unit(
     None
 }
 
-/// Remedy such as "write inertia_kg_m2 = 1e-5": the value converted to the field's unit, where the given unit is known.
+/// Remedy such as "write inertia_kg_m2 = 1e-5". The value is converted to the field's unit if the unit that the user wrote is
+/// known.
 fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     let own = units::by_suffix(field.unit).expect("a field with a stem has a unit");
     let known = units::by_suffix(given).filter(|unit| unit.dimension == own.dimension);
@@ -134,10 +135,10 @@ fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     }
 }
 
-/// The name that was probably meant by `name`: the only one that begins with its whole words, or one that differs in at most
-/// a quarter of its letters. Capital letters, and underscores in place of hyphens, make no difference.
+/// Guesses which of `names` the user meant by `name`: the only one that begins with all words of `name`, or one that differs in at
+/// most a quarter of its letters. Capital letters, and underscores in place of hyphens, make no difference.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
-    // No name is so long, and comparing takes the product of the lengths.
+    // No field has such a long name, and the time to compare grows with the product of the lengths.
     if name.len() > 200 {
         return None;
     }
@@ -156,7 +157,7 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     (near(best) <= (name.len() / 4).max(1)).then_some(best)
 }
 
-/// The field whose name without the unit is most similar.
+/// The field whose name, without its unit, is most similar to `name` without a unit.
 fn nearest_stem(name: &str, fields: &[&Field]) -> Option<&'static str> {
     let stems: Vec<&str> = fields.iter().filter_map(|field| field.stem()).collect();
     let stem = nearest(name, &stems)?;
@@ -166,7 +167,7 @@ fn nearest_stem(name: &str, fields: &[&Field]) -> Option<&'static str> {
         .map(|field| field.name())
 }
 
-/// Table heading for messages, such as `[law.filter]`; words for the top level of the file.
+/// Heading of a table for messages, such as `[law.filter]`; a phrase for the top level of the file.
 fn heading(table: &str) -> String {
     if table.is_empty() {
         "the top of the scene".to_owned()
@@ -184,7 +185,7 @@ pub(crate) fn join(table: &str, name: &str) -> String {
     }
 }
 
-/// Joins words to a list such as "a, b or c".
+/// Joins words to a phrase such as "a, b or c".
 pub fn list(words: &[&str]) -> String {
     match words {
         [] => "nothing".to_owned(),

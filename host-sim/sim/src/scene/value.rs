@@ -1,4 +1,4 @@
-//! Checks the value of a field: type, allowed words and range.
+//! Checks the value of a field: type, allowed names and range.
 
 use toml::Value;
 use toml::de::DeValue;
@@ -7,7 +7,7 @@ use super::problem::Problem;
 use super::schema::{self, Field, Kind};
 use super::unknown::{list, nearest};
 
-/// Words that the field with this dotted path (such as `law.kind`) accepts; empty for a field that takes no word.
+/// Names that the field with this dotted path (such as `law.kind`) accepts as values; empty for a field that takes no name.
 pub fn choices(path: &str) -> &'static [&'static str] {
     match schema::at(path) {
         Some(Field {
@@ -18,7 +18,7 @@ pub fn choices(path: &str) -> &'static [&'static str] {
     }
 }
 
-/// Problem of a field's value; `None` if the value is valid.
+/// Checks the value of a field; returns the problem, or `None` if the value is valid.
 pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
     match (field.kind, value) {
         (Kind::Text, Value::String(_)) | (Kind::Flag, Value::Boolean(_)) => None,
@@ -79,7 +79,7 @@ pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
     }
 }
 
-/// Problem of a value whose type is not that of the field.
+/// Problem of a value whose type is not the type of the field. `is` describes the type that the value has.
 pub(crate) fn wrong_type(field: &Field, is: &str) -> Problem {
     let must = match field.kind {
         Kind::Text => "text in quotes".to_owned(),
@@ -108,7 +108,7 @@ pub(crate) fn shown(value: &Value) -> String {
     }
 }
 
-/// Converts a parsed TOML value. An integer beyond 64 bits becomes a float, so that the error is about range or type.
+/// Converts a parsed TOML value. An integer beyond 64 bits becomes a float, so that the later error speaks of type or range.
 pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
     match leaf {
         DeValue::String(text) => Value::String(text.to_string()),
@@ -126,7 +126,7 @@ pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
                 .map(|item| leaf_value(item.get_ref()))
                 .collect(),
         ),
-        // What is in it does not matter: no list holds a table.
+        // Its content does not matter, because no field accepts a table in a list.
         DeValue::Table(_) => Value::Table(toml::Table::new()),
     }
 }

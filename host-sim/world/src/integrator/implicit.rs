@@ -1,5 +1,5 @@
-//! The implicit Euler and implicit midpoint methods with set-valued friction. Both are one implicit step; they evaluate the rates
-//! at the end or in the middle of the substep.
+//! The implicit Euler and implicit midpoint methods. Dry friction is set-valued: at rest it takes any value up to its limit. The
+//! two methods differ in where they evaluate the rates: at the end or in the middle of the substep.
 
 use super::{Method, Model, Reaction};
 use crate::plant::flow::{apply, columns};
@@ -7,24 +7,32 @@ use crate::plant::{Invalid, Loss};
 
 /// Implicit Euler: `z⁺ = z + h (A z⁺ + B w) - e₁ h λ/J` with the friction torque `λ ∈ F Sgn(v⁺)`.
 ///
-/// First order, and stable for every substep `h`. A device that friction holds keeps its position bit for bit (Kikuuwe, Takesue,
-/// Sano, Mochiyama and Fujimoto, IEEE T-RO 22(6) 1176, 2006; Acary and Brogliato, Systems & Control Letters 59(5) 284, 2010).
+/// `z` is the state before a substep of length `h` and `z⁺` the state after it. `A` and `B` are the matrices of the linear model,
+/// `w` its held inputs. Row `e₁` is that of the device's velocity `v`; `J` is the device's inertia and `F` the friction torque in
+/// motion.
+///
+/// The method is of first order and stable for every `h`. A device that friction holds keeps its position bit for bit (Kikuuwe,
+/// Takesue, Sano, Mochiyama and Fujimoto, IEEE T-RO 22(6) 1176, 2006; Acary and Brogliato, Systems & Control Letters 59(5) 284,
+/// 2010).
 pub type ImplicitEuler<const N: usize> = Implicit<N, false>;
 
-/// Implicit midpoint: `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with the friction torque `λ ∈ F Sgn(v⁺)`.
+/// Implicit midpoint: `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with the friction torque `λ ∈ F Sgn(v⁺)`. Symbols as for
+/// [`ImplicitEuler`].
 ///
-/// Second order, and the energy balance closes to rounding. The solution rings if a pole is fast compared with the substep `h`.
+/// The method is of second order, and its energy balance closes to rounding. The solution rings if a pole is fast compared with the
+/// substep `h`.
 ///
 /// Friction is evaluated at the end of the step (the theta scheme of Moreau's stepping). In the middle of the step it would hold
 /// the position while the velocity changes its sign at every substep.
 pub type ImplicitMidpoint<const N: usize> = Implicit<N, true>;
 
-/// The implicit step. Its rates are those at the substep's end, or in its middle if `MIDDLE` is true.
+/// An implicit integration step. It evaluates the rates in the middle of the substep if `MIDDLE` is true, else at its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Implicit<const N: usize, const MIDDLE: bool> {
-    /// The matrix `h (I - θ h A)⁻¹`. `θ` is 1 for rates at the end, and 1/2 in the middle.
+    /// The matrix `h (I - θ h A)⁻¹`, with the substep's length `h` and the model's matrix `A`. `θ` is 1 for rates at the substep's
+    /// end, 1/2 for rates in its middle.
     step: [[f64; N]; N],
-    /// Change of the state in a substep per N·m of friction torque.
+    /// Change of the state in a substep per unit of friction torque, 1/(N·m).
     response: [f64; N],
     step_s: f64,
 }

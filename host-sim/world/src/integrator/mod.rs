@@ -1,17 +1,16 @@
-//! Textbook integration methods for the equations of [`crate::plant`], as other simulators use them.
+//! Textbook integration methods for the equations of motion of [`crate::plant`], as other simulators use them.
 //!
-//! Simulations do not use them: the exact step of [`crate::plant`] is faster and has no step size. They serve for comparison. Each
-//! method divides an interval into substeps and has an error that the exact step has not.
+//! They serve for comparison only. Simulations use the closed-form solution of [`crate::plant`], which is faster and has no step
+//! size. Each method here divides an interval into substeps, and has an error that falls with the length of the substeps.
 //!
 //! | method | order | dry friction |
 //! |---|---|---|
 //! | [`ImplicitEuler`] | 1 | set-valued: true rest, no chatter |
 //! | [`ImplicitMidpoint`] | 2 | set-valued at the step's end: true rest |
-//! | [`SemiImplicitEuler`] | 1 | takes at most the torque that stops the device |
+//! | [`SemiImplicitEuler`] | 1 | at most the torque that stops the device |
 //! | [`RungeKutta4`] | 4 | smoothed by a `tanh`: the device creeps where it should rest |
 //!
-//! The orders hold for smooth motion. A stop or a start of the device falls inside a substep, where each method is of first order
-//! at best.
+//! The orders hold for smooth motion. If the device stops or starts within a substep, each method is of first order at best.
 
 mod implicit;
 mod model;
@@ -29,16 +28,16 @@ use crate::plant::{Coulomb, Invalid, Loss};
 
 /// A one-step integration method, prepared for substeps of one length.
 pub trait Method<const N: usize>: Sized {
-    /// Order of the method's error over a fixed time, for smooth motion.
+    /// Order of the method: exponent of the substep's length in the error over a fixed time, for smooth motion.
     const ORDER: u32;
 
     /// Prepares substeps of `step_s` seconds, above zero.
     ///
     /// # Errors
-    /// [`Invalid`] if the method has no step of this length.
+    /// [`Invalid`] if the method cannot make a step of this length.
     fn new(model: &Model<N>, step_s: f64) -> Result<Self, Invalid>;
 
-    /// Makes one substep under a held torque and a held rest point of the hand. Computes the losses only if `LOSS` is true.
+    /// Makes one substep under a constant torque and a constant rest point of the hand. Computes the losses only if `LOSS` is true.
     fn step<const LOSS: bool>(
         &self,
         model: &Model<N>,
@@ -47,19 +46,21 @@ pub trait Method<const N: usize>: Sized {
     ) -> Loss;
 }
 
-/// The result of set-valued friction in one step.
+/// Effect of dry friction on the device in one substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reaction {
-    /// Friction holds the device with this torque against the motion, N·m.
+    /// The device is at rest at the substep's end; the friction torque that brought or kept it there, N·m against positive motion.
     Rests(f64),
-    /// The device moves against this torque, N·m.
+    /// The device still moves at the substep's end; the friction torque, N·m against positive motion.
     Slides(f64),
 }
 
 impl Reaction {
-    /// Finds the friction torque that is consistent with the velocity at the step's end, `free - torque · per_torque`.
+    /// Computes the friction torque that is consistent with the device's velocity at the substep's end, `free - torque ·
+    /// per_torque`.
     ///
-    /// `before` is the velocity at the step's start; `free` would be that at its end without friction.
+    /// `before` is the velocity at the substep's start. `free` is the velocity at its end without friction, and `per_torque` the
+    /// change of velocity per friction torque.
     #[inline(always)]
     fn of(coulomb: Coulomb, before: f64, free: f64, per_torque: f64) -> Self {
         let stopping = free / per_torque;
@@ -84,7 +85,7 @@ impl Reaction {
     }
 }
 
-/// Energy that viscous damping and a friction torque dissipate over a substep, J, calculated with the velocities of one state.
+/// Energy that the dampers and a friction torque dissipate over a substep, J, computed with the velocities of the state `at`.
 #[inline(always)]
 fn losses<const N: usize>(model: &Model<N>, at: &[f64; N], friction: f64, step_s: f64) -> Loss {
     let Loss { device_j, hand_j } = model.viscous(at);

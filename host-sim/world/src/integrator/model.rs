@@ -6,10 +6,11 @@ use crate::plant::device::{not_negative, positive};
 use crate::plant::flow::{apply, columns, flow_integral, within_numbers};
 use crate::plant::{Coulomb, Device, Hand, Invalid, Loss};
 
-/// `z' = A z + B [u, r] - e₁ friction(v)/J`: a linear plant in absolute angles, with dry friction at the device.
+/// Equations of motion `z' = A z + B [u, r] - e₁ friction(v)/J` of a linear plant with dry friction at the device, in absolute
+/// angles.
 ///
-/// The device's velocity `v` is the second entry of the state `z`. `u` is the held torque, N·m; `r` is the held rest point of the
-/// hand, rad.
+/// `z` is the state; its second entry is the device's velocity `v`, in row `e₁`. `u` is the held torque in N·m, `r` the held rest
+/// point of the hand in rad, `J` the device's inertia.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model<const N: usize> {
     pub(super) matrix: SMatrix<f64, N, N>,
@@ -20,7 +21,7 @@ pub struct Model<const N: usize> {
 }
 
 impl Model<2> {
-    /// A device without a hand, with the state `[x, v]`; the same equations as [`crate::plant::BareLinear`] and
+    /// Equations of a device without a hand, with the state `[x, v]` (angle, velocity): those of [`crate::plant::BareLinear`] and
     /// [`crate::plant::BareCoulomb`].
     ///
     /// # Errors
@@ -33,11 +34,11 @@ impl Model<2> {
 }
 
 impl Model<3> {
-    /// A device without a hand behind a current loop of first order, `torque' = 2π f (u - torque)`, with the state `[x, v,
-    /// torque]`.
+    /// Equations of a device without a hand whose torque follows its command `u` with a lag of first order, `torque' = 2π f (u -
+    /// torque)`. The state is `[x, v, torque]` (angle, velocity, torque).
     ///
     /// # Errors
-    /// [`Invalid`] when device or bandwidth `f` (Hz) are out of range.
+    /// [`Invalid`] when the device or the bandwidth `f` in Hz is out of range.
     pub fn with_current_loop(device: &Device, bandwidth_hz: f64) -> Result<Self, Invalid> {
         positive("bandwidth_hz", bandwidth_hz)?;
         let (j, b) = (device.inertia, device.damping);
@@ -52,8 +53,8 @@ impl Model<3> {
 }
 
 impl Model<4> {
-    /// A device in a hand, with the state `[x, v, x_h, v_h]`; the same equations as [`crate::plant::HeldLinear`] and
-    /// [`crate::plant::HeldCoulomb`].
+    /// Equations of a device in a hand, with the state `[x, v, x_h, v_h]` (angle and velocity of device and hand): those of
+    /// [`crate::plant::HeldLinear`] and [`crate::plant::HeldCoulomb`].
     ///
     /// # Errors
     /// [`Invalid`] when device or hand are out of range.
@@ -90,7 +91,7 @@ impl<const N: usize> Model<N> {
         })
     }
 
-    /// The device's dry friction.
+    /// Dry friction of the device; `None` for a device without friction.
     #[inline(always)]
     pub(super) fn friction(&self) -> Option<Coulomb> {
         self.device.friction
@@ -101,7 +102,7 @@ impl<const N: usize> Model<N> {
         self.device.inertia
     }
 
-    /// The time derivative `A z + B [u, r]` of the state without dry friction.
+    /// Time derivative of the state without dry friction, `A z + B [u, r]`: state `z`, held torque `u`, held rest point `r`.
     #[inline(always)]
     pub(super) fn rate(&self, state: &[f64; N], held: [f64; 2]) -> [f64; N] {
         let (free, driven) = (apply(&self.rates, state), apply(&self.input, &held));
@@ -134,7 +135,8 @@ impl<const N: usize> Model<N> {
         }
     }
 
-    /// Kinetic energy and energy of the springs, J, as in [`crate::plant::Stepper::stored_energy_j`].
+    /// Kinetic energy and energy of the springs in a state, J, as in [`crate::plant::Stepper::stored_energy_j`]. `rest` is the
+    /// hand's rest point.
     pub(super) fn stored_energy_j(&self, state: &[f64; N], rest: f64) -> f64 {
         let device = self.device.inertia * state[1] * state[1];
         let hand = self.hand.map_or(0.0, |hand| {
@@ -147,7 +149,7 @@ impl<const N: usize> Model<N> {
         0.5 * (device + hand)
     }
 
-    /// The matrix `(I - share·A)⁻¹`; `share` is a time, s.
+    /// The matrix `(I - share·A)⁻¹`, where `A` is the matrix of the state's rates, 1/s, and `share` a time, s.
     pub(super) fn resolvent(&self, share: f64) -> Result<SMatrix<f64, N, N>, Invalid> {
         let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
             f64::from(u8::from(row == column)) - share * self.matrix[(row, column)]
@@ -187,7 +189,7 @@ fn inverse<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, 
     Some(found)
 }
 
-/// The exact step of a model without dry friction, for models that [`crate::plant`] has no plant for.
+/// Closed-form step of a linear model without dry friction, for models without a counterpart in [`crate::plant`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactLinear<const N: usize> {
     flow: [[f64; N]; N],
@@ -213,7 +215,8 @@ impl<const N: usize> ExactLinear<N> {
         })
     }
 
-    /// Advances the state by one interval `h`: `z(h) - z(0) = Ψ(h) z'(0)`.
+    /// Advances the state `z` by one interval `h`: `z(h) - z(0) = Ψ(h) z'(0)` with `Ψ(h) = ∫₀ʰ exp(A t) dt` and the matrix `A` of
+    /// the rates.
     #[inline(always)]
     pub fn step(&self, model: &Model<N>, state: &mut [f64; N], held: [f64; 2]) {
         let increment = apply(&self.flow, &model.rate(state, held));

@@ -3,21 +3,22 @@
 use super::{Method, Model};
 use crate::plant::{Invalid, Loss};
 
-/// Velocity at which the smoothed friction has three quarters of its full value, rad/s. A device that should rest creeps at a
-/// velocity below it.
+/// Velocity `v_s` at which the smoothed friction has three quarters of its full torque, rad/s. A device that dry friction should
+/// hold creeps at a velocity below it.
 pub const CREEP_RAD_PER_S: f64 = 1e-3;
 
-/// The classical Runge–Kutta method: four evaluations per substep, fourth order. It is stable while the substep is shorter than
-/// 2.785 time constants of the fastest pole.
+/// The classical Runge–Kutta method of fourth order, with four evaluations per substep. It is stable while the substep is shorter
+/// than 2.785 time constants of the fastest pole.
 ///
-/// It needs a derivative everywhere, so friction is `F_k tanh(v/v_s)` with [`CREEP_RAD_PER_S`] as `v_s`. This is another model of
-/// friction, without break-away torque and without rest; no substep is short enough to remove its error.
+/// The method needs a derivative everywhere, so dry friction is smoothed to `F_k tanh(v/v_s)`. `F_k` is the friction torque in
+/// motion, `v` the device's velocity, and `v_s` is [`CREEP_RAD_PER_S`]. Smoothed friction has no break-away torque and no rest; no
+/// substep is short enough to remove this error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RungeKutta4<const N: usize> {
     step_s: f64,
 }
 
-/// Time derivative of the state, and the power of the losses.
+/// Time derivative of the state, and the dissipated power in W.
 struct Slope<const N: usize> {
     rate: [f64; N],
     loss: Loss,

@@ -3,14 +3,15 @@
 use super::{Method, Model, Reaction};
 use crate::plant::{Invalid, Loss};
 
-/// Semi-implicit Euler: first the velocities, by the forces at the start of the substep, then the positions, by the new velocities.
+/// Semi-implicit Euler: computes the new velocities from the forces at the start of the substep, then the new positions from the
+/// new velocities.
 ///
-/// First order, one evaluation per substep. It is stable only while the substep is short compared with every pole. Friction takes
-/// at most the torque that stops the device.
+/// The method is of first order, with one evaluation per substep. It is stable only while the substep is short compared with the
+/// time constant of every pole. Friction takes at most the torque that stops the device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SemiImplicitEuler<const N: usize> {
     positions: [bool; N],
-    /// Change of the velocity in a substep per N·m of friction torque.
+    /// Change of the device's velocity in a substep per friction torque, rad/s per N·m.
     response: f64,
     step_s: f64,
 }

@@ -1,10 +1,10 @@
-//! An integration method over the substeps of an interval, usable in place of an exact plant.
+//! Runs an integration method over the substeps of an interval, with the interface of a plant in closed form.
 
 use super::{Method, Model};
 use crate::plant::device::not_negative;
 use crate::plant::{Invalid, Loss, State, Stepper};
 
-/// An interval that is divided into equal substeps of one integration method.
+/// A plant that advances by one interval in equal substeps of an integration method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Substepped<M, const N: usize> {
     model: Model<N>,
@@ -17,11 +17,11 @@ impl<M: Method<N>, const N: usize> Substepped<M, N> {
     /// Prepares intervals of `interval_s` seconds (zero or more), each divided into `substeps` substeps (1 or more).
     ///
     /// # Errors
-    /// [`Invalid`] when the interval is out of range or the method has no step of this length.
+    /// [`Invalid`] when the interval is out of range or the method cannot make a step of this length.
     pub fn new(model: &Model<N>, interval_s: f64, substeps: u32) -> Result<Self, Invalid> {
         not_negative("interval_s", interval_s)?;
         let substeps = substeps.max(1);
-        // An interval of zero length has no step: nothing moves.
+        // An interval of zero length has no substep, so nothing moves.
         let method = (interval_s > 0.0)
             .then(|| M::new(model, interval_s / f64::from(substeps)))
             .transpose()?;
@@ -33,7 +33,7 @@ impl<M: Method<N>, const N: usize> Substepped<M, N> {
         })
     }
 
-    /// Advances the state's entries by one interval. Computes the losses only if `LOSS` is true.
+    /// Advances the state by one interval under held inputs (torque, rest point). Computes the losses only if `LOSS` is true.
     #[inline]
     pub fn advance<const LOSS: bool>(&self, state: &mut [f64; N], held: [f64; 2]) -> Loss {
         let mut loss = Loss::default();

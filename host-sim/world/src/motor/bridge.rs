@@ -1,30 +1,31 @@
-//! The three-phase bridge of a motor, as its average over a PWM period.
+//! The three-phase bridge of a motor, represented by its average voltages over a PWM period.
 
 /// State of the bridge in a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
     /// All six switches are open.
     Off,
-    /// Compare values of phases A, B, C. A phase's voltage rises with its compare value.
+    /// The bridge switches. The numbers are the PWM compare values of phases A, B and C; the voltage of a phase rises with its
+    /// compare value.
     On([u16; 3]),
 }
 
-/// A bridge and its supply.
+/// A three-phase bridge and its supply voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bridge {
-    /// Bus voltage, V.
+    /// Voltage of the supply (bus), V.
     pub bus_v: f64,
-    /// Compare value at which a phase is at the bus voltage during the whole period.
+    /// PWM compare value at which a phase is at the bus voltage during the whole PWM period.
     pub top: u16,
-    /// Dead time as a fraction of the PWM period, `t_d f_pwm`; 0 for an ideal bridge. For a current into the motor it lowers the
-    /// phase's average voltage, for a current out of the motor it raises it.
+    /// Dead time as a fraction of the PWM period, dead time times PWM frequency; 0 for an ideal bridge. The dead time lowers a
+    /// phase's average voltage while current flows into the motor, and raises it while current flows out.
     pub dead_share: f64,
-    /// Forward voltage of a switch's diode, V.
+    /// Forward voltage of the diode in parallel to a switch, V.
     pub diode_v: f64,
 }
 
 impl Bridge {
-    /// A bridge without dead time.
+    /// Makes a bridge without dead time and without diode voltage.
     #[must_use]
     pub const fn ideal(bus_v: f64, top: u16) -> Self {
         Self {
@@ -35,7 +36,8 @@ impl Bridge {
         }
     }
 
-    /// Average voltages of the phases against ground, V. The currents' signs decide the effect of the dead time.
+    /// Average voltages of the phases against ground over a PWM period, V. The sign of each phase current decides whether the dead
+    /// time raises or lowers the voltage.
     #[must_use]
     pub fn voltages(&self, duties: [u16; 3], currents_a: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|phase| {

@@ -7,12 +7,12 @@
 //!                                       shunts (codes)                    encoder (frames)
 //! ```
 //!
-//! All steps are one PWM period long. During a period the bridge gives its average, a constant voltage vector in the stationary
-//! frame. The shaft's speed is taken as constant too: its mean over the period, from a trial step. With these two assumptions
-//! windings and mechanics are linear and their steps exact ([`Windings::step`], [`crate::plant::Stepper`]). The remaining error
-//! comes from constant speed and constant torque within a period; it falls with the square of the period (a test checks it).
+//! Each step lasts one PWM period. During a period the bridge is represented by its average voltages, constant in the stator's
+//! frame. The shaft's speed is also taken as constant: a trial step gives its mean over the period. With these two assumptions
+//! windings and mechanics are linear, and each has a closed-form solution ([`Windings::step`], [`crate::plant::Stepper`]). The
+//! remaining error of constant speed and torque falls with the square of the period (a test checks this).
 //!
-//! Equal inputs give results with equal bits: this module has no clock and no random number.
+//! Equal inputs give results with equal bits: the module uses no clock and no random numbers.
 
 mod bridge;
 mod encoder;

@@ -1,11 +1,11 @@
-//! Motor, bridge, knob and hand together. The caller advances them by one PWM period per call.
+//! Motor, bridge, knob and hand as one simulated system, which the caller advances by one PWM period per call.
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};
 use crate::plant::train::Harmonic;
 use crate::plant::{Device, Kinematics, Stepper};
 
-/// The quantities that can be measured at the end of a PWM period.
+/// True values at the end of a PWM period: currents, angle, speed and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Currents of the bridge's legs A, B, C into the motor, A.
@@ -40,7 +40,7 @@ impl Wires {
 pub struct Rig<S: Stepper> {
     /// The bridge. The bus voltage may be changed between two periods.
     pub bridge: Bridge,
-    /// Harmonics of the motor's cogging torque; their torques are added.
+    /// Harmonics of the motor's cogging torque over the shaft angle; their torques are added.
     pub cogging: Vec<Harmonic>,
     /// The wires between bridge and motor. They may be changed between two periods.
     pub wires: Wires,
@@ -54,7 +54,7 @@ pub struct Rig<S: Stepper> {
 }
 
 impl<S: Stepper> Rig<S> {
-    /// A motor at rest at an angle, without current. The plant's interval must be the PWM period.
+    /// A motor at rest at an angle, without current. The interval of `plant` must be one PWM period.
     #[must_use]
     pub fn new(motor: MotorParameters, bridge: Bridge, plant: S, angle_rad: f64) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl<S: Stepper> Rig<S> {
         }
     }
 
-    /// The quantities that can be measured now.
+    /// True values at the present time: currents, angle, speed and the mean torque of the last PWM period.
     #[must_use]
     pub fn now(&self) -> Reading {
         Reading {
@@ -80,8 +80,8 @@ impl<S: Stepper> Rig<S> {
         }
     }
 
-    /// Advances by one PWM period with this state of the bridge and this rest point of the hand (rad; not used without a hand).
-    /// Returns what can be measured at the period's end.
+    /// Advances by one PWM period and returns the true values at its end. `drive` is the state of the bridge; `rest_rad` is the
+    /// hand's rest point, which a plant without a hand ignores.
     pub fn step(&mut self, drive: Drive, rest_rad: f64) -> Reading {
         let angle = self.state.position();
         if let Some(phase) = self.wires.open {
@@ -97,7 +97,7 @@ impl<S: Stepper> Rig<S> {
                 for (leg, phase) in self.wires.order.into_iter().enumerate() {
                     voltages[phase] = legs[leg];
                 }
-                // The period's mean speed, from a trial step with the torque of the last period.
+                // The mean speed in this period comes from a trial step with the torque of the last period.
                 let mut ahead = self.state;
                 let turning = self.with_cogging(self.torque_n_m, angle);
                 self.plant.step(&mut ahead, turning, rest_rad);
@@ -142,7 +142,7 @@ impl<S: Stepper> Rig<S> {
             .fold(torque_n_m, |sum, it| sum + it.torque(angle_rad))
     }
 
-    /// Currents `(i_d, i_q)` in the frame of the rotor's true angle, A.
+    /// Currents `(i_d, i_q)` along and across the rotor's flux, at the rotor's true angle, A.
     #[must_use]
     pub fn dq_a(&self) -> (f64, f64) {
         self.windings.dq_a(self.state.position())
@@ -154,7 +154,7 @@ impl<S: Stepper> Rig<S> {
     }
 }
 
-/// The knob of the thesis from which the control laws come, without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
+/// The knob of the thesis that describes the control laws, without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
 pub const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,

@@ -1,17 +1,17 @@
-//! Current sensors: shunts between the lower transistors and ground, their amplifiers and the converter. They turn currents into
-//! codes.
+//! Current sensors: shunt resistors between the lower transistors and ground, their amplifiers, and the analogue-to-digital
+//! converter (ADC), which turns currents into codes.
 
-/// Reference voltage of the converters, V.
+/// Reference voltage of the analogue-to-digital converters, V.
 const REFERENCE_V: f64 = 3.3;
 
 /// The current sensor of one phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shunt {
-    /// Current into the motor per code of the converter, A; negative if the code falls with the current.
+    /// Current into the motor per code of the analogue-to-digital converter, A; negative if the code falls with the current.
     pub amps_per_code: f64,
-    /// Code at zero current; on a real board it lies between two codes.
+    /// ADC code at zero current. On a real board it lies between two codes, so it is not an integer.
     pub offset_code: f64,
-    /// Largest code of the converter.
+    /// Largest code of the analogue-to-digital converter.
     pub full_scale: u16,
 }
 
@@ -26,14 +26,14 @@ impl Shunt {
         }
     }
 
-    /// A current sensor with a shunt below the lower transistor, an amplifier that does not invert, and a 12-bit converter. A
-    /// current into the motor comes from ground through the shunt and pulls its upper end below ground, so it lowers the code.
+    /// A current sensor with a shunt below the lower transistor, a non-inverting amplifier, and a 12-bit ADC. A current into the
+    /// motor flows from ground through the shunt and pulls the shunt's upper end below ground, so it lowers the code.
     #[must_use]
     pub const fn low_side(shunt_ohm: f64, gain: f64, offset_code: f64) -> Self {
         Self::bits12(-REFERENCE_V / 4_096.0 / (shunt_ohm * gain), offset_code)
     }
 
-    /// The converter's code for a current into the motor, A.
+    /// ADC code for a current into the motor in A, limited to the range of the converter.
     #[must_use]
     pub fn code(&self, current_a: f64) -> u16 {
         let exact = self.offset_code + current_a / self.amps_per_code;

@@ -1,20 +1,24 @@
-//! The windings of a motor with a round magnetised rotor (no saliency): exact over an interval of constant speed.
+//! The windings of a motor without saliency (equal inductance in all directions), with a closed-form solution over an interval of
+//! constant speed.
 //!
-//! The phase currents are one complex number in the stationary frame (amplitude-invariant:
+//! The phase currents are written as one complex number in the stator's frame (amplitude-invariant:
 //! `i = 2/3 (i_a + i_b e^{2πj/3} + i_c e^{4πj/3})`):
 //!
 //! ```text
 //! L di/dt = v - R i - j ω λ e^{jθ}          torque = 3/2 p λ Im(i e^{-jθ})
 //! ```
 //!
-//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`. The mean torque over
-//! the interval follows in closed form.
+//! `v` is the voltage, `R` and `L` are resistance and inductance of a phase, `λ` is the flux linkage and `p` the number of pole
+//! pairs. The rotor has the electrical angle `θ` and the electrical speed `ω`.
+//!
+//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`; the initial current
+//! gives `c`. The mean torque over the interval follows in closed form.
 
 use nalgebra::Complex;
 
 type C = Complex<f64>;
 
-/// The parameters of a motor.
+/// The electrical parameters of a motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorParameters {
     /// Resistance of a phase to the star point, Ω.
@@ -23,7 +27,7 @@ pub struct MotorParameters {
     pub inductance_h: f64,
     /// Amplitude of a phase's flux linkage `λ`, Wb (V·s): the back-EMF's amplitude divided by the electrical speed.
     pub flux_linkage_wb: f64,
-    /// Number of pole pairs `p`.
+    /// Number of pole pairs.
     pub pole_pairs: u32,
     /// Electrical angle of the rotor at shaft angle 0, rad.
     pub electrical_zero_rad: f64,
@@ -43,7 +47,7 @@ pub const GIMBAL: MotorParameters = MotorParameters {
 };
 
 impl MotorParameters {
-    /// Torque constant `3/2 p λ`: N·m per ampere of the q-axis current.
+    /// Torque constant: N·m per ampere of the q-axis current. It is 3/2 times pole pairs times flux linkage.
     #[must_use]
     pub fn torque_constant_nm_per_a(&self) -> f64 {
         1.5 * f64::from(self.pole_pairs) * self.flux_linkage_wb
@@ -62,34 +66,35 @@ impl MotorParameters {
     }
 }
 
-/// The windings with their current, prepared for intervals of one length.
+/// The windings with their present current, prepared for intervals of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Windings {
     motor: MotorParameters,
     interval_s: f64,
-    /// Factor by which a current decays in an interval: `e^{-RT/L}`.
+    /// Factor by which a current without voltage decays in an interval `T`: `e^{-RT/L}`, with phase resistance `R` and inductance
+    /// `L`.
     decay: f64,
     current: C,
 }
 
-/// The complex number `size e^{j angle}`, by functions whose bits are the same on every machine.
+/// The complex number `size e^{j angle}`, with the same bits on every machine.
 fn polar(size: f64, angle_rad: f64) -> C {
     let (sin, cos) = libm::sincos(angle_rad);
     C::new(size * cos, size * sin)
 }
 
-/// The complex number `e^{2πj/3}`, a third of a turn.
+/// The complex number `e^{2πj/3}`, which turns a vector by a third of a turn.
 fn third() -> C {
     polar(1.0, std::f64::consts::TAU / 3.0)
 }
 
-/// The complex vector of three phase quantities.
+/// The complex vector in the stator's frame of three phase quantities (amplitude-invariant Clarke transform).
 fn vector([a, b, c]: [f64; 3]) -> C {
     let t = third();
     (C::from(a) + t * b + t.conj() * c) * (2.0 / 3.0)
 }
 
-/// `∫₀ᵀ e^{-jωt} dt`, accurate for small `ωT` too.
+/// The integral `∫₀ᵀ e^{-jωt} dt` over the interval `T`, accurate for small `ωT` too.
 fn turning_integral(omega: f64, interval: f64) -> C {
     let half = 0.5 * omega * interval;
     let sinc = if half.abs() < 1e-4 {
@@ -112,7 +117,7 @@ impl Windings {
         }
     }
 
-    /// The same windings with the same current for intervals of another length, e.g. if the bridge changes within a PWM period.
+    /// The same windings with the same current for intervals of another length, such as a part of a PWM period.
     #[must_use]
     pub fn with_interval(self, interval_s: f64) -> Self {
         Self {
@@ -143,15 +148,15 @@ impl Windings {
         [self.current, self.current * t.conj(), self.current * t].map(|i| i.re)
     }
 
-    /// Currents `(i_d, i_q)` at this shaft angle, A.
+    /// Currents `(i_d, i_q)` along and across the rotor's flux at this shaft angle, A.
     #[must_use]
     pub fn dq_a(&self, angle_rad: f64) -> (f64, f64) {
         let i = self.current * polar(1.0, -self.motor.electrical_rad(angle_rad));
         (i.re, i.im)
     }
 
-    /// Advances by one interval with these constant phase voltages (against any common point). The shaft begins at `angle_rad` and
-    /// turns at a constant speed. Returns the mean torque on the shaft in the direction of positive angles, N·m.
+    /// Advances by one interval with constant phase voltages against any common point. The shaft starts at `angle_rad` and turns at
+    /// constant speed. Returns the mean torque on the shaft, N·m, in the direction of positive angles.
     pub fn step(&mut self, phases_v: [f64; 3], angle_rad: f64, speed_rad_per_s: f64) -> f64 {
         let MotorParameters {
             resistance_ohm: r,
@@ -168,7 +173,7 @@ impl Windings {
         let (before, after) = (polar(1.0, theta), polar(1.0, theta + omega * t));
         let transient = self.current - constant - turning * before;
         self.current = constant + turning * after + transient * self.decay;
-        // ∫ i e^{-jθ} dt, part by part; the transient turns and decays.
+        // Computes ∫ i e^{-jθ} dt term by term; the transient term rotates and decays.
         let rate = C::new(r / l, omega);
         let end = polar(self.decay, -omega * t);
         let integral = turning * t
@@ -201,11 +206,11 @@ impl Windings {
     }
 
     /// Advances by one interval with all switches open: the current continues through the diodes against the bus voltage until it
-    /// is zero. Returns the mean torque on the shaft in the direction of positive angles, N·m.
+    /// is zero. Returns the mean torque on the shaft, N·m, in the direction of positive angles.
     ///
-    /// While the current flows, the diodes hold the voltage vector at `-2/3 (bus + 2 drops)` along the current; the smaller
-    /// back-EMF is neglected. After that no current flows. This is right while the back-EMF between two phases is below the bus
-    /// voltage; a faster motor would brake.
+    /// While the current flows, the diodes hold the voltage vector at `-2/3 (bus_v + 2 diode_v)` along the current; the smaller
+    /// back-EMF is neglected. Afterwards no current flows. This model is valid while the back-EMF between two phases is below the
+    /// bus voltage; a faster motor would brake.
     pub fn freewheel(&mut self, bus_v: f64, diode_v: f64, angle_rad: f64) -> f64 {
         let size = libm::hypot(self.current.re, self.current.im);
         if size == 0.0 {
@@ -221,7 +226,7 @@ impl Windings {
         let decay = libm::exp(-r / l * until);
         let left = ((size + limit) * decay - limit).max(0.0);
         let left = if until < self.interval_s { 0.0 } else { left };
-        // ∫ |i| dt of (size + limit) e^{-Rt/L} - limit.
+        // Integral of the current's magnitude, which is (size + limit) e^{-Rt/L} - limit over time.
         let integral = (size + limit) * (1.0 - decay) * l / r - limit * until;
         let direction = self.current / size;
         self.current = direction * left;
@@ -229,7 +234,7 @@ impl Windings {
         self.torque(q * integral / self.interval_s)
     }
 
-    /// Torque in the direction of positive angles for a q-axis current, N·m.
+    /// Torque of a q-axis current `q` in A, N·m, in the direction of positive angles.
     fn torque(&self, q: f64) -> f64 {
         let torque = self.motor.torque_constant_nm_per_a() * q;
         if self.motor.reversed { -torque } else { torque }

@@ -7,14 +7,15 @@ use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, 
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
 
-/// A device with inertia and viscous damping under a held torque: `J dv/dt = u - b v`, two states.
+/// A device with inertia `J` and viscous damping `b` under a held torque `u`: `J dv/dt = u - b v`. The state is angle `x` and
+/// velocity `v`.
 ///
-/// The hand's rest point is accepted but not used, because there is no hand. Dry friction of the device is ignored.
+/// The rest point of a hand is accepted but ignored, because there is no hand. Dry friction of the device is ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BareLinear {
-    /// Increment of the state `[x, v]` in an interval for each entry of the vector `[v, u]`.
+    /// Increment of the state `[x, v]` (angle, velocity) in an interval, for each entry of `[v, u]` (velocity, torque).
     step: [[f64; 2]; 2],
-    /// Matrix of the viscous loss in an interval, J, as a quadratic form of the vector `[v, u]`.
+    /// Matrix of the energy lost to viscous damping in an interval, J, as a quadratic form of `[v, u]` (velocity, torque).
     loss: [[f64; 2]; 2],
     pub(super) inertia: f64,
     pub(super) damping: f64,
@@ -44,13 +45,14 @@ impl BareLinear {
         })
     }
 
-    /// Increment of `[x, v]` in an interval under the constant torque `w`.
+    /// Increment of angle and velocity in an interval under the constant torque `w`, N·m.
     #[inline(always)]
     pub(super) fn increment(&self, velocity: f64, w: f64) -> [f64; 2] {
         apply(&self.step, &[velocity, w])
     }
 
-    /// Viscous loss `b ∫v² dt` over the interval under the constant torque `w`, J.
+    /// Energy lost to viscous damping, `b ∫v² dt`, over an interval under the constant torque `w`, J. `b` is the damping, `v` the
+    /// velocity.
     #[inline(always)]
     pub(super) fn viscous_loss(&self, velocity: f64, w: f64) -> f64 {
         quadratic(&self.loss, &[velocity, w])

@@ -1,19 +1,21 @@
-//! A device without a hand, with Coulomb friction; exact in closed form.
+//! A device without a hand, with Coulomb friction, solved in closed form.
 
 use super::bare::BareLinear;
 use super::device::{Coulomb, Device, Invalid};
 use super::state::State;
 use super::stepper::{Loss, Stepper};
 
-/// `J dv/dt = u - b v - friction(v)` under a held torque `u`: two states.
+/// A device without a hand under a held torque `u`: `J dv/dt = u - b v - friction(v)`. `J` is the inertia, `b` the viscous damping;
+/// the state is angle and velocity `v`.
 ///
-/// While the device turns, friction is a constant torque, so the total is `w = u - sign(v) F_k` and the velocity goes monotonically
-/// towards `w/b`. The velocity changes sign in the interval exactly if its value at the end has the other sign. Then a logarithm
-/// gives the time of the stop. What follows the stop depends on `u` alone: rest while `|u| <= F_s`, otherwise a start in the other
-/// direction, which lasts to the end of the interval. So an interval has at most one stop and one start.
+/// While the device turns, friction is the constant torque `F_k`. The total torque is then `w = u - sign(v) F_k`, and the velocity
+/// goes monotonically towards `w/b`. The device stops in the interval exactly if the velocity at its end has the other sign; a
+/// logarithm then gives the time of the stop. After the stop, the device rests while `|u|` is at most the break-away torque `F_s`.
+/// Otherwise it starts in the other direction and turns to the end of the interval. An interval therefore has at most one stop and
+/// one start.
 ///
-/// A tick without a stop gives the same bits as [`BareLinear`] under the torque `w`. If both levels of friction are zero, ticks in
-/// which the velocity changes sign agree with [`BareLinear`] to rounding only.
+/// An interval without a stop gives the same bits as [`BareLinear`] under the torque `w`. If both levels of friction are zero,
+/// intervals in which the velocity changes sign agree with [`BareLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BareCoulomb {
     sliding: BareLinear,
@@ -64,7 +66,7 @@ impl BareCoulomb {
         }
     }
 
-    /// Advances by an interval in which the device, turning under the total torque `w`, comes to a stop.
+    /// Advances by an interval in which the device, turning under the total torque `w` in N·m, comes to a stop.
     #[cold]
     #[inline(never)]
     fn stop_and_go_on<const LOSS: bool>(&self, state: &mut State<2>, torque: f64, w: f64) -> Loss {
@@ -91,9 +93,10 @@ impl BareCoulomb {
         }
     }
 
-    /// The motion from velocity `v` to rest under a torque `w` of the opposite sign: returns its duration and what happens in it.
+    /// Computes the motion from the velocity `v` to rest under a torque `w` of the opposite sign. Returns the time `τ` to the stop,
+    /// with displacement and loss until then.
     ///
-    /// With `q = -b v / w = exp(b τ / J) - 1`:
+    /// With inertia `J`, damping `b` and `q = -b v / w = exp(b τ / J) - 1`:
     ///
     /// ```text
     /// τ = -(J v / w) L(q)              L = ln(1 + q) / q
@@ -101,8 +104,8 @@ impl BareCoulomb {
     /// b ∫v² dt = J v² (1/2 - Λ(q))
     /// ```
     ///
-    /// Up to `q = 1` all three come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`, in a form without cancellation,
-    /// down to `b = 0`.
+    /// Up to `q = 1` all three values come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`. Its terms do not cancel,
+    /// even for `b = 0`.
     fn stop(&self, v: f64, w: f64) -> (f64, Piece) {
         let (j, b) = (self.sliding.inertia, self.sliding.damping);
         let q = (-v * b / w).min(f64::MAX);
@@ -135,9 +138,9 @@ impl BareCoulomb {
         )
     }
 
-    /// The motion from rest under the torque `w` for the time `t`: returns the final velocity and what happens in it.
+    /// Computes the motion from rest under the torque `w` for the time `t`. Returns the final velocity, with displacement and loss.
     ///
-    /// With `z = b t / J`:
+    /// With inertia `J`, damping `b` and `z = b t / J`:
     ///
     /// ```text
     /// v = (w / J) t φ₁                 φ₁ = (1 - e⁻ᶻ) / z
@@ -159,7 +162,7 @@ impl BareCoulomb {
     }
 }
 
-/// Displacement and loss in a part of an interval in which the direction does not change.
+/// Displacement and viscous loss in a part of an interval in which the device turns in one direction.
 struct Piece {
     travel: f64,
     viscous_j: f64,

@@ -4,19 +4,20 @@ use super::device::Invalid;
 use super::state::State;
 use super::stepper::{Loss, Stepper};
 
-/// A plant whose dry friction is larger by `bias` against positive motion and smaller by `bias` against negative motion, at rest
-/// and in motion.
+/// A plant whose dry friction differs by direction: larger by `bias` against positive motion, smaller by `bias` against negative
+/// motion, at rest and in motion.
 ///
-/// It is the plant with equal friction under the torque `u - bias`. In motion the torque is `u - (F + bias)` or `u + (F - bias)`.
-/// Rest lasts while `-(F_s - bias) <= u <= F_s + bias`. So it is as exact as that plant. The bias is friction and not a motor: its
-/// work is dissipated.
+/// It is computed as the plant with symmetric friction (`F` in motion, `F_s` at rest) under the torque `u - bias`. In positive
+/// motion the torque left is then `u - (F + bias)`, in negative motion `u + (F - bias)`. The device rests while `-(F_s - bias) <= u
+/// <= F_s + bias`. The result is as exact as that of the wrapped plant. The work of the bias counts as dissipated, because the bias
+/// is friction and not a motor.
 pub struct Biased<const N: usize> {
     inner: Box<dyn Stepper<State = State<N>>>,
     bias: f64,
 }
 
 impl<const N: usize> Biased<N> {
-    /// Wraps a plant with equal friction; `kinetic` is its friction in motion.
+    /// Wraps a plant with symmetric friction; `kinetic` is its friction torque in motion, N·m.
     ///
     /// # Errors
     /// [`Invalid`] for a bias so large that friction would drive the device.

@@ -1,8 +1,8 @@
-//! A device with three translations as three independent axes, and its published limits.
+//! A device with three translations, modelled as three independent axes, and the published limits of such a device.
 //!
-//! In its workspace the effector of a delta robot is to a first approximation a mass that is the same in every direction. The
-//! inertia of the linkage, which varies, is not included. Each axis has its own stepper. So the step is exact for linear axes, and
-//! the energy balance closes as for one axis.
+//! In its workspace the effector of a delta robot is to a first approximation a mass that is the same in every direction; the
+//! inertia of the linkage, which varies, is left out. Each axis is advanced by its own stepper. The step is therefore exact for
+//! linear axes, and the energy balance closes as for one axis.
 
 use super::device::{Device, Invalid};
 use super::hand::Hand;
@@ -19,14 +19,14 @@ pub struct Limits {
     pub radius_m: f64,
     /// Half of the workspace's height, m.
     pub half_height_m: f64,
-    /// Resolution of the position along each axis, m.
+    /// Resolution of the measured position along each axis, m.
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
 }
 
 impl Limits {
-    /// The force that the motors give for a command, N: a larger one is scaled down and keeps its direction.
+    /// Limits a commanded force to the largest force of the motors, N. A larger force is scaled down and keeps its direction.
     #[must_use]
     pub fn limited(&self, force_n: [f64; 3]) -> [f64; 3] {
         let length = libm::sqrt(force_n.iter().map(|f| f * f).sum());
@@ -43,7 +43,7 @@ impl Limits {
         x * x + y * y <= self.radius_m * self.radius_m && z.abs() <= self.half_height_m
     }
 
-    /// The position in whole steps of the resolution [`Limits::count_m`].
+    /// Measured position: the true position in whole steps of the resolution [`Limits::count_m`].
     #[must_use]
     pub fn counts(&self, position_m: [f64; 3]) -> [i32; 3] {
         position_m.map(|x| libm::round(x / self.count_m) as i32)
@@ -60,7 +60,7 @@ pub const OMEGA3: Limits = Limits {
     rates_hz: (1000, 4000),
 };
 
-/// Each axis of an omega.3: 0.148 kg, the effector's mass in its maker's library, and 2.5 N·s/m, which the thesis found (§5.2).
+/// Mass and damping of each axis of an omega.3: 0.148 kg (effector mass in its maker's library), and 2.5 N·s/m (thesis, §5.2).
 pub const OMEGA3_AXIS: Device = Device {
     inertia: 0.148,
     damping: 2.5,
@@ -69,7 +69,8 @@ pub const OMEGA3_AXIS: Device = Device {
 
 /// A firm hand at the effector, for each axis: 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m and 0.5 N·s/m.
 ///
-/// The values are chosen, not measured. The pad's damping is a fifth of the device's, as with the thesis' knob.
+/// The values are chosen, not measured. The pad's damping is a fifth of the device's damping, the same ratio as for the thesis'
+/// knob.
 pub const FIRM_TRANSLATION: Hand = Hand {
     inertia: 0.8,
     damping: 5.5,
@@ -78,8 +79,8 @@ pub const FIRM_TRANSLATION: Hand = Hand {
     pad_stiffness: 2000.0,
 };
 
-/// A light touch at the effector, for each axis: the linear values of [`super::LIGHT`]. The pad's damping has the ratio to that of
-/// [`FIRM_TRANSLATION`] which the two grips of a knob have.
+/// A light touch at the effector, for each axis: mass, damping and stiffness of [`super::LIGHT`]. The ratio of its pad damping to
+/// that of [`FIRM_TRANSLATION`] is the ratio between the two grips of a knob.
 pub const LIGHT_TRANSLATION: Hand = Hand {
     inertia: 0.1,
     damping: 1.0,
@@ -88,7 +89,8 @@ pub const LIGHT_TRANSLATION: Hand = Hand {
     pad_stiffness: 300.0,
 };
 
-/// An ordinary grip at the effector, for each axis: derived from [`super::MEDIUM`] as [`LIGHT_TRANSLATION`] is from the light grip.
+/// An ordinary grip at the effector, for each axis, derived from [`super::MEDIUM`] in the same way as [`LIGHT_TRANSLATION`] from
+/// the light grip.
 pub const MEDIUM_TRANSLATION: Hand = Hand {
     inertia: 0.3,
     damping: 3.0,
@@ -104,7 +106,7 @@ pub struct Cartesian<S> {
 }
 
 impl<S: Stepper> Cartesian<S> {
-    /// A device of three steppers, which must have the same interval.
+    /// Combines the steppers of three axes, which must have the same interval.
     ///
     /// # Errors
     /// [`Invalid`] if the intervals differ.
@@ -120,7 +122,7 @@ impl<S: Stepper> Cartesian<S> {
         }
     }
 
-    /// The states of the three axes at rest at a position.
+    /// States of the three axes for an effector at rest at a position in m.
     #[must_use]
     pub fn at_rest(position: [f64; 3]) -> [S::State; 3] {
         position.map(S::State::at_rest)
@@ -139,7 +141,7 @@ impl<S: Stepper> Cartesian<S> {
         }
     }
 
-    /// Same as [`Cartesian::step`], bit for bit. Also returns the dissipated energy.
+    /// Advances the same as [`Cartesian::step`], bit for bit, and returns the dissipated energy.
     pub fn step_with_loss(
         &self,
         state: &mut [S::State; 3],
@@ -163,7 +165,7 @@ impl<S: Stepper> Cartesian<S> {
 }
 
 impl Cartesian<HeldLinear> {
-    /// A device in a hand, with the same parameters along each axis.
+    /// Makes a device in a hand, with the same parameters along each axis, for intervals of `interval_s` seconds.
     ///
     /// # Errors
     /// [`Invalid`] for a device or hand that is out of range.
@@ -192,7 +194,7 @@ mod tests {
         assert_eq!(OMEGA3.counts([1.04e-5, -1.06e-5, 0.02]), [1, -1, 2000]);
     }
 
-    /// Checks that each axis equals the device of one axis, bit for bit, and that the energy balance of all three closes.
+    /// Checks that each axis moves like a device with one axis, bit for bit, and that the energy balance of all three closes.
     #[test]
     fn the_axes_are_those_of_one_device_each_and_the_books_close() {
         let plant = Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, 2.5e-4).unwrap();

@@ -1,16 +1,16 @@
-//! A simulated device: one inertia, viscous damping, and dry friction if it has any.
+//! A simulated device: one inertia, viscous damping, and optional dry friction.
 
-/// A device with one axis; units of a translational axis are in brackets.
+/// A device with one axis. Units are those of a knob; those of a translational axis follow in brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
     /// Inertia `J` of everything that turns with the knob, kg·m² (kg); above zero.
     pub inertia: f64,
     /// Viscous damping `b` of the device to ground, N·m·s/rad (N·s/m); zero or more.
     ///
-    /// It is that of the device alone. The `c_i` that the thesis found by feel includes the fingertip's damping, see
+    /// It is the damping of the device alone. The thesis' damping `c_i`, found by feel, includes the fingertip's damping, see
     /// [`super::Hand`].
     pub damping: f64,
-    /// Dry friction of the device to ground; `None` for a device without any.
+    /// Dry friction of the device to ground; `None` for a device without dry friction.
     pub friction: Option<Coulomb>,
 }
 
@@ -39,7 +39,7 @@ pub struct Invalid {
 }
 
 impl Device {
-    /// Checks that every field is in the range that its comment gives.
+    /// Checks that every field is in the range that the field's comment gives.
     ///
     /// # Errors
     /// [`Invalid`] names the first field out of range.
@@ -49,7 +49,7 @@ impl Device {
         self.friction.map_or(Ok(()), |friction| friction.validate())
     }
 
-    /// The device's friction, for steppers that need one.
+    /// Dry friction of the device, for steppers that need it.
     ///
     /// # Errors
     /// [`Invalid`] for a device without friction.
@@ -63,7 +63,7 @@ impl Device {
 }
 
 impl Coulomb {
-    /// Checks that every field is in the range that its comment gives.
+    /// Checks that every field is in the range that the field's comment gives.
     ///
     /// # Errors
     /// [`Invalid`] names the first field out of range.

@@ -1,26 +1,27 @@
-//! The exact step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every tick.
+//! Closed-form step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every
+//! interval.
 //!
-//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion
-//! depends: velocities, strains and the held torque, but no absolute angle. Then
+//! A plant has a state `z` and a *drive* `y`, with `y' = M y` and `z' = R y`. The drive contains all values on which the motion
+//! depends: velocities, strains and the held torque, but no absolute angle. For an interval `h`:
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative
-//! accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no
-//! damping, no spring) needs no special case.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978), written for increments. Increments keep their
+//! relative accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels (mass `m`,
+//! damping `b`, time `T`). A singular `M` (no damping, no spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};
 
-/// Largest norm of `M h` (matrix of the rates times the interval) for which the series converges within [`TERMS`] terms. For a
-/// larger one the interval is halved repeatedly, and the result is doubled back.
+/// Largest norm of `M h` (matrix of the rates times the interval) for which [`TERMS`] terms of the series suffice. For a larger
+/// norm the interval is halved repeatedly, and the result is doubled as often.
 const SERIES_NORM: f64 = 0.5;
 /// Number of terms of the series. The first term left out is below `0.5^18 / 18!`, 6e-22, far below rounding.
 const TERMS: u32 = 18;
 
-/// Largest sum of magnitudes of a row: a norm with `norm(M^k) <= norm(M)^k`.
+/// Largest sum of magnitudes in a row of a matrix: a norm with `norm(M^k) <= norm(M)^k`.
 pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
     m.row_iter()
         .map(|row| row.iter().map(|entry| entry.abs()).sum())
@@ -28,7 +29,7 @@ pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
 }
 
 /// Largest accepted norm of `M h` (matrix of the rates times the interval). Above it the slow part of the motion is lost in the 53
-/// bits of a float, and an infinite norm would need endless halvings.
+/// bits of a float. An infinite norm would need endless halvings.
 const MOST_NORM: f64 = 1e15;
 
 /// Refuses a system whose fastest and slowest rates differ too much for floating-point numbers.
@@ -58,7 +59,8 @@ fn halvings(norm: f64) -> u32 {
 /// below it.
 const STIFF_NORM: f64 = 4096.0;
 
-/// `Ψ(h) = ∫₀ʰ exp(M t) dt`: a Taylor series over `h / 2ⁿ`, then `n` times `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
+/// The integral `Ψ(h) = ∫₀ʰ exp(M t) dt` for the matrix `M` of the rates. A Taylor series over `h / 2ⁿ` is doubled `n` times by
+/// `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
 pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     let norm = row_sum_norm(m) * h;
     if norm > STIFF_NORM {
@@ -72,7 +74,7 @@ pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> S
     psi
 }
 
-/// The Taylor series of `Ψ` over `h / 2ⁿ`, where `n` is `doublings`.
+/// Taylor series of `Ψ = ∫ exp(M t) dt` over the interval `h / 2ⁿ`, where `n` is `doublings`.
 fn series<const K: usize>(m: &SMatrix<f64, K, K>, h: f64, doublings: u32) -> SMatrix<f64, K, K> {
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = SMatrix::<f64, K, K>::identity() * base;
@@ -84,10 +86,10 @@ fn series<const K: usize>(m: &SMatrix<f64, K, K>, h: f64, doublings: u32) -> SMa
     psi
 }
 
-/// `exp(M h)` and `Ψ(h)` of a stiff system.
+/// Computes `exp(M h)` and `Ψ(h) = ∫₀ʰ exp(M t) dt` for a stiff system, one whose rates differ by orders of magnitude.
 ///
-/// In `M Ψ Ψ` the rounding error of one rate's part would be multiplied by another's, because `M` is large where `Ψ` is small. So
-/// `X = Φ - I` is computed by itself, with `X(2t) = 2 X + X X` and `Ψ(2t) = 2 Ψ + X Ψ`. These have no large factor and keep the
+/// `M` is large where `Ψ` is small, so the product `M Ψ Ψ` would mix the rounding errors of fast and slow rates. Instead `X = exp(M
+/// h) - I` is doubled by `X(2t) = 2 X + X X`, and `Ψ` by `Ψ(2t) = 2 Ψ + X Ψ`. These products have no large factor and keep the
 /// digits of the slow part.
 fn stiff_flow<const K: usize>(
     m: &SMatrix<f64, K, K>,
@@ -103,7 +105,7 @@ fn stiff_flow<const K: usize>(
     (SMatrix::identity() + moved, psi)
 }
 
-/// The matrix exponential `exp(M h)`.
+/// The matrix exponential `exp(M h)` of the rates `M` over the interval `h`.
 pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     if row_sum_norm(m) * h > STIFF_NORM {
         return stiff_flow(m, h).0;
@@ -111,16 +113,17 @@ pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f6
     SMatrix::identity() + m * flow_integral(m, h)
 }
 
-/// `S(h) = ∫₀ʰ exp(M t)ᵀ Q exp(M t) dt`, so that `∫ yᵀ Q y dt = y(0)ᵀ S y(0)`.
+/// The matrix `S(h) = ∫₀ʰ exp(M t)ᵀ Q exp(M t) dt`. It gives the energy `∫ yᵀ Q y dt = y(0)ᵀ S y(0)` of a power `yᵀ Q y` over the
+/// interval.
 ///
-/// Van Loan's method takes it from one exponential of twice the size, which contains `exp(-Mᵀ h)` and overflows for stiff plants.
-/// `S(2t) = S(t) + Φ(t)ᵀ S(t) Φ(t)`, which is used here, only adds energies.
+/// Van Loan's method computes `S` from one exponential of twice the size, which contains `exp(-Mᵀ h)` and overflows for stiff
+/// plants. The doubling `S(2t) = S(t) + exp(M t)ᵀ S(t) exp(M t)`, used here, only adds energies.
 pub(crate) fn quadratic_integral<const K: usize>(
     m: &SMatrix<f64, K, K>,
     q: &SMatrix<f64, K, K>,
     h: f64,
 ) -> SMatrix<f64, K, K> {
-    // The series runs in `Mᵀ Q + Q M`.
+    // The terms of the series come from repeated `Mᵀ Q + Q M`.
     let doublings = halvings((row_sum_norm(m) + row_sum_norm(&m.transpose())) * h);
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = q * base;
@@ -139,7 +142,7 @@ pub(crate) fn quadratic_integral<const K: usize>(
     s
 }
 
-/// The columns of a matrix as plain arrays, the form that [`apply`] reads in a tick.
+/// The columns of a matrix as plain arrays, the form that [`apply`] reads.
 pub(crate) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
     m: &SMatrix<T, N, K>,
 ) -> [[T; N]; K] {
@@ -183,8 +186,8 @@ mod tests {
             .fold(0.0, |largest, entry| largest.max(entry.abs()))
     }
 
-    /// An oscillator with a held input and an eigenfrequency of 60 1/s. The norms of `M h` are 1e-3 to 1e3 over the intervals
-    /// below.
+    /// An oscillator with a held input and an eigenfrequency of 60 rad/s. Over the tests' intervals, the norm of rates times
+    /// interval is 1e-3 to 1e3.
     fn oscillator() -> Matrix3 {
         matrix![0.0, 1.0, 0.0; -3600.0, -7.0, 2.0; 0.0, 0.0, 0.0]
     }
@@ -204,7 +207,7 @@ mod tests {
         let (sin, cos) = SERIES_NORM.sin_cos();
         let expected = matrix![sin, 1.0 - cos; cos - 1.0, sin];
         assert!(largest(&(flow_integral(&turn, SERIES_NORM) - expected)) < 1e-16);
-        // ∫ cos² dt, with the turn as the motion.
+        // Tests the integral of cos² over time, with a rotation as the motion.
         let q = matrix![1.0, 0.0; 0.0, 0.0];
         let s = quadratic_integral(&turn, &q, 0.25);
         assert!((s[(0, 0)] - (0.125 + 0.5_f64.sin() / 4.0)).abs() < 1e-16);
@@ -212,7 +215,7 @@ mod tests {
 
     #[test]
     fn flow_integral_solves_its_differential_equation_when_the_matrix_is_singular() {
-        // Double integrator: Ψ is exact in three terms.
+        // For a double integrator, three terms of the series give Ψ exactly.
         let m: Matrix3 = matrix![0.0, 1.0, 0.0; 0.0, 0.0, 1.0; 0.0, 0.0, 0.0];
         let h = 0.125;
         let expected = matrix![h, h * h / 2.0, h * h * h / 6.0; 0.0, h, h * h / 2.0; 0.0, 0.0, h];
@@ -222,7 +225,7 @@ mod tests {
 
     #[test]
     fn flow_survives_stiffness() {
-        // One rate of 1e9 beside a rate of 1: the fast one has decayed, the slow one has not.
+        // A rate of 1e9 1/s together with a rate of 1 1/s: the fast motion has decayed, the slow one has not.
         let m = matrix![-1e9, 0.0; 0.0, -1.0];
         let psi = flow_integral(&m, 1.0);
         assert!((psi[(0, 0)] - 1e-9).abs() < 1e-22);
@@ -250,7 +253,7 @@ mod tests {
 
     #[test]
     fn quadratic_integral_is_van_loans() {
-        // Van Loan: exp([-Mᵀ Q; 0 M] h) = [.. G; 0 Φ], S = Φᵀ G.
+        // Van Loan's method for comparison: exp([-Mᵀ Q; 0 M] h) = [.. G; 0 Φ] gives S = Φᵀ G.
         let m = oscillator();
         let q: Matrix3 = matrix![0.0, 0.0, 0.0; 0.0, 2.0, -1.0; 0.0, -1.0, 3.0];
         for h in [1e-5, 1e-3, 2e-2] {

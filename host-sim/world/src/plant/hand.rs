@@ -2,16 +2,17 @@
 
 use super::device::{Invalid, not_negative, positive};
 
-/// A hand of one mass. The fingertip's pad joins it to the device, and a spring to a moving rest point.
+/// A hand, modelled as one mass. The fingertip pad (spring and damper) joins it to the device, and a spring joins it to a moving
+/// rest point.
 ///
-/// A hand without a pad, rigidly on the device, would add its damping of some 1e-3 N·m·s/rad to the knob's 4e-4 and make every wall
-/// of the thesis stable. With the pad between them the device is alone with the wall at high frequency. The price is a second mass
-/// with two states.
+/// The pad is needed for realism. A hand rigidly on the device would add its damping of about 1e-3 N·m·s/rad to the knob's 4e-4 and
+/// make every wall of the thesis stable. With the pad in between, the device is alone with the wall at high frequency. The price is
+/// a second mass with two states.
 ///
-/// The rest point `r` is where the hand intends to be; its motion is the user's intention. Like the torque it is held during a tick
-/// (zero-order hold). Voluntary motion has frequencies up to some 10 Hz, so at a control rate of 1 kHz the steps are small. The
-/// energy balance includes their work on the spring (see [`super::Stepper::stored_energy_j`]). The damper `b_h` acts from the hand
-/// to ground and not to the rest point, because a held `r` has no velocity.
+/// The rest point `r` is the angle to which the person wants to move the hand. It is held during a control period (zero-order
+/// hold), like the torque. Voluntary motion has frequencies up to about 10 Hz, so at a control rate of 1 kHz the steps are small.
+/// The energy balance includes their work on the spring (see [`super::Stepper::stored_energy_j`]). The damper `b_h` acts from the
+/// hand to ground and not to the rest point, because a held `r` has no velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
     /// Inertia `J_h` of the hand about the knob's axis, kg·m² (kg); above zero.
@@ -26,10 +27,12 @@ pub struct Hand {
     pub pad_stiffness: f64,
 }
 
-/// Square of the radius of 15 mm at which fingers grip a knob, m². It converts N/m into N·m/rad and kg into kg·m².
+/// Square of the radius of 15 mm at which fingers grip a knob, m². It converts stiffness in N/m to N·m/rad, and mass in kg to
+/// kg·m².
 const GRIP_RADIUS_SQUARED_M2: f64 = 2.25e-4;
 
-/// A grip from linear values at the fingertip. The pad's damping is the value at the knob, N·m·s/rad, see [`MEDIUM`].
+/// Makes a grip of a knob from mass, damping and stiffness at the fingertip. Only the pad's damping is already rotary, N·m·s/rad,
+/// see [`MEDIUM`].
 const fn grip(
     mass_kg: f64,
     damping_n_s_per_m: f64,
@@ -46,22 +49,24 @@ const fn grip(
     }
 }
 
-/// A light touch: 0.1 kg, 1 N·s/m, 30 N/m, pad 300 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
+/// A light touch of a knob at a radius of 15 mm: hand 0.1 kg, 1 N·s/m, 30 N/m, fingertip pad 300 N/m. Chosen, not measured, see
+/// [`MEDIUM`].
 pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.33e-4);
 
-/// An ordinary grip: 0.3 kg, 3 N·s/m, 100 N/m, pad 700 N/m at 15 mm.
+/// An ordinary grip of a knob at a radius of 15 mm: hand 0.3 kg, 3 N·s/m, 100 N/m, fingertip pad 700 N/m.
 ///
-/// **Chosen, not measured.** Mass, damping and stiffness are within the range of hand models in the literature. One condition sets the pad's
-/// damping: the thesis found its `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so that value is the sum of device and
-/// fingertip. A knob with 4e-4 N·m·s/rad of its own leaves 1e-4 for the pad of this grip. The pads of the other two grips have the
-/// ratios of published values, which grow with the force of the grip.
+/// **Chosen, not measured.** Mass, damping and stiffness are within the range of hand models in the literature. The pad's damping
+/// follows from the thesis: its damping `c_i` of 5e-4 N·m·s/rad was found by feel, with a finger on the knob, so it is the sum of
+/// device and fingertip. With 4e-4 N·m·s/rad for the knob, 1e-4 is left for the pad of this grip. The pads of the other two grips
+/// have the ratios of published values, which grow with the force of the grip.
 pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 1.0e-4);
 
-/// A firm grip: 0.8 kg, 5.5 N·s/m, 300 N/m, pad 2000 N/m at 15 mm. Chosen, not measured, see [`MEDIUM`].
+/// A firm grip of a knob at a radius of 15 mm: hand 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m. Chosen, not measured, see
+/// [`MEDIUM`].
 pub const FIRM: Hand = grip(0.8, 5.5, 300.0, 2000.0, 3.3e-4);
 
 impl Hand {
-    /// Checks that every field is in the range that its comment gives.
+    /// Checks that every field is in the range that the field's comment gives.
     ///
     /// # Errors
     /// [`Invalid`] names the first field out of range.

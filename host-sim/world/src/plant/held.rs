@@ -1,4 +1,4 @@
-//! A device that a hand holds through the fingertip's pad, without dry friction.
+//! A device that a hand holds through the fingertip pad, without dry friction.
 
 use nalgebra::{SMatrix, matrix};
 
@@ -8,15 +8,18 @@ use super::hand::Hand;
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
 
-/// The vector on which the motion depends: `[v, d, v_h, g, u]`, with the pad's strain `d = x_h - x`, the strain of the hand's
-/// spring `g = r - x_h`, and the held torque `u`. It has no absolute angles, so the quadratic forms below do not cancel far from
-/// zero.
+/// The values on which the motion depends: `[v, d, v_h, g, u]`. `v` and `v_h` are the velocities of device and hand, `d = x_h - x`
+/// is the strain of the pad, `g = r - x_h` the strain of the hand's spring, and `u` the held torque.
+///
+/// The vector has no absolute angles, so energies computed from it do not cancel far from angle zero.
 pub(super) type Drive = [f64; 5];
 
-/// Device and hand by the equations of [`super`], without dry friction: four states. Dry friction of the device is ignored.
+/// A device in a hand, without dry friction: the equations of motion of [`super`] with four states. Dry friction of the device is
+/// ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldLinear {
-    /// Increment of the state `[x, v, x_h, v_h]` in an interval for each entry of the vector [`Drive`].
+    /// Increment of the state `[x, v, x_h, v_h]` (angle and velocity of device and hand) in an interval, for each entry of
+    /// [`Drive`].
     step: [[f64; 4]; 5],
     device_loss: [[f64; 5]; 5],
     hand_loss: [[f64; 5]; 5],
@@ -25,14 +28,14 @@ pub struct HeldLinear {
     interval_s: f64,
 }
 
-/// The vector [`Drive`] for a state, a torque and a rest point.
+/// The vector [`Drive`] (velocities, strains, torque) for a state, a torque and a rest point of the hand.
 #[inline(always)]
 pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
     let [x, v, x_h, v_h] = state.0;
     [v, x_h - x, v_h, rest - x_h, torque]
 }
 
-/// The matrix `M` in `y' = M y` for the vector [`Drive`] `y`.
+/// The matrix `M` in `y' = M y`, where `y` is the vector [`Drive`] of velocities, strains and torque.
 pub(super) fn drive_matrix(device: &Device, hand: &Hand) -> SMatrix<f64, 5, 5> {
     let (b, k_p, b_p) = (device.damping, hand.pad_stiffness, hand.pad_damping);
     let (b_h, k_h) = (hand.damping, hand.stiffness);
@@ -81,7 +84,7 @@ impl HeldLinear {
         })
     }
 
-    /// Increment of the state `[x, v, x_h, v_h]` in an interval.
+    /// Increment of the state `[x, v, x_h, v_h]` (angle and velocity of device and hand) in an interval.
     #[inline(always)]
     pub(super) fn increment(&self, drive: &Drive) -> [f64; 4] {
         apply(&self.step, drive)

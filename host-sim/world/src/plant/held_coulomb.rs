@@ -1,4 +1,4 @@
-//! A device in a hand, with Coulomb friction. Exact: every stop and start is located within the tick.
+//! A device in a hand, with Coulomb friction. The solution is exact: every stop and start is located within the interval.
 
 mod events;
 
@@ -15,54 +15,56 @@ use super::stepper::{Loss, Stepper};
 use super::taylor::NORM;
 use events::Mode;
 
-/// Device and hand by the equations of [`super`], with dry friction: four states and two modes.
+/// A device in a hand, with dry friction: the equations of motion of [`super`], with four states and two modes.
 ///
-/// *Sliding*: friction is a constant torque, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`]. *Stuck*: `x` stays
-/// the same bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed. Because the pad
-/// oscillates, the velocity may change sign twice in a tick, which its value at the tick's end does not show.
+/// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`].
+/// `u` is the held torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and
+/// the hand moves against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an
+/// interval, which its value at the interval's end does not show.
 ///
-/// So each tick first evaluates a bound that holds in every case: on an interval of length `h` a function stays within `h²/8
-/// max|f''|` of the straight line between its end values. If that leaves no room for an event (a stop or a start), which is nearly
-/// always, the precomputed matrix gives the step. The bound is evaluated twice: first from the drive's magnitudes (velocities,
-/// strains, torque), which is cheapest. The second time it uses the magnitudes of the drive's rate of change, which are small while
-/// a press of the hand is in balance. Otherwise the events are found one after the other, to rounding, on the power series of the
+/// Each step therefore first evaluates a bound that holds in every case: on an interval of length `h` a function `f` stays within
+/// `h²/8 max|f''|` of the straight line between its end values. If that leaves no room for a stop or a start, which is nearly
+/// always, the precomputed matrix gives the step. The bound is evaluated twice. The first, cheapest form uses the magnitudes of
+/// velocities, strains and torque. The second form uses the magnitudes of their rates of change, which are small while a press of
+/// the hand is in balance. Otherwise stops and starts are located one after the other, to rounding, on the power series of the
 /// exact solution.
 ///
-/// A tick without an event gives the same bits as [`HeldLinear`] under the torque `w`. If both levels of friction are zero, ticks
-/// in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
+/// An interval without stop and start gives the same bits as [`HeldLinear`] under the torque `w`. If both levels of friction are
+/// zero, intervals in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldCoulomb {
     sliding: HeldLinear,
     kinetic: f64,
     breakaway: f64,
-    /// Bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive `[v, d, v_h, g,
-    /// u]`.
+    /// Factors that bound `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the device's velocity `v`. There is
+    /// one factor for the magnitude of each entry of `held::Drive` (velocities, strains, torque).
     slide_guard: [f64; 5],
-    /// A finer bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the rate of
-    /// change of the drive `[v, d, v_h, g, u]`.
+    /// Factors for a finer bound of `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the velocity `v`. There is
+    /// one factor for the rate of change of each entry of `held::Drive`.
     slide_rate_guard: [f64; 5],
-    /// Matrix `M` of the rate of change `M y` of the drive `y` while the device slides, by columns.
+    /// Matrix `M` that gives the rate of change `M y` of the vector `y` (`held::Drive`) while the device slides, by columns.
     rates: [[f64; 5]; 5],
-    /// Increment of the hand's `[x_h, v_h]` in an interval while the device is stuck, for each entry of the drive `[d, v_h, g]`.
+    /// Increment of the hand's angle and velocity in an interval while the device is stuck. One column for each of pad strain, hand
+    /// velocity and strain of the hand's spring.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
-    /// Bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the magnitude of
-    /// each entry of the stuck drive `[d, v_h, g]`.
+    /// Factors that bound `h²/8` times the second derivative of the pad's torque while the device is stuck, for the interval `h`.
+    /// One for the magnitude of each of pad strain, hand velocity and strain of the hand's spring.
     stick_guard: [f64; 3],
-    /// A finer bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the
-    /// magnitude of each entry of the rate of change of `[d, v_h, g]`.
+    /// Factors for a finer bound of `h²/8` times the second derivative of the pad's torque while the device is stuck, for the
+    /// interval `h`. One for the rate of change of each of pad strain, hand velocity and strain of the hand's spring.
     stick_rate_guard: [f64; 3],
-    /// Matrix `M` of the rate of change `M y` of the drive `y = [d, v_h, g]` while the device is stuck, by columns.
+    /// Matrix of the rates of pad strain, hand velocity and strain of the hand's spring while the device is stuck, by columns.
     stuck_rates: [[f64; 3]; 3],
-    /// Longest interval that one power series covers, s.
+    /// Longest time that one power series of the solution covers, s.
     piece_s: f64,
 }
 
-/// Largest number of power series in a tick. A tick that needs more is far too long for the plant's own motion.
+/// Largest number of power series in an interval. An interval that needs more is far too long for the plant's own motion.
 const MAX_PIECES: f64 = 4096.0;
 
-/// `h²/8 · |row| |M|² exp(|M| h)`, which bounds `h²/8 · |d²/dt² (row · y)|` over the interval for `y' = M y`: a factor for the
-/// magnitude of each entry of `y`.
+/// Bounds `h²/8 · |d²f/dt²|` over the interval `h` for `f = row · y` and `y' = M y`, by `h²/8 · |row| |M|² exp(|M| h)`. Returns a
+/// factor for the magnitude of each entry of `y`.
 fn curvature_guard<const K: usize>(
     row: RowSVector<f64, K>,
     m: &SMatrix<f64, K, K>,
@@ -73,8 +75,8 @@ fn curvature_guard<const K: usize>(
     std::array::from_fn(|column| bound[column])
 }
 
-/// The bound of [`curvature_guard`] with factors for the entries of the rate of change `M y`. Their magnitudes contain one factor
-/// of `M`.
+/// The bound of [`curvature_guard`], with factors for the entries of the rate of change `M y`, which contains one factor of `M`
+/// already.
 fn rate_guard<const K: usize>(row: RowSVector<f64, K>, m: &SMatrix<f64, K, K>, h: f64) -> [f64; K] {
     let m = m.abs();
     let bound = row.abs() * m * flow(&m, h) * (h * h / 8.0);
@@ -90,8 +92,8 @@ fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
         .sum()
 }
 
-/// Norm of the plant's rates, 1/s, with angles scaled by the fastest eigenfrequency. Scaled like this, all rates are comparable,
-/// and the norm tells over which time a power series converges.
+/// Norm of the plant's matrix of rates, 1/s. Angles are scaled by the fastest eigenfrequency so that all rates are comparable. The
+/// norm decides over which time a power series converges.
 fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     let (k_p, k_h) = (hand.pad_stiffness, hand.stiffness);
     let scale = (k_p / device.inertia)
@@ -106,16 +108,16 @@ fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     row_sum_norm(&scaled)
 }
 
-/// Allowance for rounding: this fraction of the bound by `slide_guard` or `stick_guard` is added to the finer bound, which may be
-/// zero.
+/// Allowance for rounding: fraction of the coarse bound (`slide_guard` or `stick_guard`) that is added to the finer bound, which
+/// may be zero.
 const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
     /// Prepares steps of `interval_s` seconds (zero or more).
     ///
     /// # Errors
-    /// [`Invalid`] when device, hand or interval are out of range, when the device has no friction, or when the interval
-    /// is thousands of times longer than the plant's fastest motion.
+    /// [`Invalid`] when device, hand or interval are out of range, when the device has no friction, or when the interval is
+    /// thousands of times longer than the plant's fastest motion.
     pub fn new(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
         let sliding = HeldLinear::new(device, hand, interval_s)?;
         let Coulomb { kinetic, breakaway } = device.required_friction()?;
@@ -160,15 +162,15 @@ impl HeldCoulomb {
         })
     }
 
-    /// Largest number of power series in a tick with stops, without the further ones that each event needs. 1 for a plant that is
-    /// not stiff.
+    /// Largest number of power series that cover one interval with a stop or start; each stop or start needs one more. It is 1 for
+    /// a plant that is not stiff.
     #[must_use]
     pub fn series(device: &Device, hand: &Hand, interval_s: f64) -> u64 {
         let rate = fastest_rate(device, hand, &drive_matrix(device, hand));
         ((interval_s * rate / NORM).ceil().min(MAX_PIECES) as u64).max(1)
     }
 
-    /// Torque on the device at rest without friction, N·m: the held torque and that of the pad.
+    /// Torque on the device at rest without friction, N·m: the held torque plus the pad's torque.
     #[inline(always)]
     fn torque_at_rest(&self, strain: f64, v_h: f64, torque: f64) -> f64 {
         let hand = &self.sliding.hand;
@@ -212,7 +214,7 @@ impl HeldCoulomb {
         loss
     }
 
-    /// Advances by one interval at whose beginning the device is stuck.
+    /// Advances by one interval at whose start the device is stuck by friction.
     #[inline(always)]
     fn hold<const LOSS: bool>(
         &self,

@@ -1,4 +1,5 @@
-//! The mechanical side of a simulation: device and hand between two control ticks, exact under a zero-order hold.
+//! The mechanical side of a simulation: device and hand between two control ticks, solved exactly for a torque that is constant in
+//! between (zero-order hold).
 //!
 //! ```text
 //!   u (torque, held)           pad k_p, b_p             spring k_h
@@ -15,11 +16,14 @@
 //! J_h dv_h/dt =    - k_p (x_h - x) - b_p (v_h - v) - b_h v_h + k_h (r - x_h)
 //! ```
 //!
-//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no integrator: one precomputed matrix
-//! step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events (stops and starts), whose times are
-//! calculated. There is no step size and no setting of accuracy.
+//! `x`, `v`, `J`, `b` are angle, velocity, inertia and viscous damping of the device; those of the hand have the index `h`. `k_p`
+//! and `b_p` are stiffness and damping of the fingertip pad, `k_h` is the stiffness of the hand's spring.
 //!
-//! A scene makes two choices, which are types, so that they cost no branch in a tick:
+//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no numerical integration: one
+//! precomputed matrix step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds stops and starts, whose
+//! times are calculated. There is no step size and no accuracy setting.
+//!
+//! Hand and friction are optional. Each combination is a type of its own, so that the choice costs no branch in a tick:
 //!
 //! | | no friction | Coulomb friction |
 //! |---|---|---|
@@ -27,15 +31,16 @@
 //! | a hand holds it | [`HeldLinear`] | [`HeldCoulomb`] |
 //!
 //! All four are [`Stepper`]s: they hold the configuration for one fixed interval and advance a small separate [`State`]. A
-//! computational delay of a fraction of a tick uses two steppers in turn on one state, with the intervals `delay` and `T - delay`.
+//! computational delay of a fraction of a control period `T` uses two steppers in turn on one state, with the intervals `delay` and
+//! `T - delay`.
 //!
-//! A device with three translations is three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms,
-//! [`DeltaPlant`].
+//! A device with three translations is either three axes, each with its own stepper ([`Cartesian`]), or a mechanism of arms
+//! ([`DeltaPlant`]).
 //!
-//! Units are those of a knob (rad, N·m, kg·m²). An axis of a translational device has the same equations with m, N and kg; only the
-//! units in the names of fields are wrong then.
+//! Units are those of a knob (rad, N·m, kg·m²). A translational axis has the same equations with m, N and kg; the units in the
+//! names of fields then do not apply.
 //!
-//! [`train`] has a drive train: a current that lags, a compliant transmission, cogging, imbalance and further kinds of friction.
+//! [`train`] has a drive train: a current that lags, a compliant transmission, cogging, imbalance and further models of friction.
 
 mod bare;
 mod bare_coulomb;

@@ -1,14 +1,14 @@
-//! The closed loop of plant, sampler, computational delay and a spring. Its stability limit is the reference value for the whole
-//! simulator.
+//! The closed loop of plant, sampler, computational delay and a spring as control law. Its stability limit is a reference value for
+//! the whole simulator.
 //!
-//! With a command held for a period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
+//! With a command held for a control period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
 //!
 //! ```text
 //! K_max = b / (T/2 + t_d)
 //! ```
 //!
-//! for a device whose inertia is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give the
-//! same limit within a few per cent; [`critical_stiffness`] bisects on them.
+//! if the inertia `J` of the device is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give
+//! the same limit within a few per cent; [`critical_stiffness`] bisects on them.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -19,11 +19,11 @@ use super::held::HeldLinear;
 use super::state::State;
 use super::stepper::LinearStepper;
 
-/// Matrix of the sampled loop with the command `u = -stiffness · x`, from one sample to the next.
+/// Matrix of the sampled loop with the command `u = -stiffness · x`, from one sample to the next. `x` is the angle of the device.
 ///
-/// The command calculated at a sample takes effect after `whole_ticks` ticks and the interval of the stepper `before`. The stepper
-/// `after` covers the rest of the tick; both intervals add up to the tick. For a delay of whole ticks `before` has an interval of
-/// zero. The loop's state is that of the plant, followed by the commands that have not taken effect, the latest first.
+/// A command takes effect after `whole_ticks` control periods plus the interval of the stepper `before`. The stepper `after` covers
+/// the rest of the control period. For a delay of whole periods, `before` has an interval of zero. The loop's state is that of the
+/// plant, followed by the commands that have not taken effect yet, the latest first.
 #[must_use]
 pub fn closed_loop_matrix<const N: usize, S>(
     before: &S,
@@ -60,10 +60,10 @@ where
     matrix
 }
 
-/// Spectral radius of a matrix, the largest magnitude of an eigenvalue, by Gelfand's formula `lim |Mⁿ|^(1/n)` with `n` doubled
-/// forty times.
+/// Spectral radius of a matrix: the largest magnitude of an eigenvalue. It is computed by Gelfand's formula `lim |Mⁿ|^(1/n)`, with
+/// `n` doubled forty times.
 ///
-/// An eigenvalue iteration could fail to converge, because a delay line makes the loop's matrix defective.
+/// An eigenvalue iteration could fail to converge, because the delay line makes the loop's matrix defective.
 #[must_use]
 pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let mut power = matrix.clone();
@@ -76,7 +76,7 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
         }
         log_radius += weight * libm::log(norm);
         power /= norm;
-        // Entry by entry, and not by `*`, which where the standard library is there rounds as the processor's kernel does.
+        // The product is computed entry by entry, because `*` uses processor-dependent kernels that round differently.
         power = DMatrix::from_fn(power.nrows(), power.ncols(), |row, column| {
             power
                 .row(row)
@@ -90,11 +90,11 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     libm::exp(log_radius)
 }
 
-/// The smallest stiffness, N·m/rad, at which the sampled loop is unstable, by bisection on the spectral radius.
+/// Smallest stiffness at which the sampled loop is unstable, N·m/rad, by bisection on the spectral radius.
 ///
-/// `delay_s` is the time from sample to command, of any length. Dry friction of the device is ignored: it would hide the
-/// oscillation but not remove the instability. The result is infinite if no stiffness up to 1e12 times the estimated limit is
-/// unstable. It is zero if already 1e-6 of that limit is unstable (in particular without any damping).
+/// `delay_s` is the time from a sample to its command, of any length. Dry friction of the device is ignored, because it would hide
+/// the oscillation without removing the instability. The result is infinite if no stiffness up to 1e12 times the estimated limit is
+/// unstable. It is zero if 1e-6 of the estimated limit is already unstable (in particular without any damping).
 ///
 /// # Errors
 /// [`Invalid`] when device, hand, rate or delay are out of range.
@@ -108,7 +108,7 @@ pub fn critical_stiffness(
     not_negative("delay_s", delay_s)?;
     let period = 1.0 / rate_hz;
     let whole = (delay_s * rate_hz).floor();
-    // Rounding may put a delay of whole ticks a hair below or above the tick: never a negative rest of it.
+    // Rounding may put a delay of whole ticks slightly below or above a tick; the rest must not become negative.
     let before_s = (delay_s - whole * period).clamp(0.0, period);
     let after_s = period - before_s;
     let whole = whole as usize;
@@ -133,10 +133,10 @@ pub fn critical_stiffness(
     }
 }
 
-/// The smallest stiffness with a spectral radius of one or more.
+/// Smallest stiffness at which the spectral radius of the loop is one or more.
 ///
-/// A hand can make a stiffer loop stable again, so there may be several stable ranges. The search therefore goes up from below in
-/// steps of a tenth and bisects the first unstable step.
+/// A hand can make a stiffer loop stable again, so there may be several stable ranges. The search therefore goes up from a low
+/// stiffness in steps of a tenth, and bisects the first unstable step.
 fn least_unstable(expected: f64, radius: impl Fn(f64) -> f64) -> f64 {
     let mut stable = 1e-6 * expected;
     if stable == 0.0 || radius(stable) >= 1.0 {
@@ -170,7 +170,7 @@ mod tests {
         let turned = dmatrix![0.6, -0.8; 0.8, 0.6] * 0.99;
         assert!((spectral_radius(&turned) - 0.99).abs() < 1e-11);
         assert_eq!(spectral_radius(&dmatrix![0.0, 5.0; 0.0, 0.0]), 0.0);
-        // Defective: a Jordan block.
+        // A defective matrix, a Jordan block.
         assert!((spectral_radius(&dmatrix![0.5, 1e6; 0.0, 0.5]) - 0.5).abs() < 1e-9);
     }
 
@@ -183,7 +183,7 @@ mod tests {
         };
         let whole = BareLinear::new(&device, 1.0).unwrap();
         let none = BareLinear::new(&device, 0.0).unwrap();
-        // Double integrator, T = 1: x' = x + v + u/2, v' = v + u with u = -3 x two ticks ago.
+        // A double integrator with T = 1: x' = x + v + u/2, v' = v + u, where u is -3 times the x of two ticks before.
         let expected = dmatrix![
             1.0, 1.0, 0.0, 0.5;
             0.0, 1.0, 0.0, 1.0;
@@ -191,7 +191,7 @@ mod tests {
             0.0, 0.0, 1.0, 0.0
         ];
         assert_eq!(closed_loop_matrix(&none, &whole, 2, 3.0), expected);
-        // Half a tick: the old command over the first half, the new one over the second.
+        // A delay of half a tick: the old command acts in the first half of the tick, the new one in the second.
         let half = BareLinear::new(&device, 0.5).unwrap();
         let expected = dmatrix![
             1.0 - 3.0 * 0.125, 1.0, 0.375;

@@ -1,8 +1,8 @@
-//! The state of a plant, which a tick changes.
+//! The state of a plant, which each simulated interval changes.
 
 /// Read access to a plant's state, the same for every plant.
 pub trait Kinematics: Copy {
-    /// A state at rest with device and hand at one angle and no strain in the pad.
+    /// A state at rest, with device and hand at one angle and no strain in the fingertip pad.
     fn at_rest(position: f64) -> Self;
     /// Angle `x` of the device (the haptic interaction point), rad (m).
     fn position(&self) -> f64;
@@ -14,10 +14,10 @@ pub trait Kinematics: Copy {
     fn hand_velocity(&self) -> f64;
 }
 
-/// State of a plant: `[x, v]` without a hand, `[x, v, x_h, v_h]` with one; rad and rad/s.
+/// State of a plant: `[x, v]` (angle, velocity) without a hand, `[x, v, x_h, v_h]` with a hand; rad and rad/s.
 ///
-/// Angles are absolute, but only their differences enter the dynamics. So turning the whole scene changes nothing except the
-/// rounding of the angles.
+/// Angles are absolute, but only their differences enter the dynamics. Adding an angle to all positions changes nothing except the
+/// rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<const N: usize>(pub(super) [f64; N]);
 
@@ -59,7 +59,7 @@ impl<const N: usize> Kinematics for State<N> {
         self.0[1]
     }
 
-    // The last pair belongs to the hand, and to the device where it is the only pair.
+    // The last pair of angle and velocity belongs to the hand. If it is the only pair, it belongs to the device.
     #[inline(always)]
     fn hand_position(&self) -> f64 {
         self.0[N - 2]

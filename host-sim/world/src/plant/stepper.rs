@@ -2,7 +2,7 @@
 
 use super::state::Kinematics;
 
-/// A plant prepared for intervals of one fixed length. Torque and rest point of the hand are held during each interval.
+/// A plant prepared for intervals of one fixed length, during which torque and rest point of the hand are constant.
 pub trait Stepper {
     /// The plant's state.
     type State: Kinematics;
@@ -15,10 +15,11 @@ pub trait Stepper {
     /// `force` acts on the device in the direction of positive `x`; `rest` is the hand's rest point (not used without a hand).
     fn step(&self, state: &mut Self::State, force: f64, rest: f64);
 
-    /// Same as [`Stepper::step`], bit for bit. Also returns the dissipated energy.
+    /// Advances the same as [`Stepper::step`], bit for bit, and returns the dissipated energy.
     fn step_with_loss(&self, state: &mut Self::State, force: f64, rest: f64) -> Loss;
 
-    /// Same as [`Stepper::step_with_loss`]. Also returns the motor's work and the change of the energy stored in the device.
+    /// Advances the same as [`Stepper::step_with_loss`], and also returns the motor's work and the change of the energy stored in
+    /// the device.
     #[inline(always)]
     fn step_with_port(&self, state: &mut Self::State, force: f64, rest: f64) -> Port {
         let before = state.position();
@@ -31,40 +32,42 @@ pub trait Stepper {
         }
     }
 
-    /// Kinetic energy and energy of the springs of device and hand, J.
+    /// Kinetic energy and energy of the springs of device and hand, J. `rest` is the hand's rest point.
     ///
-    /// The energy balance of a step is `u (x' - x) = stored' - stored + loss`, with the same `rest` in `stored'` and `stored`. A
-    /// jump of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
+    /// The energy balance of a step from `x` to `x'` under the torque `u` is `u (x' - x) = stored' - stored + loss`, with the same
+    /// `rest` in `stored'` and `stored`. A jump of the rest point between two steps does the work `stored(new rest) - stored(old
+    /// rest)` on the hand's spring.
     fn stored_energy_j(&self, state: &Self::State, rest: f64) -> f64;
 }
 
-/// A [`Stepper`] whose step is linear in state, torque and rest point.
+/// A [`Stepper`] whose step is a linear function of state, torque and rest point.
 pub trait LinearStepper: Stepper {}
 
 /// Energy dissipated during one interval, J. Neither field is negative beyond rounding.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Loss {
-    /// Energy dissipated in the device by viscous damping and dry friction, `b ∫v² dt + F_k ∫|v| dt`.
+    /// Energy dissipated in the device, `b ∫v² dt + F_k ∫|v| dt`: viscous damping `b`, dry friction `F_k` in motion, velocity `v`.
     pub device_j: f64,
-    /// Energy dissipated in the hand by its damper and the pad, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand.
+    /// Energy dissipated in the hand, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand. `b_h` and `b_p` are the damping of
+    /// hand and fingertip pad, `v_h` and `v` the velocities of hand and device.
     pub hand_j: f64,
 }
 
-/// The energies of one interval at the motor and in the device.
+/// Energies of one interval: work of the motor, losses, and change of the energy stored in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Port {
     /// Mean of the motor's torque over the interval in the direction of positive `x`, N·m.
     pub force: f64,
     /// The motor's work on the device, J.
     pub work_j: f64,
-    /// Dissipated energy.
+    /// Energy dissipated in device and hand.
     pub loss: Loss,
-    /// Change of the energy of springs, gravity and magnets in the device, J. The kinetic energy is not included.
+    /// Change of the energy stored in springs, gravity and magnets of the device, J. The kinetic energy is not included.
     pub stored_j: f64,
 }
 
 impl Loss {
-    /// Sum of the losses, J.
+    /// Energy dissipated in device and hand together, J.
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.device_j + self.hand_j

@@ -1,15 +1,16 @@
-//! Power series of a motion over a short interval: its value at any time in the interval, and when it first becomes negative.
+//! Power series of a motion over a short interval: gives the value at any time in the interval, and the time at which the value
+//! first becomes negative.
 //!
-//! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is `exp(M t)
-//! y`. Its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
+//! Stops and starts of the device fall between control ticks. The exact solution of `y' = M y` at an arbitrary time is `exp(M t)
+//! y`. Its power series over an interval `h` has the coefficients `y_{k+1} = M y_k h / (k + 1)`, and is cheap to evaluate.
 
-/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. A millisecond of a knob in a hand has a
-/// smaller one.
+/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. The norm of a knob in a hand over 1 ms is
+/// smaller.
 pub(super) const NORM: f64 = 0.5;
-/// Number of coefficients. The first one left out is below `0.5^16 / 16!`, 1e-18.
+/// Number of coefficients of a series. The first coefficient left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
 
-/// The reciprocals `1 / (k + 1)` for `k` from 0.
+/// Reciprocals `1 / (k + 1)` for the integration of a series, for `k` from 0.
 pub(super) const RECIPROCAL: [f64; TERMS] = {
     let mut table = [0.0; TERMS];
     let mut k = 0;
@@ -20,8 +21,8 @@ pub(super) const RECIPROCAL: [f64; TERMS] = {
     table
 };
 
-/// Gauss–Legendre nodes and weights on `[-1, 1]`; of each pair of nodes only the positive one. With eight nodes the relative error
-/// for the square of a series within [`NORM`] is below 1e-22.
+/// Nodes and weights of Gauss–Legendre integration on `[-1, 1]`; of each symmetric pair of nodes only the positive one. With eight
+/// nodes the relative error for the square of a series within [`NORM`] is below 1e-22.
 const GAUSS: [(f64, f64); 4] = [
     (0.1834346424956498, 0.362683783378362),
     (0.525532409916329, 0.31370664587788727),
@@ -36,12 +37,12 @@ pub(super) struct Series(pub(super) [f64; TERMS]);
 impl Series {
     pub(super) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// The value `p(t)`.
+    /// Value of the series `p` at the fraction `t` of the interval.
     pub(super) fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// The integral `∫₀ᵗ p`.
+    /// Integral of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral(&self, t: f64) -> f64 {
         let sum = self
             .0
@@ -52,7 +53,7 @@ impl Series {
         sum * t
     }
 
-    /// The integral `∫₀ᵗ p²`.
+    /// Integral of the square of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral_of_square(&self, t: f64) -> f64 {
         let half = 0.5 * t;
         let pair = |(node, weight): (f64, f64)| {
@@ -69,13 +70,13 @@ impl Series {
         sum
     }
 
-    /// The first `t` in `[0, 1]` at which `p` becomes negative; `p(0)` must not be negative.
+    /// The first `t` in `[0, 1]` at which the series `p` becomes negative; `p(0)` must not be negative.
     ///
-    /// First, zeros at `t = 0` are divided out, so that a motion which starts from exact rest is judged by its direction. Then the
-    /// search goes up from 0 in steps that cannot jump over a root: with `B >= |p''|` everywhere, the parabola `p(t) + p'(t) s - B
-    /// s²/2` lies below `p(t + s)`, so its root is at or before the true one. Near a simple root this is Newton's method from the
-    /// safe side, with quadratic convergence. So the search finds a dip below zero and back within the interval too. A fall that
-    /// ends at zero to within rounding counts as one.
+    /// Zeros at `t = 0` are divided out, so that a motion that starts from exact rest is judged by its direction. Then the search
+    /// goes up from 0 in steps that cannot jump over a root. With a bound `B >= |p''|`, the parabola `p(t) + p'(t) s - B s²/2` lies
+    /// below `p(t + s)`, so its root is at or before that of `p`. Near a simple root the steps are those of Newton's method, with
+    /// quadratic convergence. The search also finds a dip below zero and back within the interval. A fall that ends at zero to
+    /// within rounding counts as a root.
     pub(super) fn first_negative(&self) -> Option<f64> {
         let leading = self.0.iter().position(|&c| c != 0.0)?;
         let mut c = [0.0; TERMS];
@@ -96,7 +97,8 @@ impl Series {
             .sum();
         let rounding = 2.0 * f64::EPSILON * c.iter().map(|c| c.abs()).sum::<f64>();
         let mut t = 0.0;
-        // Quadratic near a simple root, a factor of 0.6 near a double one: some 80 steps are the worst case.
+        // Convergence is quadratic near a simple root, and by a factor of 0.6 per step near a double one. The worst case is about
+        // 80 steps.
         for _ in 0..200 {
             let (value, slope) = value_and_slope(&c, t);
             let above = value.max(0.0);
@@ -143,7 +145,7 @@ mod tests {
         Series(padded)
     }
 
-    /// The series of `cos(t / 2)`, the fastest motion within [`NORM`].
+    /// The series of `cos(t / 2)`, whose frequency is the highest that [`NORM`] allows.
     fn cosine() -> Series {
         let mut c = [0.0; TERMS];
         let mut term = 1.0;
@@ -166,7 +168,7 @@ mod tests {
 
     #[test]
     fn first_root_of_several() {
-        // Roots at 0.25, 0.5, 0.75.
+        // A series with the roots 0.25, 0.5 and 0.75.
         let p = series(&[0.09375, -0.6875, 1.5, -1.0]);
         assert!((p.first_negative().unwrap() - 0.25).abs() < 1e-14);
         // cos(t / 2) falls to cos(0.3) at t = 0.6.
@@ -176,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_dip_is_found_and_a_near_miss_is_not() {
-        // (t - 0.5)² - m
+        // The parabola (t - 0.5)² - m.
         for (m, hit) in [(1e-6, true), (1e-12, true), (-1e-6, false), (-1e-12, false)] {
             let found = series(&[0.25 - m, -1.0, 1.0]).first_negative();
             assert_eq!(found.is_some(), hit, "{m}");
@@ -188,15 +190,15 @@ mod tests {
 
     #[test]
     fn what_cannot_come_down_is_not_searched_and_what_just_can_is_found() {
-        // 1 - s t falls to 1 - s.
+        // The line 1 - s t falls to 1 - s at the end of the interval.
         for (fall, hit) in [(1.0 + 1e-9, true), (1.0 + 1e-12, true), (1.0 - 1e-6, false)] {
             let found = series(&[1.0, -fall]).first_negative();
             assert_eq!(found.is_some(), hit, "{fall}");
         }
-        // All falling, none of them far enough alone.
+        // All terms fall, but none alone falls far enough to make the sum negative.
         assert!(series(&[1.0, -0.3, -0.3, -0.5]).first_negative().is_some());
         assert_eq!(series(&[1.0, -0.3, -0.3, -0.3]).first_negative(), None);
-        // With opposite signs the sum of magnitudes is no judge.
+        // With opposite signs, the sum of magnitudes does not decide whether the series becomes negative.
         assert_eq!(series(&[1.0, -1.5, 1.0]).first_negative(), None);
     }
 
@@ -206,9 +208,9 @@ mod tests {
         assert_eq!(series(&[0.0, -1.0, 5.0]).first_negative(), Some(0.0));
         assert_eq!(series(&[-0.0, 0.0, 1.0]).first_negative(), None);
         assert_eq!(series(&[]).first_negative(), None);
-        // t² (0.5 - t): starts from zero with zero slope, turns at 0.5.
+        // The series t² (0.5 - t) starts from zero with zero slope, and becomes negative at 0.5.
         assert!((series(&[0.0, 0.0, 0.5, -1.0]).first_negative().unwrap() - 0.5).abs() < 1e-15);
-        // A start that is tiny against the rest of the series is still a start.
+        // A motion whose start is small compared with the rest of the series still counts as started.
         assert_eq!(series(&[0.0, 1e-30, 1.0]).first_negative(), None);
     }
 

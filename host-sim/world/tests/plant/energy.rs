@@ -7,8 +7,8 @@ use touchstone_world::plant::{
 
 use crate::oracle::{KNOB, Random, STICKY_KNOB};
 
-/// Energies of a run: work of the torque, work of the rest point's jumps, losses, and the error of the energy balance relative to
-/// their sum.
+/// Energies of a run, J: work of the torque, work of the rest point's jumps, losses. Also the error of the energy balance, relative
+/// to the sum of these energies.
 struct Books {
     work: f64,
     loss: Loss,
@@ -18,7 +18,7 @@ struct Books {
     rests: u32,
 }
 
-/// Runs a knob between walls at 0.1 and -0.1 rad, soft enough to be stable, which torque and hand push about.
+/// Simulates a knob between walls at 0.1 and -0.1 rad, driven by torque and hand. The walls are soft enough to be stable.
 fn audit<P: Stepper>(plant: &P, ticks: u32) -> Books {
     let mut random = Random(5);
     let mut state = P::State::at_rest(0.0);
@@ -63,7 +63,7 @@ fn check(books: &Books, friction: bool, hand: bool) {
         "off by {:e} of throughput",
         books.imbalance
     );
-    // The audit saw what it is meant to see.
+    // The simulated motion must contain the cases that the test is for.
     assert!(
         books.loss.device_j > 0.01 * books.throughput,
         "{:?} of {}",

@@ -1,4 +1,4 @@
-//! Tests that the linear steps are exact, and that changes that must have no effect have none.
+//! Tests that the steps of linear plants are exact, and that changes without a physical effect (mirroring, scaling) change nothing.
 
 use nalgebra::{SMatrix, SVector};
 use touchstone_world::plant::{
@@ -72,7 +72,7 @@ fn held_step_and_loss_are_what_runge_kutta_converges_to() {
 
 #[test]
 fn held_step_is_the_matrix_exponential_in_absolute_angles() {
-    // [x, v, x_h, v_h, u, r], the exponential by nalgebra's Padé approximant.
+    // The states [x, v, x_h, v_h, u, r], with the matrix exponential by nalgebra's Padé approximant.
     let (d, p) = (KNOB, MEDIUM);
     let (j, j_h) = (d.inertia, p.inertia);
     let (k_p, b_p) = (p.pad_stiffness, p.pad_damping);
@@ -173,7 +173,7 @@ fn without_damping_the_bare_device_falls_on_a_parabola() {
     let still = fall(0.0);
     assert!((still.position() - (v * h + a * h * h / 2.0)).abs() < 4e-16 * v * h);
     assert!((still.velocity() - (v + a * h)).abs() < 4e-16 * v);
-    // First order in b, from the parabola: dv = -(b/J)(v h + a h²/2). A closed form that divides by b loses this.
+    // To first order in b, the parabola gives dv = -(b/J)(v h + a h²/2). A closed form that divides by b loses this change.
     for b in [1e-6, 1e-8, 1e-10] {
         let change = fall(b).velocity() - still.velocity();
         let expected = -b / device.inertia * (v * h + a * h * h / 2.0);
@@ -240,7 +240,8 @@ fn nothing_moves_at_equilibrium_or_in_no_time() {
     assert_eq!(state, State::from_array([0.1, 2.0]));
 }
 
-/// Runs a plant with a torque that reverses the motion often and a rest point that wanders.
+/// Simulates a plant with a torque that reverses the motion often and a wandering rest point. `mirror` and `scale` are factors on
+/// the inputs.
 fn run<P: Stepper>(plant: &P, mirror: f64, scale: f64, mut each: impl FnMut(usize, P::State)) {
     let mut random = Random(11);
     let mut state = P::State::at_rest(0.0);
@@ -270,8 +271,8 @@ fn trace<P: Stepper>(plant: &P, mirror: f64, scale: f64) -> Vec<[f64; 4]> {
     trace
 }
 
-/// Checks that two runs are equal bit for bit after scaling. The sign of a zero may differ, because sums do not mirror it (`1 - 1`
-/// is `+0` in both runs).
+/// Checks that two runs are equal bit for bit after scaling by `factor`. The sign of a zero may differ, because mirroring a sum
+/// keeps it (`1 - 1` is `+0` in both runs).
 fn assert_scaled(trace: &[[f64; 4]], expected: &[[f64; 4]], factor: f64) {
     for (tick, (a, b)) in trace.iter().zip(expected).enumerate() {
         assert_eq!(*a, b.map(|entry| factor * entry), "tick {tick}");
@@ -289,7 +290,7 @@ fn mirrored_runs_are_mirror_images_to_the_bit() {
     let held = HeldCoulomb::new(&STICKY_KNOB, &MEDIUM, 1e-3).unwrap();
     let there = trace(&held, 1.0, 1.0);
     assert_scaled(&trace(&held, -1.0, 1.0), &there, -1.0);
-    // The run is worth mirroring: it sticks, and it turns.
+    // The simulated motion must contain sticking and changes of direction, so that mirroring tests them.
     let stuck = there.iter().filter(|z| z[1] == 0.0).count();
     let turned = there.windows(2).filter(|z| z[0][1] * z[1][1] < 0.0).count();
     assert!(stuck > 100 && turned > 100, "{stuck} {turned}");
@@ -331,7 +332,7 @@ fn asking_for_the_loss_changes_no_bit() {
 
 #[test]
 fn angles_far_from_zero_are_as_good_as_near() {
-    // Dyadic angles, so that the offset of 4096 rad rounds none of them.
+    // The angles are exact in binary, so that the offset of 4096 rad rounds none of them.
     let held = HeldLinear::new(&KNOB, &MEDIUM, 1e-3).unwrap();
     let mut near = State::from_array([0.125, 1.0, 0.25, -2.0]);
     let mut far = State::from_array([4096.125, 1.0, 4096.25, -2.0]);

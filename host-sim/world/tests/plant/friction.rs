@@ -1,4 +1,4 @@
-//! Tests of Coulomb friction: a device at rest stays at rest, and every stop and start is at its right time.
+//! Tests of Coulomb friction: a device at rest stays at rest, and every stop and start comes at the right time.
 
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics,
@@ -24,7 +24,7 @@ fn below_break_away_nothing_moves_at_all() {
     }
     assert_eq!(state, State::from_array([0.123, 0.0]));
 
-    // The hand moves all the time, and its pad never brings the sum to the limit.
+    // The hand moves all the time, but pad and held torque together never reach the break-away torque.
     let held = HeldCoulomb::new(&STICKY_KNOB, &MEDIUM, 1e-3).unwrap();
     let mut state = State::<4>::at_rest(0.123);
     let mut swing = 0.0_f64;
@@ -61,7 +61,7 @@ fn break_away_is_at_the_static_level_and_not_at_it() {
 
 #[test]
 fn a_torque_of_exactly_the_kinetic_level_lets_the_device_coast() {
-    // No net torque but the damper's: the velocity decays and never turns.
+    // Only the damper acts: the velocity decays and never changes its sign.
     let bare = BareCoulomb::new(&STICKY_KNOB, 1e-3).unwrap();
     let free = BareLinear::new(&KNOB, 1e-3).unwrap();
     let (mut state, mut expected) = (State::from_array([0.0, 2.0]), State::from_array([0.0, 2.0]));
@@ -137,7 +137,8 @@ fn full(z: [f64; 4]) -> Full {
     [z[0], z[1], z[2], z[3], 0.0, 0.0, 0.0]
 }
 
-/// Compares one tick from each of many states with fine steps whose events are located. Returns how many ticks had how many events.
+/// Compares one tick of the plant, from each of many states, with a reference of fine steps that locate every stop and start.
+/// Returns how many ticks had how many stops and starts.
 fn compare_ticks(
     device: Device,
     hand: Option<Hand>,
@@ -152,7 +153,7 @@ fn compare_ticks(
     let linear = hand.map(|hand| HeldLinear::new(&device, &hand, h).unwrap());
     let mut random = Random(99);
     let mut seen = [0; 5];
-    // Fine enough that what remains is rounding, in long intervals too.
+    // The reference steps are so fine that only rounding errors remain, in long intervals too.
     let substeps = 400.max((1e5 * h) as u32);
     // Velocities that a tick's net torque can undo, so that about half the ticks have events.
     let turn = friction.breakaway * h / device.inertia;
@@ -176,7 +177,7 @@ fn compare_ticks(
             let mut state = State::from_array([z[0], z[1], z[2], z[3]]);
             let loss = held.step_with_loss(&mut state, u, r);
             if events == 0 && z[1] != 0.0 {
-                // Also where it took a look inside the tick to know that there is none.
+                // This also holds if the plant had to search the interval to find that there is no stop.
                 let mut expected = State::from_array([z[0], z[1], z[2], z[3]]);
                 let w = u - friction.kinetic.copysign(z[1]);
                 linear.as_ref().unwrap().step(&mut expected, w, r);
@@ -221,7 +222,7 @@ fn bare_ticks_agree_with_located_events() {
         let seen = compare_ticks(device, None, h, 2_000, 1e-11);
         assert!(seen[1] > 100, "{seen:?}");
     }
-    // Equal levels, where stop and start meet.
+    // Equal levels of friction at rest and in motion, where a start follows a stop at once.
     let seen = compare_ticks(with_friction(2e-3, 2e-3), None, 1e-3, 2_000, 1e-11);
     assert!(seen[1] > 100, "{seen:?}");
 }
@@ -238,7 +239,7 @@ fn held_ticks_agree_with_located_events() {
 
 #[test]
 fn long_ticks_with_several_events_agree_with_located_events() {
-    // The pad's swing on this knob has a period of 40 to 100 ms.
+    // On this knob the pad oscillates with a period of 40 to 100 ms.
     let mut several = 0;
     let mut many = 0;
     for hand in [LIGHT, MEDIUM, FIRM] {
@@ -270,7 +271,8 @@ fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     let linear = HeldLinear::new(&device, &hand, h).unwrap();
     let z = full([0.0, 1e-3, 0.0, 0.6]);
     let (u, r) = (1.2e-3, 0.0);
-    // Under friction of one sign the velocity would end positive, as it began: only a look inside shows the dip.
+    // Under friction of one sign the velocity is positive at both ends of the interval; only a search inside shows that it dips
+    // below zero.
     let mut unseen = State::from_array([z[0], z[1], z[2], z[3]]);
     linear.step(&mut unseen, u - FRICTION.kinetic, r);
     assert!(unseen.velocity() > 0.0);
@@ -283,7 +285,7 @@ fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     assert!((state.velocity() - unseen.velocity()).abs() > 1e-3);
 }
 
-/// Inputs of half a second in which the device sticks and slips: a torque to and fro, and a hand that follows.
+/// Inputs over half a second that make the device stick and slip: a torque back and forth, and a following hand.
 fn inputs(tick: u32) -> (f64, f64) {
     let t = f64::from(tick) * 1e-3;
     (4e-3 * (40.0 * t).sin(), 0.3 * (13.0 * t).sin())
@@ -320,7 +322,7 @@ fn set_valued_implicit_euler_converges_to_these_runs() {
             })
         };
         let errors = [10, 100, 1_000].map(error);
-        // First order: a tenth of the step, about a tenth of the error.
+        // The method is of first order: a tenth of the step gives about a tenth of the error.
         assert!(
             errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1],
             "{errors:?}"
@@ -337,7 +339,8 @@ fn go<P: Stepper>(plant: &P, state: &mut P::State, tick: u32) -> f64 {
 
 #[test]
 fn a_storm_of_events_ends_at_rest_and_makes_no_energy() {
-    // Ticks of a second, in which a pad with hardly any damping swings for a long time: more events than are followed.
+    // In ticks of one second a pad with hardly any damping swings so long that there are more stops and starts than the plant
+    // follows.
     let device = Device {
         inertia: 1e-4,
         damping: 0.0,

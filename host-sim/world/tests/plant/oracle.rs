@@ -1,8 +1,8 @@
-//! An independent reference: the equations of motion in absolute angles, without code of the plants.
+//! Independent reference for the tests of plants: the equations of motion in absolute angles, without code of the plants.
 
 use touchstone_world::plant::{Coulomb, Device, Hand};
 
-/// The thesis' knob with a damping of 3e-4 N·m·s/rad, light enough that the pad matters.
+/// The thesis' knob with a reduced damping of 3e-4 N·m·s/rad, so low that the fingertip pad has an effect.
 pub const KNOB: Device = Device {
     inertia: 2e-5,
     damping: 3e-4,
@@ -20,7 +20,8 @@ pub const STICKY_KNOB: Device = Device {
     ..KNOB
 };
 
-/// The state `[x, v, x_h, v_h]` and, integrated with it, the losses `[b ∫v², ∫|v|, b_h ∫v_h² + b_p ∫(v - v_h)²]`.
+/// The state `[x, v, x_h, v_h]` (angle and velocity of device and hand), followed by integrated losses: `b ∫v²`, `∫|v|` and `b_h
+/// ∫v_h² + b_p ∫(v - v_h)²`.
 pub type Full = [f64; 7];
 
 pub struct Oracle {
@@ -59,7 +60,7 @@ impl Oracle {
         rates
     }
 
-    /// One step of the classical Runge–Kutta method of fourth order, of length `h`.
+    /// One step of the classical Runge–Kutta method, of length `h` seconds, under the torque `u` and the rest point `r`.
     fn substep(&self, z: &Full, u: f64, r: f64, stuck: bool, h: f64) -> Full {
         let shifted = |k: &Full, f: f64| std::array::from_fn(|i| z[i] + f * k[i]);
         let k1 = self.rates(z, u, r, stuck);
@@ -69,13 +70,13 @@ impl Oracle {
         std::array::from_fn(|i| z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// Advances the linear plant by `h` in `n` Runge–Kutta steps.
+    /// Advances the linear plant by `h` seconds in `n` Runge–Kutta steps, under the torque `u` and the rest point `r`.
     pub fn runge_kutta(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
         (0..n).fold(*z, |z, _| self.substep(&z, u, r, false, h / f64::from(n)))
     }
 
-    /// Advances the plant with friction by `h` in `n` steps; bisection locates each event (stop or start). Also returns the number
-    /// of events.
+    /// Advances the plant with friction by `h` seconds in `n` steps, and locates every stop and start by bisection. Also returns
+    /// the number of stops and starts.
     pub fn with_events(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> (Full, u32) {
         let friction = self.device.friction.expect("an oracle with friction");
         let mut z = *z;
@@ -126,8 +127,9 @@ impl Oracle {
         (z, events)
     }
 
-    /// Advances the plant with friction by `h` in `n` set-valued implicit Euler steps (Kikuuwe et al., T-RO 22(6) 1176, 2006).
-    /// First order, with true rest, and without locating events.
+    /// Advances the plant with friction by `h` seconds in `n` steps of the implicit Euler method with set-valued friction (Kikuuwe
+    /// et al., T-RO 22(6) 1176, 2006). The method is of first order, lets the device rest exactly, and does not locate stops and
+    /// starts.
     pub fn implicit_euler(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
         let friction = self.device.friction.expect("an oracle with friction");
         let h = h / f64::from(n);
@@ -166,7 +168,7 @@ impl FromRest for Full {
     }
 }
 
-/// A small deterministic generator of random numbers (xorshift), uniform in `[-1, 1)`.
+/// A small deterministic generator of pseudo-random numbers (xorshift), uniform in `[-1, 1)`.
 pub struct Random(pub u64);
 
 impl Random {
@@ -178,8 +180,9 @@ impl Random {
     }
 }
 
-/// Compares two states. Differences are relative to the largest magnitude before or after the step, among angles and among
-/// velocities. A step adds an increment, so a value that decays to zero within a step keeps the rounding of its value before.
+/// Compares two states after a step. Differences are relative to the largest magnitude before or after the step, among angles and
+/// among velocities. A step adds an increment, so a value that decays to zero within a step keeps the rounding error of its earlier
+/// value.
 pub fn assert_close<const N: usize>(
     value: [f64; N],
     expected: &[f64],

@@ -1,4 +1,4 @@
-//! Tests of the stiffness at which the sampled loop becomes unstable, against reference values.
+//! Tests the stiffness at which the sampled loop becomes unstable, against reference values.
 
 use touchstone_world::plant::{
     BareLinear, Device, FIRM, Kinematics, LIGHT, MEDIUM, State, Stepper, closed_loop_matrix,
@@ -12,7 +12,7 @@ const HEAVY_KNOB: Device = Device {
     damping: 5e-4,
     friction: None,
 };
-/// An axis of a large parallel device: 0.2 kg, 2.5 N·s/m.
+/// One axis of a large parallel device: 0.2 kg, 2.5 N·s/m.
 const AXIS: Device = Device {
     inertia: 0.2,
     damping: 2.5,
@@ -49,7 +49,7 @@ fn golden_values_of_knob_and_axis() {
     let axis = |delay| critical_stiffness(&AXIS, None, 1_000.0, delay).unwrap();
     assert_within(axis(0.0), 5_010.0, 1e-3, "axis, 1 kHz");
     assert_within(axis(1e-3), 1_672.0, 1e-3, "axis, one tick of delay");
-    // A device that is light against its damping, far from the formula: b T / J = 0.5.
+    // A device with a small inertia compared with its damping (b T / J = 0.5), for which the formula does not hold.
     let light = Device {
         inertia: 1e-6,
         ..HEAVY_KNOB

@@ -1,5 +1,5 @@
-//! Tests of the drive train against closed forms, against the plants without a train, and against Runge–Kutta steps that share no
-//! code with it.
+//! Tests of the drive train against closed-form solutions, against the plants without a drive train, and against Runge–Kutta steps
+//! that share no code with it.
 
 use std::f64::consts::TAU;
 use touchstone_world::plant::train::{
@@ -39,7 +39,7 @@ pub fn made<const N: usize, const K: usize>(
     DriveTrain::new(links, shaft, T, substeps).unwrap()
 }
 
-/// A torque that changes every tick, N·m.
+/// A test torque that changes with every tick (control period), N·m.
 pub fn torque(tick: i32) -> f64 {
     0.02 * (0.37 * f64::from(tick)).sin() + 0.01 * (1.9 * f64::from(tick)).cos()
 }
@@ -77,7 +77,7 @@ fn a_train_of_nothing_is_the_plant_without_one() {
     };
     assert!(far(&states.0.to_array(), &states.1.to_array()) < 1e-12);
     assert!(far(&held_states.0.to_array(), &held_states.1.to_array()) < 1e-12);
-    // Turned by a thousand turns, the motion is the same but for the rounding of its angles.
+    // After adding a thousand turns to all angles, the motion is the same except for the rounding of the angles.
     let mut near = TrainState::<4>::at_rest(0.3);
     let mut turned = TrainState::<4>::at_rest(0.3 + 1024.0);
     for tick in 0..400 {
@@ -109,14 +109,14 @@ fn a_torque_behind_a_current_loop_rises_as_one_pole_does() {
         assert!((tau - u * (1.0 - (-omega * t).exp())).abs() < 1e-15);
         let expected = u / 1e-4 * (t - (1.0 - (-omega * t).exp()) / omega);
         assert!((v / expected - 1.0).abs() < 1e-13, "{v} {expected}");
-        // The mean torque is what the momentum came from.
+        // The mean torque must explain the change of momentum.
         assert!((impulse - 1e-4 * v).abs() < 1e-16);
     }
 }
 
 #[test]
 fn windings_at_a_voltage_brake_as_their_back_emf_says() {
-    // Far slower than R/L, the damping of the windings' own voltage adds to the knob's: v = u/(b + D).
+    // For motion far slower than R/L, the damping D by the back-EMF adds to the knob's damping b: v = u/(b + D).
     let links = Links {
         current: Some(Current {
             bandwidth_hz: 6.0 / (TAU * 3e-3),
@@ -133,7 +133,7 @@ fn windings_at_a_voltage_brake_as_their_back_emf_says() {
     assert!((state.velocity() / expected - 1.0).abs() < 1e-12);
 }
 
-/// Largest difference of the shaft's angle from that of the plant without a train.
+/// Largest difference of the shaft's angle from that of the plant without a drive train, rad.
 fn off_the_rigid(links: &Links) -> f64 {
     let plant = BareLinear::new(&KNOB, T).unwrap();
     let mut rigid = State::at_rest(0.0);
@@ -172,14 +172,14 @@ fn poles_and_compliances_converge_to_their_absence() {
     let transmission = |stiffness: f64| Links {
         transmission: Some(Transmission {
             stiffness,
-            // A tenth of critical.
+            // A tenth of the critical damping.
             damping: 0.1 * 2.0 * (stiffness * 2.1e-5).sqrt(),
             knob_inertia: 3e-5,
             gap: 0.0,
         }),
         ..bare(KNOB)
     };
-    // First order in the time constant, and in the compliance.
+    // The difference is of first order in the time constant and in the compliance.
     for hz in [1e4, 1e5, 1e6] {
         let ratio = off_the_rigid(&current(hz)) / off_the_rigid(&current(10.0 * hz));
         assert!((ratio - 10.0).abs() < 0.5, "{hz}: {ratio}");
@@ -220,8 +220,7 @@ fn two_inertias_on_a_spring_swing_at_their_frequency() {
     }
 }
 
-/// Largest error `|work - stored - lost|` of the energy balance over all ticks, relative to the energy that was exchanged up to the
-/// tick.
+/// Largest error of the energy balance over all ticks, `|work - stored - lost|`, relative to the energy exchanged up to the tick.
 fn audit<const N: usize, const K: usize>(links: &Links, shaft: &Shaft, substeps: u32) -> f64 {
     let train = made::<N, K>(links, shaft, substeps);
     let rest = 0.3;
@@ -327,14 +326,14 @@ fn swinging(per_rev: f64, phase: f64, amplitude: f64) -> Shaft {
 
 #[test]
 fn a_weight_out_of_the_axis_swings_as_a_pendulum_does() {
-    // From 2 rad, far beyond where a sine is its argument: the period is `2 pi / (omega agm(1, cos(1)))`.
+    // A pendulum swings from 2 rad, where a sine is far from its argument: the period is `2 pi / (omega agm(1, cos(1)))`.
     let shaft = swinging(1.0, 0.0, 0.01);
     let omega = (0.01 / 1e-4_f64).sqrt();
     let expected = TAU / (omega * agm(1.0, 1.0_f64.cos()));
     let off = |substeps: u32| {
         let train = made::<2, 6>(&bare(LOSSLESS), &shaft, substeps);
         let mut state = TrainState::at_rest(2.0);
-        // The third time that it passes its lowest point, in the same direction as the first.
+        // The third pass through the lowest point is in the same direction as the first.
         let (mut passed, mut first) = (0, 0.0);
         for tick in 0.. {
             let before = state.position();
@@ -351,7 +350,7 @@ fn a_weight_out_of_the_axis_swings_as_a_pendulum_does() {
         }
         unreachable!()
     };
-    // Second order, down to what a straight line between two ticks leaves.
+    // The error is of second order, down to the error of the straight line between two ticks.
     let (coarse, fine) = (off(1).abs(), off(8).abs());
     println!("{coarse:e} {fine:e}");
     assert!(coarse < 1e-4 && fine < 3e-7, "{coarse:e} {fine:e}");
@@ -408,7 +407,7 @@ fn play_transmits_nothing_and_then_as_a_spring() {
     println!("after the bounce {v} {v_k}, energy off by {worst:e}");
     assert!((v_k - v - 1.0).abs() < 2e-3 && worst < 2e-3);
     assert!((7e-5 * v + 3e-5 * v_k - 7e-5).abs() < 1e-15, "momentum");
-    // Without play it is the linear train to rounding, substeps or not.
+    // Without play the result is that of the linear train to rounding, with substeps or without.
     let tight = Links {
         transmission: Some(Transmission {
             gap: 1e-300,

@@ -1,5 +1,5 @@
-//! Tests of the friction models at the shaft of a drive train, and of friction that depends on the direction: against closed forms,
-//! and against Runge–Kutta steps that share no code with the train.
+//! Tests of the friction models at the shaft of a drive train, also with friction that depends on the direction. References are
+//! closed-form solutions, and Runge–Kutta steps that share no code with the train.
 
 use super::train::{KNOB, LOSSLESS, T, bare, made, smooth, torque};
 use touchstone_world::plant::train::{Current, Friction, Links, LuGre, Shaft, Sliding, TrainState};
@@ -35,10 +35,10 @@ fn dry_friction_in_a_train_converges_to_the_closed_form() {
             worst.max((states.0.position() - states.1.position()).abs())
         })
     };
-    // A scene gets 32.
+    // A scene with these values gets 32 substeps.
     let [coarse, fine] = [32, 256].map(off);
     println!("{coarse:e} {fine:e}");
-    // A count of 40,000 is 1.6e-4 rad.
+    // One count of an encoder with 40,000 counts per turn is 1.6e-4 rad.
     assert!(
         fine < coarse / 6.0 && coarse < 1.6e-4,
         "{coarse:e} {fine:e}"
@@ -59,7 +59,7 @@ fn what_friction_holds_does_not_move_by_a_bit() {
     let train = made::<5, 9>(&links, &sliding(2e-3, 3e-3, Some(0.1)), 32);
     let mut state = TrainState::at_rest(0.3);
     for tick in 0..10_000 {
-        // 0.9 of the break-away torque, and a hand that swings before it settles.
+        // A torque of 0.9 times the break-away torque, and a hand that swings before it settles.
         train.step(&mut state, 2.7e-3 * f64::from(tick % 7) / 6.0, 0.3);
         assert_eq!((state.position(), state.velocity()), (0.3, 0.0), "{tick}");
     }
@@ -68,7 +68,7 @@ fn what_friction_holds_does_not_move_by_a_bit() {
     assert!(state.velocity() > 0.0);
 }
 
-/// Runs Runge–Kutta steps of a bare shaft whose friction has a state of its own.
+/// Simulates a bare shaft by Runge–Kutta steps, with a friction model that has a state of its own.
 fn by_runge_kutta(
     start: [f64; 3],
     duration_s: f64,
@@ -155,13 +155,13 @@ fn bristles_move_as_their_equation_says() {
 #[test]
 fn bristles_give_as_a_spring_and_slide_as_their_curve() {
     let train = made::<2, 6>(&bare(KNOB), &bristly(BRISTLES), 16);
-    // Far below break-away a knob at rest stands where the bristles carry it.
+    // Far below the break-away torque, a knob at rest is held by the deflection of the bristles.
     let mut state = TrainState::at_rest(0.0);
     for _ in 0..2000 {
         train.step(&mut state, 2e-5, 0.0);
     }
     assert!((state.bristle_rad() - 2e-6).abs() < 1e-14);
-    // In steady motion: u = g(v) + b v.
+    // In steady motion at velocity v, the torque is u = g(v) + b v, with friction level g and damping b.
     let (u, mut state) = (5e-3, TrainState::at_rest(0.0));
     for _ in 0..10_000 {
         train.step(&mut state, u, 0.0);
@@ -169,7 +169,7 @@ fn bristles_give_as_a_spring_and_slide_as_their_curve() {
     let v = state.velocity();
     let g = 1e-3 + 0.5e-3 * (-(v / 0.1) * (v / 0.1)).exp();
     assert!((g + 4e-4 * v - u).abs() < 1e-12);
-    // Bristles a million times as stiff are bounded all the same.
+    // The motion also stays bounded with bristles a million times as stiff.
     let stiff = LuGre {
         stiffness: 1e7,
         ..BRISTLES
@@ -210,7 +210,7 @@ fn friction_that_differs_by_direction_stops_and_holds_as_each_direction_says() {
         plant.step(&mut state, u, 0.0);
         assert_eq!(state.position() != 0.2, moves, "{u}");
     }
-    // Without a bias it is the plant inside, bit for bit; with more than the friction there is none.
+    // Without a bias the result is that of the wrapped plant, bit for bit. A bias above the friction is refused.
     let inner = || {
         HeldCoulomb::new(
             &Device {

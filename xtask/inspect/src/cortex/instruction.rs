@@ -1,17 +1,18 @@
-//! Decodes the instructions of a Cortex-M that matter for calls, floats and the stack.
+//! Decodes the Cortex-M instructions that matter for an analysis of calls, floats and the stack.
 
 /// An instruction, in the classes that the analysis of calls, floats and the stack distinguishes.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Instruction {
-    /// `BL` or `B.W`, with or without a condition; the value is the distance in bytes from the address after the instruction.
+    /// A call or jump with a fixed target (`BL` or `B.W`), with or without a condition. The value is the distance in bytes from the
+    /// address after the instruction.
     Branch(i32),
-    /// `BLX` through a register.
+    /// The instruction `BLX` through a register: a call whose target is not fixed.
     CallRegister,
-    /// `BX` through a register other than the link register.
+    /// The instruction `BX` through a register other than the link register: a jump whose target is not fixed.
     JumpRegister,
     /// An instruction of the float unit (coprocessors 10 and 11).
     FloatUnit,
-    /// The instruction `UDF`, at which the compiler wants execution to stop.
+    /// The instruction `UDF` (undefined), which the compiler puts where execution must stop.
     Trap,
     /// An instruction that masks interrupts: `CPSID`, or a write to `PRIMASK`, `BASEPRI` or `FAULTMASK`.
     Mask,
@@ -96,7 +97,7 @@ pub fn lowers(first: u32, second: u32) -> Option<u32> {
     }
 }
 
-/// The constant that 12 bits of an instruction stand for (Arm ARM, ThumbExpandImm).
+/// Expands the 12-bit code of a constant in an instruction to the 32-bit constant (ThumbExpandImm in Arm's manual).
 fn modified(bits: u32) -> u32 {
     let low = bits & 0xff;
     match bits >> 8 {
@@ -108,7 +109,8 @@ fn modified(bits: u32) -> u32 {
     }
 }
 
-/// The 16 bits that MOVW and MOVT load, and the register.
+/// For an instruction `MOVW` or `MOVT`: whether it loads the upper half of a register, the register, and the 16 bits. `None` for
+/// others.
 pub fn loads_half(first: u32, second: u32) -> Option<(bool, usize, u32)> {
     let is_top = match first & 0xfbf0 {
         0xf240 => false,

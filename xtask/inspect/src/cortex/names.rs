@@ -1,13 +1,14 @@
-//! Kinds of functions that can be recognised by their names.
+//! Recognises panic functions and float functions by their names.
 
-/// `core::panicking::panic_…` and its like, in any mangling.
+/// Whether a name is that of a panic function such as `core::panicking::panic_…`, however it is mangled.
 pub fn is_panic(name: &str) -> bool {
     ["panic", "unwrap_failed", "expect_failed", "slice_index"]
         .iter()
         .any(|word| name.contains(word))
 }
 
-/// The float functions of the Arm ABI (RTABI32, chapter 4.1) and those of the compiler's own library: `__addsf3`, `__fixsfsi`.
+/// Whether a name is that of a software float function: one of the Arm ABI (RTABI32, chapter 4.1) or of the compiler's library,
+/// such as `__addsf3`.
 pub fn is_soft_float(name: &str) -> bool {
     if let Some(name) = name.strip_prefix("__aeabi_") {
         let conversions = ["i2", "ui2", "l2", "ul2"];

@@ -1,4 +1,4 @@
-//! The parts of a Cortex-M's ELF file that are needed to follow a function through all that it calls.
+//! Reads from a Cortex-M's ELF file what is needed to follow a function through all functions that it calls.
 //!
 //! Code and data are distinguished by the symbols `$t` and `$d` that the ABI demands.
 
@@ -27,19 +27,19 @@ pub struct ProgramCode {
     /// Addresses in the code at which data begins (`true`) or ends (`false`).
     data: BTreeMap<u32, bool>,
     sections: Vec<(u32, Vec<u8>)>,
-    /// The sections that take memory on the board, in the file's order.
+    /// The ELF sections that take memory on the board, in the file's order.
     pub parts: Vec<Part>,
     /// All symbols other than functions, by name.
     symbols: BTreeMap<String, u32>,
 }
 
-/// A section that takes memory on the board.
+/// An ELF section that takes memory on the board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
     pub name: String,
     pub address: u32,
     pub size: u32,
-    /// Content in the file; empty for memory that start-up clears.
+    /// The section's bytes in the file; empty for memory that start-up clears.
     pub content: Vec<u8>,
     pub is_code: bool,
 }
@@ -132,7 +132,7 @@ impl ProgramCode {
         self.function(address).map(|(name, _)| name)
     }
 
-    /// Addresses at which the functions begin.
+    /// Start addresses of all functions.
     pub fn starts(&self) -> impl Iterator<Item = u32> {
         self.functions.keys().copied()
     }
@@ -143,7 +143,8 @@ impl ProgramCode {
         Some(*self.functions.iter().find(is_it)?.0)
     }
 
-    /// Where a linker's bridge to far code leads: `MOVW` and `MOVT` of a register, and a jump by it, and nothing else.
+    /// Target of a linker's veneer, the bridge to code that is too far for a call. A veneer is `MOVW` and `MOVT` of a register and
+    /// a jump by that register, and nothing else. `None` for any other code.
     pub fn bridge(&self, start: u32) -> Option<u32> {
         let wide = |at: u32| loads_half(self.half(at)?, self.half(at + 2)?);
         let ((false, low, bottom), (true, high, top)) = (wide(start)?, wide(start + 4)?) else {

@@ -1,4 +1,4 @@
-//! Finds every function that a function reaches through its calls.
+//! Finds every function that can run when a given function is called.
 //!
 //! Calls and jumps with a fixed target are followed. A call through a register cannot be followed, and is reported.
 
@@ -7,27 +7,27 @@ use std::collections::BTreeSet;
 use super::instruction::{Instruction, decode};
 use super::program::ProgramCode;
 
-/// The functions that a function reaches through all its calls.
+/// The functions that a given function calls, directly or through other functions.
 #[derive(Debug, Default)]
 pub struct Reach {
     /// Names of the reached functions, including the starting function.
     pub functions: BTreeSet<String>,
-    /// Bytes of all reached functions, with their tables of constants.
+    /// Size of all reached functions in bytes, with their tables of constants.
     pub bytes: u32,
     /// Number of instructions in all reached functions.
     pub instructions: usize,
-    /// Instructions of the float unit, each as function and address.
+    /// Instructions of the float unit, each as text with function and address.
     pub float_unit: Vec<String>,
-    /// Calls and jumps whose target is unknown.
+    /// Calls and jumps whose target is unknown, each as text.
     pub unknown: Vec<String>,
-    /// Places at which the code masks interrupts.
+    /// Places at which the code masks interrupts, each as text.
     pub masks: Vec<String>,
-    /// Traps: where the compiler wants execution to stop.
+    /// Trap instructions, which stop the processor where the code must not get, each as text.
     pub traps: Vec<String>,
 }
 
 impl ProgramCode {
-    /// Follows the function whose name contains a text; `None` if there is no such function.
+    /// Follows all calls from the function whose name contains the given text; `None` if there is no such function.
     pub fn reach(&self, name: &str) -> Option<Reach> {
         let mut starts = self.starts();
         self.reach_from(starts.find(|start| {
@@ -54,7 +54,7 @@ impl ProgramCode {
         Some(reach)
     }
 
-    /// Reads a function; returns the functions that it calls or jumps to.
+    /// Reads one function and adds it to `reach`. Returns the addresses of the functions that it calls or jumps to.
     fn goals(&self, start: u32, name: &str, size: u32, reach: &mut Reach) -> Option<Vec<u32>> {
         if let Some(goal) = self.bridge(start) {
             reach.instructions += 3;

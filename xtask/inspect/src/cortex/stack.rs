@@ -1,11 +1,11 @@
-//! The deepest stack below a function, read off the program.
+//! Computes from a program's machine code the largest depth of the stack below a function.
 //!
-//! A function's frame is the sum of everything in it that lowers the stack pointer: too much rather than too little, as a
-//! compiler may put two of them on different paths. A jump to another function counts as a call. What cannot be bounded is
+//! A function's frame is the sum of everything in it that lowers the stack pointer. That may be too much, as a compiler may put two
+//! of them on different paths, but never too little. A jump to another function counts as a call. What cannot be bounded is
 //! reported: recursion, and frames of a size that is only known at run time.
 //!
-//! A call through a register may lead to any function whose address appears in the program's data or is made in its code.
-//! [`Depths::nested`] says how many such calls may be inside each other.
+//! A call through a register may lead to any function whose address appears in the program's data or is made in the program's code.
+//! [`Depths::nested`] takes how many such calls may be inside each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,20 +18,20 @@ struct Frame {
     bytes: u32,
     calls: BTreeSet<u32>,
     calls_by_register: bool,
-    /// The stack pointer is set from a register: an alignment of the frame, or a size known at run time only.
+    /// Whether the stack pointer is set from a register: to align the frame, or for a size known at run time only.
     is_variable: bool,
 }
 
-/// A function, and how many calls through registers may be inside each other below it.
+/// A function's address, and how many calls through registers may be inside each other below the function.
 type Question = (u32, u32);
 
 /// The largest stack depth below each function of a program.
 pub struct Depths<'p> {
     program: &'p ProgramCode,
     frames: BTreeMap<u32, Frame>,
-    /// Functions whose address is taken.
+    /// Functions whose address is taken, so that a call through a register may lead to them.
     taken: BTreeSet<u32>,
-    /// Bytes below a question, and which one is next on the deepest path.
+    /// For each function and number of nested register calls: bytes of stack, and the next function on the deepest path.
     known: BTreeMap<Question, (u32, Option<Question>)>,
     /// Functions and calls whose stack depth could not be bounded.
     pub unbounded: BTreeSet<String>,
@@ -117,7 +117,7 @@ impl<'p> Depths<'p> {
         self.below(start, nested, &mut Vec::new())
     }
 
-    /// Leaves out functions whose name contains a text: they have returned before the part that is measured.
+    /// Leaves out the functions whose names contain a text, because they have returned before the stack's depth counts.
     pub fn leave_out(&mut self, text: &str) {
         let program = self.program;
         self.frames.retain(|start, _| {
@@ -128,7 +128,7 @@ impl<'p> Depths<'p> {
         self.known.clear();
     }
 
-    /// The deepest path below a function: each function's own frame and name.
+    /// The deepest path of calls below a function: for each function on it, the bytes of its own frame and its name.
     pub fn path(&self, start: u32, nested: u32) -> Vec<(u32, String)> {
         let mut path = Vec::new();
         let mut next = Some((start, nested));
@@ -140,7 +140,7 @@ impl<'p> Depths<'p> {
         path
     }
 
-    /// The name of a function for people.
+    /// The name of the function at an address, in a form for people.
     fn name(&self, start: u32) -> String {
         self.program
             .function(start)

@@ -15,21 +15,21 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A file that is not executable.
+    /// An entry for a file that is not executable.
     pub const fn text(content: Vec<u8>) -> Self {
         let mode = 0o644;
         Self { content, mode }
     }
 
-    /// An executable file.
+    /// An entry for an executable file.
     pub const fn program(content: Vec<u8>) -> Self {
         let mode = 0o755;
         Self { content, mode }
     }
 }
 
-/// Bytes of an archive with all entries in one folder, in the order of their names. `seconds` since 1970 is the time stamp of each
-/// file.
+/// Packs all entries into one folder of an archive, in the order of their names, and returns the archive's bytes. `seconds` since
+/// 1970 is the time stamp of each file.
 pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
     // The gzip header has no time stamp, so that the bytes do not depend on the time of packing.
     let compressed = GzBuilder::new().write(Vec::new(), Compression::best());

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// The fields of the output of `cargo metadata` that are read here.
+/// The fields that are read from the output of `cargo metadata`.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
@@ -47,7 +47,7 @@ struct Kind {
 
 /// Names of the packages whose programs are in the archive.
 const SHIPPED: [&str; 2] = ["touchstone", "touchstone-firmware"];
-/// Beginnings of the names of files with licence texts, which are passed on.
+/// Beginnings of the file names that mark a licence text, which the archive must pass on.
 const TEXTS: [&str; 6] = [
     "LICENSE",
     "LICENCE",
@@ -57,7 +57,8 @@ const TEXTS: [&str; 6] = [
     "UNLICENSE",
 ];
 
-/// Text of the list of packages followed by their licence texts; equal texts appear once. Errors: a package names no licence.
+/// Text with the list of packages, followed by the packages' licence texts; equal texts appear once. Errors: a package names no
+/// licence.
 pub fn text(metadata: &[&Path]) -> Result<String, String> {
     let mut rows = BTreeMap::new();
     let mut texts = BTreeMap::<String, BTreeSet<String>>::new();

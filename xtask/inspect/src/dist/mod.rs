@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 use crate::answer::Answer;
 use archive::Entry;
 
-/// Files and folders of the workspace that are copied unchanged.
+/// Files and folders of the workspace that are copied into the archive unchanged.
 const AS_IT_IS: [&str; 5] = [
     "docs",
     "README.md",
@@ -47,7 +47,7 @@ pub struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Parses the command's arguments; `None` if they are wrong.
+    /// Parses the command's arguments into the parts of an archive; `None` if they are wrong.
     pub fn named(words: &[&'a str]) -> Option<Self> {
         let [out, name, seconds, version, program, rest @ ..] = words else {
             return None;
@@ -110,7 +110,7 @@ pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
     )))
 }
 
-/// Adds a file of the workspace, or all files of a folder, to `entries` under the same name.
+/// Adds a file of the workspace, or all files of a folder, to `entries`, with the same path in the archive.
 fn from_workspace(
     workspace: &Path,
     name: &Path,
@@ -128,7 +128,7 @@ fn from_workspace(
     Ok(())
 }
 
-/// The names in a folder, sorted, since the file system lists them in any order.
+/// The paths in a folder, sorted, since the file system lists them in any order.
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let wrong = |why: std::io::Error| format!("{}: {why}", folder.display());
     let mut names = Vec::new();
@@ -139,7 +139,7 @@ fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(names)
 }
 
-/// SHA-256 checksums of the entries, in the format that `sha256sum --check` reads.
+/// SHA-256 checksums of the archive's entries, in the format that `sha256sum --check` reads.
 fn sums(entries: &BTreeMap<String, Entry>) -> String {
     let line = |(name, entry): (&String, &Entry)| format!("{}  {name}\n", digest(&entry.content));
     entries.iter().map(line).collect()

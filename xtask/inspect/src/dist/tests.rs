@@ -1,4 +1,4 @@
-//! Tests of an archive made of invented files: its layout, its checksums, its bytes.
+//! Tests of an archive made of invented files: its layout, its checksums, and that its bytes are always the same.
 
 use std::path::{Path, PathBuf};
 
@@ -47,7 +47,7 @@ fn elf() -> Vec<u8> {
     bytes
 }
 
-/// Creates a workspace with build results in a temporary folder for one test.
+/// Creates a workspace with invented build results in a temporary folder of one test.
 fn workspace(test: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("touchstone-dist-{}-{test}", std::process::id()));

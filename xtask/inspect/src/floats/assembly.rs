@@ -1,4 +1,4 @@
-//! Searches assembly text for float operations and panics, in the functions of a crate and in all functions that they call.
+//! Searches assembly text for float operations and panics, in the functions of a crate and in all functions that those call.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ pub struct Scan {
 }
 
 impl Code {
-    /// Adds the text of one assembly file; returns the file's labels.
+    /// Adds the text of one assembly file; returns the labels that the file defines.
     pub fn add(&mut self, text: &str) -> Vec<String> {
         let mut labels: Vec<String> = Vec::new();
         for line in text.lines() {
@@ -44,7 +44,7 @@ impl Code {
         labels
     }
 
-    /// Searches the code at the labels `from`, and all code whose labels it names, for instructions that `is_found` accepts.
+    /// Searches the code at the labels `from`, and all code that it refers to by label, for instructions that `is_found` accepts.
     pub fn scan(&self, from: &[String], is_found: impl Fn(&str) -> bool) -> Scan {
         let mut scan = Scan::default();
         let mut open: Vec<&str> = from.iter().map(String::as_str).collect();
@@ -80,14 +80,14 @@ pub fn is_panic(line: &str) -> bool {
     line.contains("panicking")
 }
 
-/// The label that a line defines, unless it is local to a function.
+/// The label that a line defines; `None` for other lines and for labels that are local to a function.
 fn global_label(line: &str) -> Option<&str> {
     let label = line.trim_end().strip_suffix(':')?;
     let plain = !label.is_empty() && !label.starts_with(['.', ' ', '\t']);
     plain.then(|| label.trim_matches('"'))
 }
 
-/// The test for float operations of an architecture; `None` if the architecture is not known here.
+/// Returns the function that recognises float operations in an architecture's assembly; `None` for an unknown architecture.
 pub fn float_operation(architecture: &str) -> Option<fn(&str) -> bool> {
     match architecture {
         "x86_64" => Some(is_x86_float),
@@ -129,8 +129,8 @@ fn is_aarch64_float(line: &str) -> bool {
         || name.starts_with("ucvtf")
 }
 
-/// Whether a Thumb line is a float operation: a call of the soft-float library, by ARM's names or the compiler's, or an instruction
-/// of the float unit that is not a move.
+/// Whether a line of Thumb assembly is a float operation: a call of the soft-float library, by Arm's names or the compiler's, or an
+/// instruction of the float unit that is not a move.
 fn is_thumb_float(line: &str) -> bool {
     let name = mnemonic(line);
     if name.starts_with('v') && (name.contains(".f32") || name.contains(".f64")) {

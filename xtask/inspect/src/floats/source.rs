@@ -78,7 +78,7 @@ fn module_folder(file: &Path) -> PathBuf {
     }
 }
 
-/// Result for one source text: floats with their lines, and the modules that only tests or the feature `float` compile.
+/// What was found in one source text: floats with their lines, and the modules that only tests or the feature `float` compile.
 #[derive(Debug, Default)]
 struct Found {
     floats: Vec<(usize, String)>,
@@ -130,7 +130,7 @@ fn is_float(literal: &str) -> bool {
     is_number && !prefixed && (literal.contains('.') || exponent || named)
 }
 
-/// Whether the token after `before` is a field name: after a single dot, not after the two dots of a range.
+/// Whether a token is a field name, from the tokens before it: a single dot, not the two dots of a range.
 fn is_field(before: &[TokenTree]) -> bool {
     let is_dot = |token: Option<&TokenTree>| matches!(token, Some(TokenTree::Punct(sign)) if sign.as_char() == '.');
     is_dot(before.last()) && !is_dot(before.iter().nth_back(1))
@@ -146,7 +146,7 @@ fn is_gate(tokens: &[TokenTree]) -> bool {
     hash.as_char() == '#' && gates.contains(&words.as_str())
 }
 
-/// The name in an item `mod NAME;`; `None` for any other item.
+/// The name of a module declared by `mod NAME;`; `None` for any other item.
 fn declared_module(item: &[TokenTree]) -> Option<String> {
     let at = item.iter().position(|token| is_word(token, "mod"))?;
     let plain = item[..at]
@@ -163,7 +163,7 @@ fn is_sign(token: &TokenTree, sign: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == sign)
 }
 
-/// Number of tokens of the item at the start, up to and including its block, semicolon or comma.
+/// Number of tokens of the item that begins here, up to and including its block, semicolon or comma.
 fn item_length(item: &[TokenTree]) -> usize {
     let mut angles = 0_usize;
     for (index, token) in item.iter().enumerate() {

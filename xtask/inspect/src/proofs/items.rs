@@ -9,8 +9,8 @@ use proc_macro2::{TokenStream, TokenTree};
 use super::lock::writes_a_property;
 use super::syntax::{Found, attributes, flat, header, property, word};
 
-/// Words after `by` in a property or its file: name of the solver, or `sampled`. They are left out of the hash, since they are no
-/// part of the statement.
+/// Words after `by` in a property (a statement to prove): name of the solver, or `sampled`. They are left out of the hash, since
+/// they are no part of the statement.
 const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
 
 /// Adds a text and a zero byte to a 64-bit FNV-1a hash; returns the new hash.
@@ -21,10 +21,10 @@ pub fn add(hash: u64, text: &str) -> u64 {
 }
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// What the names in a source file depend on: its place among the crates, and its imports.
+/// A source file's place among the crates, and its imports. They decide which items the names in the file can mean.
 #[derive(Default)]
 pub struct File {
-    /// Number of the file's crate; a crate may only use crates with lower or equal numbers.
+    /// Number of the file's crate in the order of dependencies; a crate may only use crates with lower or equal numbers.
     pub rank: usize,
     /// Path of the file's module: crate, folders and file, such as `touchstone_control`, `law`, `tdpa`.
     pub modules: Vec<String>,
@@ -34,7 +34,7 @@ pub struct File {
     pub globs: BTreeSet<String>,
 }
 
-/// Sort of an item, as far as it matters for how other items can refer to it.
+/// Type of an item, as far as it matters for how other items can refer to it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Property,
@@ -43,14 +43,14 @@ pub enum Kind {
     Type,
     Trait,
     Alias,
-    /// A function or constant of a type or trait. With an empty name: what is left of an `impl` without its named members.
+    /// A function or constant of a type or trait. An empty name stands for the rest of an `impl` block without its named members.
     Member {
         /// Name of the type; `None` for methods in a trait's own definition, for a type parameter, and for a macro's argument.
         of: Option<String>,
         of_trait: Option<String>,
     },
     Macro,
-    /// A call of a macro at a place where items stand.
+    /// A macro call in the place of an item.
     Call,
 }
 
@@ -85,12 +85,12 @@ pub struct Items {
     pub all: Vec<Item>,
 }
 
-/// What surrounds the tokens that are being split: modules, macro, `impl` or trait.
+/// Surroundings of the tokens that are being split into items: modules, macro, `impl` or trait.
 #[derive(Clone, Default)]
 struct Place {
     inline: Vec<String>,
     within: Option<String>,
-    /// Names of type and trait, inside an `impl` or a trait.
+    /// Names of type and trait if the tokens are inside an `impl` or a trait.
     member: Option<(Option<String>, Option<String>)>,
 }
 
@@ -140,7 +140,7 @@ impl Items {
         });
     }
 
-    /// Adds the items among the tokens; returns the tokens that belong to no item.
+    /// Splits tokens into items and adds these; returns the tokens that belong to no item.
     fn split(&mut self, tokens: TokenStream, place: &Place) -> Vec<TokenTree> {
         let all: Vec<TokenTree> = tokens.into_iter().collect();
         let mut left = Vec::new();
@@ -164,7 +164,7 @@ impl Items {
         left
     }
 
-    /// Appends tokens that are no item to `left`, but splits the repetitions in a macro, since they may contain items.
+    /// Appends tokens that are no item to `left`. Splits the repetitions in a macro further, since they may contain items.
     fn leave(&mut self, tokens: &[TokenTree], place: &Place, left: &mut Vec<TokenTree>) {
         for token in tokens {
             match token {
@@ -180,7 +180,7 @@ impl Items {
         }
     }
 
-    /// Adds one item; returns whether it was added. `bare` is `tokens` without the attributes.
+    /// Adds one item; returns whether it was added. `bare` is the item's tokens without attributes.
     fn take(
         &mut self,
         found: &Found,

@@ -1,5 +1,5 @@
-//! Reads the lock, which is the committed list of harnesses (proofs). Each line has a harness and two hashes: of its statement with
-//! all that the statement uses in the proofs, and of the code that it reaches.
+//! Reads the lock: the committed list of harnesses, which are the proofs that the model checker runs. Each line has a harness and
+//! two hashes: of its statement with all that the statement uses in the proofs, and of the code that it reaches.
 //!
 //! A weakened statement changes the first hash, a changed function the second. Comments, layout, tests and code that the harness
 //! does not reach change neither.
@@ -25,29 +25,30 @@ const NOT_BUILT: &str = "control/src/number/float.rs";
 /// code.
 const BUILT_WITH: &str = "name = \"fixed\"";
 
-/// Whether a macro call with this name defines a property: `property!`, `divided_property!`. A call with a path, such as
-/// `$crate::property!`, only passes a property on.
+/// Whether a macro of this name, such as `property!` or `divided_property!`, defines a property (a statement to prove). A call with
+/// a path, such as `$crate::property!`, only passes a property on.
 pub fn writes_a_property(name: &str) -> bool {
     !name.contains(':') && (name == "property" || name.ends_with("_property"))
 }
 
-/// The two hashes of each property in the sources, by file and name such as `tdpa::p7_leaves`.
+/// For each property (statement to prove) in the sources, the hashes of statement and code. The key is file and name, such as
+/// `tdpa::p7_leaves`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Statements(BTreeMap<String, Numbers>);
 
-/// Result of comparing a line of the lock with the present sources.
+/// Result of comparing a proof's line in the lock (the committed list of proofs) with the present sources.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Statement and code are those of the lock.
+    /// Statement and code are those with which the proof was run.
     Proved,
-    /// The statement is that of the lock, but the code has changed.
+    /// The statement is the one that was proved, but the code has changed since.
     OtherCode,
     OtherStatement,
 }
 
 impl Statements {
-    /// Hashes all properties in the workspace's sources. Errors: a file cannot be read, or an assertion has no cover that shows it
-    /// to be reachable.
+    /// Hashes all properties in the workspace's sources. Errors: a file cannot be read, or no cover (a statement that must be
+    /// reached) shows that an assertion is reachable.
     pub fn read() -> Result<Self, String> {
         let mut files = Vec::new();
         for (rank, (_, folder)) in CRATES.iter().enumerate() {
@@ -102,7 +103,8 @@ impl Statements {
         Self(BTreeMap::new())
     }
 
-    /// Line of the lock for a harness such as `tdpa::w8::p7_leaves::proof`, with the hashes of the present sources.
+    /// Line of the lock (list of proofs) for a harness such as `tdpa::w8::p7_leaves::proof`, with the hashes of the present
+    /// sources.
     pub fn line(&self, harness: &str) -> String {
         let none = Numbers {
             statement: 0,
@@ -112,7 +114,7 @@ impl Statements {
         format!("{harness} {:016x} {:016x}", numbers.statement, numbers.code)
     }
 
-    /// Compares a line of the lock with the present sources.
+    /// Compares a proof's line of the lock (the committed list of proofs) with the present sources.
     pub fn standing(&self, line: &str) -> Standing {
         let now = self.line(name(line));
         let statement = |line: &str| line.rsplit_once(' ').map(|(it, _)| it.to_owned());
@@ -126,12 +128,12 @@ impl Statements {
     }
 }
 
-/// Name of the harness in a line of the lock.
+/// Name of the harness (proof) in a line of the lock, the committed list of proofs.
 pub fn name(line: &str) -> &str {
     line.split(' ').next().unwrap_or_default()
 }
 
-/// File and name of a harness's property: `tdpa::p7_leaves` for the harness `tdpa::w8::p7_leaves::proof`.
+/// File and name of the property that a harness (proof) proves: `tdpa::p7_leaves` for the harness `tdpa::w8::p7_leaves::proof`.
 fn property(harness: &str) -> String {
     let parts: Vec<&str> = harness.trim_end_matches("::proof").split("::").collect();
     let (first, last) = (parts.first(), parts.last());

@@ -56,7 +56,8 @@ const HARNESSES: [&str; 3] = [
     "laws::p7_law::proof",
 ];
 
-/// Names of the harnesses whose statement changes, and of those whose code changes, if `was` is replaced by `instead` in `file`.
+/// Replaces the text `was` by `instead` in `file`. Returns the names of the harnesses (proofs) whose statement's hash changes, and
+/// of those whose code's hash changes.
 fn voided(file: &str, was: &str, instead: &str) -> (Vec<&'static str>, Vec<&'static str>) {
     let before = numbers(&FILES);
     let changed = FILES.map(|(path, text)| {
@@ -218,7 +219,7 @@ fn of_two_with_one_name_each_is_a_part_of_the_number() {
     assert_ne!(two("x > 0"), two("true"));
 }
 
-/// Checks that every harness of the committed lock has its property in the sources.
+/// Checks that the sources have the property of every harness in the committed lock (list of proofs).
 #[test]
 fn every_line_of_the_lock_is_of_a_property() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -1,5 +1,5 @@
-//! Stores results of successful proofs in a file, so that an interrupted run can continue. Each line has a harness with its line of
-//! the lock. A result for a changed statement or changed code does not count.
+//! Stores results of successful proofs in a file, so that an interrupted run can continue. Each line has a harness (proof) with its
+//! hashes of statement and code. A result for a changed statement or changed code does not count.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::lock::{Standing, Statements, name};
 use super::report::{Answer, Verdict};
 use super::usage::Usage;
 
-/// Appends the harnesses that `fine` accepts, which are those proved within their limits, to the file.
+/// Appends to the file the harnesses (proofs) that `fine` accepts: those that were proved within their limits of time and memory.
 pub fn keep(
     memo: &Path,
     found: &BTreeMap<String, Verdict>,
@@ -34,7 +34,7 @@ pub fn keep(
     std::fs::write(memo, text).map_err(|why| format!("{}: {why}", memo.display()))
 }
 
-/// The stored results that are valid for the present code and statements.
+/// Reads from the file `memo` the results that are valid for the present code and statements.
 pub fn kept(memo: &Path, statements: &Statements) -> BTreeMap<String, Verdict> {
     let text = std::fs::read_to_string(memo).unwrap_or_default();
     let row = |line: &str| {
@@ -61,7 +61,7 @@ pub fn kept(memo: &Path, statements: &Statements) -> BTreeMap<String, Verdict> {
     text.lines().filter_map(row).collect()
 }
 
-/// Names of all harnesses in the checker's list. Errors: the text is no such list.
+/// Names of all harnesses (proofs) in the model checker's list. Errors: the text is no such list.
 pub fn listed(text: &str) -> Result<Vec<String>, String> {
     let list: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's list: {why}"))?;

@@ -1,8 +1,8 @@
-//! The gate of `cargo xtask prove`: checks in the checker's report that each harness really proved its statement.
+//! The gate of `cargo xtask prove`: checks in the model checker's report that each harness (proof) really proved its statement.
 //!
 //! The model checker also exits with 0 if there was nothing to prove, an assumption was impossible, or a cover was never reached.
-//! So the gate requires: every harness of the committed list ran and succeeded, no other ran, and every cover and every assertion
-//! of a property can be reached.
+//! (A cover is a statement that must be reachable.) So the gate requires: every harness of the committed list ran and succeeded, no
+//! other ran, and every cover and every assertion of a property can be reached.
 
 mod items;
 mod lock;
@@ -24,18 +24,19 @@ use lock::{LOCK, Standing, Statements, name};
 use report::Verdict;
 use usage::Usage;
 
-/// Most processor time of a harness in seconds, for all its tools and solvers together.
+/// Most processor time of a harness (proof) in seconds, for all its tools and solvers together.
 const PROCESSOR_S: f64 = 120.0;
 
-/// Result files of a run of the checker, and the limit of memory.
+/// Result files of a run of the model checker, and the limit of memory.
 pub struct Run<'r> {
-    /// Text of the checker's report in JSON.
+    /// Text of the model checker's report, in JSON.
     pub report: &'r str,
-    /// Memory and processor time, with one line per harness: name of its file, kibibytes, seconds.
+    /// Memory and processor time of each harness (proof), as text. A line has the name of the harness's file, kibibytes and
+    /// seconds.
     pub usage: &'r str,
-    /// Most memory that a harness may use, in KiB.
+    /// Most memory that a harness (proof) may use, in KiB.
     pub memory_kib: u64,
-    /// File with the results of earlier runs, to which this run's are added.
+    /// File with the results of earlier runs, to which the results of this run are added.
     pub memo: &'r Path,
 }
 
@@ -49,7 +50,7 @@ impl Run<'_> {
         Ok(found)
     }
 
-    /// Stores the harnesses that were proved within their limits, for a resumed run.
+    /// Stores the harnesses (proofs) that succeeded within their limits of time and memory, so that a later run can resume.
     fn keep(
         &self,
         found: &BTreeMap<String, Verdict>,
@@ -62,7 +63,8 @@ impl Run<'_> {
     }
 }
 
-/// Checks the harnesses that ran because their names contain `part`, without a comparison with the lock.
+/// Checks the results of the harnesses (proofs) that ran because their names contain `part`. Does not compare with the committed
+/// list.
 pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     let found = run.verdicts()?;
     if found.is_empty() {
@@ -80,7 +82,7 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     Ok(say(&found, wrong(&found, run.memory_kib)))
 }
 
-/// Prints the harnesses of the checker's list that are not yet proved for the present code and statements.
+/// Prints those harnesses (proofs) of the model checker's list that are not yet proved for the present code and statements.
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let known = memo::kept(memo, &statements);
@@ -105,7 +107,7 @@ fn read_lock() -> Result<String, String> {
     std::fs::read_to_string(LOCK).map_err(|why| format!("{LOCK}: {why}"))
 }
 
-/// The harnesses whose line of the lock is valid for the present sources.
+/// The harnesses (proofs) in the committed list whose hashes equal those of the present sources, so that they are still valid.
 fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     let lines = locked
         .lines()
@@ -113,10 +115,11 @@ fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     lines.map(|line| name(line).to_owned()).collect()
 }
 
-/// Checks all harnesses against the lock and writes the table of results.
+/// Checks the results of all harnesses (proofs) against the committed list (lock) and writes the table of results.
 ///
-/// `words` describe the checker and its run time, `machine` describes what else ran. `bless` writes the proved harnesses into the
-/// lock. With the checker's `list`, results of earlier runs count, and every harness in the list must be proved.
+/// `words` describe the checker and its run time, `machine` describes what else ran. With `bless`, the proved harnesses are written
+/// into the list. With the checker's own `list` of harnesses, results of earlier runs count, and every harness in that list must be
+/// proved.
 pub fn whole(
     run: &Run,
     words: &str,
@@ -175,7 +178,7 @@ pub fn whole(
     Ok(say(&found, wrong))
 }
 
-/// A sentence for each harness that is not proved, or that exceeded its limit of processor time or memory.
+/// A sentence for each harness (proof) that is not proved, or that exceeded its limit of processor time or memory.
 fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String> {
     let mut wrong = Vec::new();
     for (name, verdict) in found {
@@ -205,8 +208,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// Differences from the lock: harnesses of the lock that neither ran nor are in `held` (still valid by the lock), and harnesses
-/// that ran without being in the lock. Also lists lines of the lock that do not fit the sources.
+/// Differences from the committed list (lock): harnesses (proofs) of the list that neither ran nor are in `held` (still valid by
+/// their hashes), and harnesses that ran without being in the list. Also names lines of the list that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
@@ -226,7 +229,7 @@ fn against_lock(
     missing.chain(new).chain(changed).collect()
 }
 
-/// A sentence for each line of the lock that differs from the present sources as `standing` says.
+/// A sentence for each line of the committed list (lock) that differs from the present sources in the way that `standing` names.
 fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<String> {
     let lines = locked
         .lines()
@@ -245,8 +248,8 @@ fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<Str
         .collect()
 }
 
-/// Checks that every statement equals the one proved when the lock was written; counts the harnesses whose code is also unchanged.
-/// More cannot be known without running the checker.
+/// Checks that every statement equals the one that was proved when the lock (the committed list of proofs) was written. Counts the
+/// harnesses (proofs) whose code is unchanged too. Without running the model checker more cannot be known.
 pub fn unchanged(locked: &str) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let wrong = changed(locked, &statements, Standing::OtherStatement);
@@ -309,8 +312,8 @@ fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> Strin
     )
 }
 
-/// Whether the harness ran alone and was refuted by one of its own assertions. The answer is "not run" if it was neither proved nor
-/// refuted so.
+/// Whether the model checker refuted exactly this harness (proof), by one of the harness's own assertions. The answer is "not run"
+/// if it was neither proved nor refuted in this way.
 pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
     let found = match report::read(report) {
         Ok(found) => found,

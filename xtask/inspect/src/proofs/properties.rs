@@ -1,18 +1,20 @@
-//! Reads from the sources what each property states: its meaning, its equation, the inputs that it covers and its assumptions.
+//! Reads from the sources what each property (statement to prove) says: its meaning, its equation, the inputs that it covers and
+//! its assumptions.
 //!
 //! The macro `property!` requires meaning, equation and inputs, and `assume!` and `such!` require a reason for each assumption. A
-//! property without them does not compile, so they are only read here. Assumptions are shown as they stand in the property's code.
+//! property without them does not compile, so this module only reads them. Assumptions are shown as they stand in the property's
+//! code.
 
 use std::path::Path;
 
 use super::lock::writes_a_property;
 
-/// A property of the code as its source describes it. It may be proved at several widths of numbers.
+/// A property of the code that is proved, as its source describes it. It may be proved for several widths of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Property {
     /// Name of the file with the property, without ending, such as `tdpa`.
     pub file: String,
-    /// Name of the property, such as `p7_leaves`.
+    /// Name of the property (statement to prove), such as `p7_leaves`.
     pub name: String,
     /// The comment above the property, one or two sentences such as `P1: ...`.
     pub meaning: String,
@@ -20,19 +22,19 @@ pub struct Property {
     pub equation: String,
     /// The configurations, states and inputs for which the equation holds.
     pub over: String,
-    /// The assumptions, each with the check or type that guarantees it.
+    /// The assumptions of the proof, each with the check or type that guarantees it.
     pub assumptions: Vec<String>,
 }
 
 impl Property {
-    /// The required property of the design that this property is a part of: `P1` for the name `p1_pays`.
+    /// Number of the design's required property to which this one belongs: `P1` for the name `p1_pays`.
     pub fn design(&self) -> String {
         let numbers = self.name.split('_').next().unwrap_or_default();
         numbers.to_uppercase()
     }
 }
 
-/// All properties in the source files of a folder.
+/// All properties (statements to prove) in the source files of a folder.
 pub fn properties(folder: &Path) -> Vec<Property> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .into_iter()
@@ -55,7 +57,7 @@ pub fn properties(folder: &Path) -> Vec<Property> {
     found
 }
 
-/// The properties in the text of one source file; `file` is the file's name.
+/// The properties (statements to prove) in the text of one source file; `file` is the file's name.
 pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut found: Vec<Property> = Vec::new();
     // `None` outside any property, `Some(false)` in its head, `Some(true)` in its body.

@@ -1,7 +1,7 @@
-//! Reads the checker's report: the verdict on each harness, and why a harness counts as proved.
+//! Reads the model checker's report: the verdict on each harness (proof), and why a harness counts as proved.
 //!
-//! The checker also calls a harness successful if an assumption was impossible, or if a cover or an assertion was never reached. So
-//! the checker's own verdict is only one of the conditions here.
+//! The checker also calls a harness successful if an assumption was impossible, or if a cover or an assertion was never reached. (A
+//! cover is a statement that the checker must be able to reach.) So the checker's own verdict is only one of the conditions here.
 //!
 //! The checker's own test whether each assertion can be reached is switched off. It would also test the assertions in the code,
 //! which takes a quarter of the time. Instead each assertion of a property needs a cover. The cover comes after it in its block and
@@ -14,38 +14,40 @@ use serde_json::Value;
 
 use super::usage::Usage;
 
-/// Description of the cover that `assert_reached!` puts before an assertion, for assertions that no other cover follows.
+/// Description of the cover (a statement that must be reachable) in `assert_reached!`, for assertions that no other cover follows.
 const REACHED: &str = "assertion reached";
 
-/// How the checker's run of one harness ended.
+/// How the model checker's run of one harness (proof) ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// Every check holds, every cover was reached, and every assertion of the property can be reached.
+    /// Every check holds, every cover (statement that must be reachable) was reached, and every assertion of the property can be
+    /// reached.
     Proved,
     /// A check failed; the text names the first failed check and its place.
     Refuted(String),
     /// Every check holds, but may hold only because code is unreachable; the text names what could not be reached.
     Empty(String),
-    /// The checker gave no answer within the time limit of a harness.
+    /// The model checker gave no answer within the time limit of a harness (proof).
     TimedOut,
     /// The checker gave no answer for another reason, such as memory, a crash of a solver, or a check without a verdict.
     Unknown(String),
 }
 
-/// The result of one harness.
+/// The model checker's result for one harness (proof).
 #[derive(Debug, Clone)]
 pub struct Verdict {
     pub answer: Answer,
     /// Whether an assertion of the property itself failed, not only a check that the compiler or the model checker inserted.
     pub own_failed: bool,
     pub covers: (usize, usize),
-    /// Wall-clock time of the harness in seconds.
+    /// Wall-clock time that the harness (proof) took, in seconds.
     pub seconds: f64,
-    /// Name of the solver that decided the harness.
+    /// Name of the solver that decided the harness (proof).
     pub solver: String,
-    /// Name of the file that the checker's tools worked on, without endings. It identifies the harness's processes.
+    /// Name of the file on which the checker's tools worked, without endings. It shows which processes belong to the harness
+    /// (proof).
     pub program: String,
-    /// Memory and processor time of the tools; `None` if they were not measured.
+    /// Memory and processor time of the checker's tools; `None` if they were not measured.
     pub usage: Option<Usage>,
 }
 
@@ -65,8 +67,8 @@ impl Verdict {
     }
 }
 
-/// The results of all harnesses in a report, by the harness's name. Errors: the text is no such report, or has two results for a
-/// harness.
+/// The results of all harnesses (proofs) in a report, by the harness's name. Errors: the text is no such report, or has two results
+/// for a harness.
 pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
     let report: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's report: {why}"))?;
@@ -208,7 +210,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
     }
 }
 
-/// Whether a check is an `assert!` in a property, and not a check that the compiler or the model checker inserted.
+/// Whether a check in the report is an `assert!` in a property, and not a check that the compiler or the model checker inserted.
 fn own_assertion(check: &Value) -> bool {
     let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
     check["category"] == "assertion"

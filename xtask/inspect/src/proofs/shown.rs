@@ -1,9 +1,9 @@
-//! Finds the assertions in properties that no cover shows to be reachable.
+//! Finds the assertions in proved properties for which nothing shows that the model checker reaches them.
 //!
 //! A cover is a statement that the checker must be able to reach. A cover after an assertion, as a statement of the same block, is
 //! reached only through the assertion. An assertion without such a cover must be written as `assert_reached!`
-//! (`proofs/src/lib.rs`), which contains its own cover. That is not the rule for all, since the checker computes a trace for each
-//! cover.
+//! (`proofs/src/lib.rs`), which contains its own cover. Not every assertion is written so, since the checker computes a trace for
+//! each cover.
 
 use proc_macro2::{Delimiter, Group, LineColumn, TokenStream, TokenTree};
 use syn::parse::Parser;
@@ -22,7 +22,8 @@ const ASSERTIONS: [(&str, usize); 6] = [
 /// Macros that are or contain a cover, which the checker must be able to reach.
 const COVERS: [&str; 2] = ["cover", "assert_reached"];
 
-/// Line numbers of the assertions without a message in a source text that no cover shows to be reachable.
+/// Line numbers of the assertions in a source text that have no message and that no cover (statement that must be reached) shows to
+/// be reachable.
 pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     let tokens: TokenStream = text.parse().map_err(|why| format!("{why}"))?;
     let mut lines = Vec::new();
@@ -30,7 +31,7 @@ pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     Ok(lines)
 }
 
-/// Adds to `lines` the assertions among the tokens that are not `shown`, and searches each group of tokens the same way.
+/// Adds to `lines` the assertions among the tokens that are not in `shown`, and searches nested blocks in the same way.
 fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     let all: Vec<TokenTree> = tokens.clone().into_iter().collect();
     for (place, tree) in all.iter().enumerate() {
@@ -49,7 +50,7 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
 }
 
 /// Whether an assertion without a message is at this position. An assertion with a message belongs to a replacement of shipped
-/// code, which not every harness uses.
+/// code, which not every harness (proof) uses.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),
@@ -65,7 +66,7 @@ fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     })
 }
 
-/// Whether the argument after the first `before` arguments is a string, which is the message.
+/// Whether an argument after the first `before` ones is a string, which is the assertion's message.
 fn has_words(arguments: &TokenStream, before: usize) -> bool {
     let parser = Punctuated::<Expr, Token![,]>::parse_terminated;
     let Ok(all) = parser.parse2(plain(arguments.clone())) else {
@@ -83,8 +84,8 @@ fn has_words(arguments: &TokenStream, before: usize) -> bool {
     all.iter().nth(before).is_some_and(words)
 }
 
-/// Whether the group at this position is left out: the definition of `assert_reached!`, which contains its cover, or a module of
-/// tests.
+/// Whether the search leaves out the block at this position. It leaves out modules of tests, and the definition of
+/// `assert_reached!`, whose assertion needs no other cover (statement that must be reached).
 fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     let before = |back: usize| {
         let tree = place.checked_sub(back).map(|at| &all[at]);
@@ -95,7 +96,7 @@ fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     reached || tests
 }
 
-/// Positions of the assertions in a block that a cover in the same block follows.
+/// Positions of the assertions in a block that are followed by a cover (a statement that must be reachable) in the same block.
 fn of_block(group: &Group) -> Vec<LineColumn> {
     if group.delimiter() != Delimiter::Brace {
         return Vec::new();
@@ -145,7 +146,7 @@ fn plain(tokens: TokenStream) -> TokenStream {
 mod tests {
     use super::*;
 
-    /// Line numbers that [`unshown`] returns for a property with this body.
+    /// For tests: line numbers that [`unshown`] returns for a property with this body.
     fn lines(body: &str) -> Vec<usize> {
         let text = format!("property! {{ by cadical fn p1(s) {{\n{body}\n}} }}");
         unshown(&text).expect("Rust")

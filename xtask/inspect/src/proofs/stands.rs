@@ -1,5 +1,5 @@
-//! Finds the items (functions, types, macros) that each property uses, directly or indirectly, in the proofs and in the code. A
-//! hash of them shows later whether the proof still applies.
+//! Finds the items (functions, types, macros) that each property (statement to prove) uses, directly or indirectly, in the proofs
+//! and in the code. A hash of them shows later whether the proof still applies.
 //!
 //! A name is resolved by the imports of its file, by the word before it, and by type and trait. If several items remain possible,
 //! all count. One item too many makes a proof invalid without need, but no used item is missed.
@@ -10,7 +10,8 @@ use std::rc::Rc;
 
 use super::items::{EMPTY, How, Item, Items, Kind, add};
 
-/// Two hashes of a property: of its statement with all that it uses in the proofs, and of the code that it reaches.
+/// Two hashes of a property (statement to prove): of its statement with all that it uses in the proofs, and of the code that it
+/// reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Numbers {
     pub statement: u64,
@@ -20,7 +21,7 @@ pub struct Numbers {
 /// Number of the crate `proofs` in the order of the crates; crates with lower numbers are the proved code.
 pub const PROOFS: usize = 3;
 
-/// All items with indexes by which a reference to them can be resolved.
+/// All items of the sources, with indexes by which a name is resolved to items.
 pub struct Ground<'i> {
     items: &'i Items,
     by_name: BTreeMap<&'i str, Vec<usize>>,
@@ -28,8 +29,8 @@ pub struct Ground<'i> {
     by_macro: BTreeMap<&'i str, Vec<usize>>,
     by_file: BTreeMap<usize, Vec<usize>>,
     kinds: BTreeMap<&'i str, BTreeSet<(usize, &'i Kind)>>,
-    /// Names of macros whose definition contains properties. A name among such a macro's arguments is no reference to the macro
-    /// call.
+    /// Names of macros whose definition contains properties. If such a macro is called with a name as argument, the call does not
+    /// count as the name's definition.
     of_properties: BTreeSet<&'i str>,
     /// Names of macros whose definition contains an `impl` for their arguments.
     implementing: BTreeSet<&'i str>,
@@ -39,11 +40,11 @@ pub struct Ground<'i> {
     called: BTreeMap<&'i str, BTreeSet<usize>>,
     /// Pairs of a module and a name that the module imports; the name is `*` if the module has a `use …::*`.
     handed_on: BTreeSet<(&'i str, &'i str)>,
-    /// Results of [`Ground::seen`] that are already known, by the item's number.
+    /// Results of [`Ground::seen`] (the items that an item names) that are already known, by the item's index.
     seen: RefCell<HashMap<usize, Rc<[usize]>>>,
 }
 
-/// The items that one property reaches, while they are being collected.
+/// The items that one property uses, directly or indirectly, while they are being collected.
 struct Reach<'g, 'i> {
     ground: &'g Ground<'i>,
     reached: BTreeSet<usize>,
@@ -130,7 +131,7 @@ impl<'i> Ground<'i> {
         ground
     }
 
-    /// The hashes of each property, by the names of its file and of the property, such as `tdpa::p7_leaves`.
+    /// The hashes of each property. The key is the names of file and property, such as `tdpa::p7_leaves`.
     pub fn numbers(&self, built_with: &str) -> BTreeMap<String, Numbers> {
         let mut found = BTreeMap::<String, Numbers>::new();
         for (at, item) in self.items.all.iter().enumerate() {
@@ -188,7 +189,7 @@ impl<'i> Ground<'i> {
         reach.reached
     }
 
-    /// Numbers of the functions, types and macros that an item names; methods are left out.
+    /// Indexes of the functions, types and macros whose names the item with the index `at` uses; methods are left out.
     fn seen(&self, at: usize) -> Rc<[usize]> {
         if let Some(known) = self.seen.borrow().get(&at) {
             return known.clone();
@@ -212,7 +213,7 @@ impl<'i> Ground<'i> {
         found
     }
 
-    /// Whether a macro call may define an item with this name, from the arguments of the call.
+    /// Whether a macro call may define an item with this name: the name is one of the call's arguments, and no other item has it.
     fn may_make(&self, name: &str, call: &Item) -> bool {
         let others = self.by_name.get(name).into_iter().flatten();
         let mut others = others.map(|at| &self.items.all[*at]);
@@ -226,7 +227,7 @@ impl<'i> Ground<'i> {
         self.items.files[item.file].rank
     }
 
-    /// Numbers of the files in which the names of an item are looked up: its own file, and for a macro also the files that call the
+    /// Indexes of the files whose imports resolve the names in an item: its own file, and for a macro also the files that call the
     /// macro.
     fn places(&self, item: &Item) -> BTreeSet<usize> {
         let mut files = BTreeSet::from([item.file]);
@@ -349,7 +350,8 @@ impl<'i> Reach<'_, 'i> {
         }
     }
 
-    /// Whether the items reached so far also reach this macro call or member of a type. Other items are reached by their names.
+    /// Whether a macro call, or a member of a type, belongs to what the property uses, given the items found so far. Other items
+    /// are found by their names.
     fn holds(&self, item: &Item) -> bool {
         let ground = self.ground;
         match &item.kind {
@@ -411,8 +413,8 @@ impl<'i> Reach<'_, 'i> {
             .any(|at| self.ground.items.all[*at].kind == Kind::Macro && self.reached.contains(at))
     }
 
-    /// Whether a type of this name is reached from a crate with number `rank`. A type that no known item defines counts as reached
-    /// if its name is used.
+    /// Whether the items found so far use a type of this name, seen from the crate with number `rank`. A type that no known item
+    /// defines counts as used if its name occurs.
     fn has_type(&self, name: &str, rank: usize) -> bool {
         let kinds = self.ground.kinds.get(name).into_iter().flatten();
         let mut kinds = kinds.filter(|(of, _)| *of <= rank).peekable();
@@ -422,7 +424,7 @@ impl<'i> Reach<'_, 'i> {
         }
     }
 
-    /// Whether an item reached so far refers to this method or constant of the type `of`.
+    /// Whether an item found so far refers to this method or constant of the type `of`.
     fn is_called(&self, item: &Item, of: Option<&str>) -> bool {
         let ground = self.ground;
         let names = self.names.get(&*item.name).into_iter().flatten();

@@ -3,7 +3,7 @@
 use proc_macro2::{Delimiter, TokenTree};
 use std::collections::BTreeSet;
 
-/// An item that begins at a position in the tokens: its keyword, its name (empty if it has none), and the position after it.
+/// An item that begins at a position in the tokens: its keyword, its name (empty if it has none), and the position after the item.
 pub(super) struct Found {
     pub keyword: String,
     pub name: String,
@@ -92,7 +92,7 @@ pub(super) fn word(all: &[TokenTree], at: usize) -> String {
 }
 
 /// The position after the attributes that begin at `at`, and whether one of them marks a test or code that is compiled only without
-/// the checker.
+/// the model checker.
 pub(super) fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
     let mut skipped = false;
     while word(all, at) == "#" {
@@ -129,7 +129,7 @@ pub(super) fn property(bare: &[TokenTree]) -> Option<String> {
     }
 }
 
-/// Names of type and trait, in this order, of a header such as `impl<…> Trait for Type<…>`.
+/// Names of type and trait, in this order, from the tokens of a header such as `impl<…> Trait for Type<…>`.
 pub(super) fn header(bare: &[TokenTree]) -> (Option<String>, Option<String>) {
     let mut depth = 0_i32;
     let mut parts = [None, None];

@@ -1,4 +1,4 @@
-//! Writes the table of the results of a whole run.
+//! Writes the table with the results of a run of all proofs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,17 +8,18 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-/// File name of the table, which is in the folder of the checker's report.
+/// File name of the table of results, which is in the folder of the model checker's report.
 pub const NAME: &str = "table.md";
 
-/// Writes the table of a whole run to the file `path`. Errors: a harness has no property in the sources.
+/// Writes the table with the results of all proofs to the file `path`. Errors: a harness (proof) has no property in the sources.
 pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
     let properties = properties::properties(Path::new("proofs/src"));
     let table = table(found, &properties, about)?;
     std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// Table with one row per property; a property proved at several widths has one line per width in the last columns.
+/// Table with one row per property (statement to prove). A property that is proved at several widths has one line per width in the
+/// last columns.
 fn table(
     found: &BTreeMap<String, Verdict>,
     properties: &[Property],
@@ -92,13 +93,14 @@ fn code(text: &str) -> String {
     format!("`{text}`")
 }
 
-/// Whether a harness proves a property: `tdpa::w8::p7_leaves::proof` proves the property `p7_leaves` in `tdpa.rs`.
+/// Whether a harness (proof) belongs to a property: `tdpa::w8::p7_leaves::proof` proves the property `p7_leaves` in `tdpa.rs`.
 fn is_of(harness: &str, property: &Property) -> bool {
     let parts: Vec<&str> = harness.split("::").collect();
     matches!(parts.as_slice(), [file, .., name, "proof"] if *file == property.file && *name == property.name)
 }
 
-/// Width of the numbers in bits, from the digits in the harness's path or at the end of its name; `-` if there are none.
+/// Width of the numbers in bits for which a harness (proof) holds, from the digits in the harness's path or at the end of its name;
+/// `-` if there are none.
 fn width(harness: &str) -> String {
     let parts: Vec<&str> = harness.split("::").collect();
     let digits = |part: &&str| {

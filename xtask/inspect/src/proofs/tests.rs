@@ -1,9 +1,10 @@
-//! Tests of the gate on a recorded report, in which harnesses end in every possible way (`fixtures/every_end.rs`).
+//! Tests of the gate, which judges the model checker's report, on a recorded report. In it harnesses (proofs) end in every possible
+//! way (`fixtures/every_end.rs`).
 
 use super::*;
 use report::Answer;
 
-/// Most memory that a harness may use in these tests, in KiB.
+/// Most memory that a harness (proof) may use in these tests, in KiB.
 const MEMORY_KIB: u64 = 8 << 20;
 
 fn recorded() -> BTreeMap<String, Verdict> {
@@ -14,7 +15,7 @@ fn answer(name: &str) -> Answer {
     recorded()[name].answer.clone()
 }
 
-/// Reason why the gate rejects a harness that the checker called successful.
+/// The reason that the report's reader gives for rejecting a harness (proof) that the model checker called successful.
 fn empty(name: &str) -> String {
     match answer(name) {
         Answer::Empty(why) => why,
@@ -42,7 +43,7 @@ fn only_one_harness_of_all_is_proved() {
     assert_eq!(wrong(&found, MEMORY_KIB).len(), 9);
 }
 
-/// Checks that the gate rejects harnesses that the checker calls successful although they prove nothing.
+/// Checks that the gate rejects harnesses (proofs) that the model checker calls successful although they prove nothing.
 #[test]
 fn a_success_that_says_nothing_is_none() {
     assert!(empty("w8::cover_unsatisfiable").starts_with("cover not reached: larger"));
@@ -83,7 +84,8 @@ fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
     );
 }
 
-/// Checks that only a failed assertion of the named harness, run alone, catches a mutant (a wrong change of the code).
+/// Checks that a mutant (a wrong change of the code) counts as caught only if an assertion of the named harness (proof) failed and
+/// the harness ran alone.
 #[test]
 fn a_mutant_is_caught_by_its_own_harness_only() {
     let only = |name: &str| BTreeMap::from([(name.to_string(), recorded()[name].clone())]);
@@ -174,7 +176,7 @@ fn no_report_and_an_empty_one_are_not_a_pass() {
     ));
 }
 
-/// A status that is unknown here does not count as success.
+/// Checks that a status which the reader of the model checker's report does not know does not count as success.
 #[test]
 fn an_unknown_status_is_no_answer() {
     let text = include_str!("fixtures/every-end.json").replace(

@@ -1,17 +1,17 @@
-//! Memory and processor time of the checker's processes, as the launcher `cargo xtask` measured them.
+//! Memory and processor time of the model checker's processes, as the launcher `cargo xtask` measured them.
 
 use std::collections::HashMap;
 
-/// Memory and time of one harness.
+/// Memory and processor time of one harness (proof).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
+    /// Highest total memory of all processes that ran for the harness (proof) at the same time, in KiB.
     pub memory_kib: u64,
-    /// Processor time of all processes of the harness together, in seconds.
+    /// Processor time of all processes of the harness (proof) together, in seconds.
     pub processor_s: f64,
 }
 
-/// Reads lines with the name of a harness's file, kibibytes and seconds. Errors: a line is something else.
+/// Reads lines with the name of a harness's (proof's) file, kibibytes and seconds. Errors: a line has another form.
 pub fn read(text: &str) -> Result<HashMap<&str, Usage>, String> {
     let line = |line| {
         let mut words = str::split_whitespace(line);

@@ -57,11 +57,11 @@ fn duty_counts_from_the_next_update_on() {
 
 #[test]
 fn off_is_what_the_drivers_take_for_off() {
-    // Outputs off, idle levels low: right for drivers that switch on when high.
+    // The outputs are off and the idle levels low. Drivers with active-high inputs read this as off.
     let mut tim = started();
     tim.write(BDTR, BKE | OSSI, 200);
     assert_eq!(tim.duty(), [None; 3]);
-    // The same levels switch the lower transistors of others on: all phases to ground.
+    // Drivers with active-low inputs for the lower transistors read the same levels as on: all phases are connected to ground.
     let mut tim = BridgeTimer {
         gates: GateDriver::L6398,
         ..started()
@@ -69,10 +69,10 @@ fn off_is_what_the_drivers_take_for_off() {
     tim.write(BDTR, BKE | OSSI, 200);
     assert_eq!(tim.duty(), [Some(0.0); 3]);
     assert!(tim.is_on());
-    // And while it switches, both inputs of a pair say on or off at once, which is refused.
+    // While the outputs switch, both inputs of a pair request on or off at the same time. The driver refuses this.
     tim.write(BDTR, BKE | OSSI | MOE, 300);
     assert_eq!(tim.duty(), [None; 3]);
-    // With the polarity of the driver it is as it should be.
+    // With the polarity that the driver needs, the outputs are off as intended.
     let mut tim = BridgeTimer {
         gates: GateDriver::L6398,
         ..started_with(0b10_1010)
@@ -88,7 +88,7 @@ fn off_is_what_the_drivers_take_for_off() {
 fn a_lock_holds_polarity_and_idle_levels() {
     let mut tim = started();
     tim.write(BDTR, BKE | OSSI | 2 << 8, 0);
-    // `started` had locked level 1 already.
+    // `started` has already set lock level 1, which protects the idle levels from changes.
     tim.write(CR2, 7 << 20 | 0x3f << 8, 10);
     assert_eq!(tim.read(CR2, 10), 7 << 20);
     let mut tim = BridgeTimer::default();
@@ -120,7 +120,7 @@ fn the_break_switches_off_and_holds_off() {
 
 #[test]
 fn a_break_passes_its_filter_first() {
-    // BKF 3: eight samples of the clock; 15: eight of every 32nd cycle; with CKD 1, of the clock's half.
+    // Filter BKF 3 takes eight samples, one per clock cycle. BKF 15 takes eight samples, one per 32 cycles. CKD 1 halves the clock.
     for (bkf, ckd, cycles) in [
         (0, 0, 0),
         (1, 0, 2),
@@ -176,12 +176,12 @@ fn enables_fall_with_the_main_output() {
     assert!(!tim.is_on(), "a break takes them down");
     tim.set_break(true, 0, 20);
     tim.write(SR, 0, 20);
-    // Without OSSR nothing drives the enables.
+    // Without OSSR the timer does not drive the enable outputs.
     tim.write(BDTR, BKE | OSSI | MOE, 30);
     assert!(!tim.is_on());
     tim.write(BDTR, idle | MOE, 40);
     assert!(tim.is_on());
-    // The driver by itself.
+    // The driver switches itself off.
     tim.set_stage_off(true, 50);
     assert!(!tim.is_on());
     tim.set_stage_off(false, 60);

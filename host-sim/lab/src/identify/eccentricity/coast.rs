@@ -1,9 +1,10 @@
-//! The encoder's error from the shaft's own motion: with the motor switched off, the shaft slows down evenly.
+//! Measures the encoder's error from the shaft's own motion: with the motor switched off, the shaft slows down evenly.
 //!
-//! The model is `reading(t) = P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`. `P` is a polynomial for the slowing down, `ε` the
-//! encoder's error. The sum is the motion by a torque that repeats once or twice per turn; its dependence on the speed `ω`
-//! distinguishes it from the error. `θ` in the small terms is the reading without the error of the previous iteration. Each coast
-//! is fitted alone; the difference between coasts gives the uncertainty.
+//! The model of the encoder's reading over time is `P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`. The polynomial `P`
+//! describes the slowing down, `ε` the encoder's error at the angle `θ`. The sum is the motion by a torque that repeats `n` = 1 or
+//! 2 times per turn. It depends on the speed `ω` (`ω0` is the first speed), which distinguishes it from the error. In the small
+//! terms, `θ` is the reading minus the error of the previous iteration. Each coast is fitted alone; the difference between coasts
+//! gives the uncertainty.
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, ORDERS, Said};
@@ -11,23 +12,24 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 use touchstone_protocol::MeasuringPart;
 
-/// Ticks at the beginning of a coast that are left out, because the current is still decaying.
+/// Number of ticks at the start of a coast that are left out, because the current is still decaying.
 const EDGE: usize = 8;
-/// A coast is used until its speed falls to this fraction of the first speed.
+/// Fraction of the first speed at which the used part of a coast ends.
 const SLOWEST: f64 = 0.5;
-/// A coast is left out if its first speed is below this fraction of the fastest coast's, because torques then disturb it too much.
+/// Smallest first speed of a used coast, as a fraction of the fastest coast's first speed. In a slower coast, torques disturb the
+/// motion too much.
 const SLOW: f64 = 0.6;
 /// Fewest turns of the shaft in a usable coast.
 const TURNS_LEAST: f64 = 3.0;
-/// Degree of the polynomial for the slowing down. It follows `e^-t` over this range of speeds with an error far below an encoder
-/// count.
+/// Degree of the polynomial for the slowing down. Over the used range of speeds it follows an exponential decay with an error far
+/// below an encoder count.
 const DEGREE: usize = 6;
 /// Number of iterations in which the encoder's error is subtracted from the reading.
 const ROUNDS: usize = 3;
 /// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 10;
 
-/// The encoder's error from a measurement's coasts; `None` if fewer than two coasts are long and fast enough.
+/// Computes the encoder's error from a measurement's coasts; `None` if fewer than two coasts are long and fast enough.
 #[must_use]
 pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
     let runs = ticks.chunk_by(|a, b| a.part == b.part);
@@ -60,7 +62,7 @@ pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
     })
 }
 
-/// First speed of a coast in rad per tick, and the encoder's error from that coast.
+/// Computes the first speed of a coast in rad per tick (control period), and the encoder's error from that coast.
 fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
     let per_count = TAU / known.counts_per_rev;
     let run = run.get(EDGE..)?;
@@ -133,7 +135,8 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
     Some((fastest.abs(), said))
 }
 
-/// Derivative of a sum of Chebyshev polynomials; the derivative of the `k`th is `k U_{k-1}`.
+/// Derivative of a sum of Chebyshev polynomials at a time; the derivative of the `k`th polynomial is `k U_{k-1}` (Chebyshev
+/// polynomial of the second kind).
 fn slope(values: &[f64], time: f64) -> f64 {
     let (mut before, mut second) = (0.0, 1.0);
     let mut sum = 0.0;

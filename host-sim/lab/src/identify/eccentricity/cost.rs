@@ -1,42 +1,44 @@
-//! How much the encoder's error disturbs a wall, and whether the encoder's magnet should be mounted again.
+//! Computes how much the encoder's error disturbs a wall, and whether the encoder's magnet should be mounted again.
 
 use super::Eccentricity;
 use std::f64::consts::TAU;
 
-/// Number of angles per turn at which the error is calculated.
+/// Number of angles per turn at which the error is computed.
 const PLACES: u32 = 720;
 
-/// Largest acceptable error of the motor's field, electrical degrees; it costs 3.4 % of the torque. The check of a stored alignment
-/// (`touchstone_drive::calibration`) has a limit of 20 degrees, of which it allows 15 for this error. Beyond that it would refuse a
-/// correct alignment at some angles.
+/// Largest acceptable error of the field's direction, electrical degrees; it costs 3.4 % of the torque.
+///
+/// The check of a stored alignment (`touchstone_drive::calibration`) has a limit of 20 degrees, of which it allows 15 for this
+/// error. With a larger error it would refuse a correct alignment at some angles.
 pub const ELECTRICAL_MOST_DEG: f64 = 15.0;
-/// Largest acceptable relative error of a wall's stiffness by the encoder's error. It is the scorecard's limit for a hand at rest.
+/// Largest acceptable relative error of a wall's stiffness by the encoder's error. The scorecard has the same limit for a hand at
+/// rest.
 pub const STIFFNESS_MOST: f64 = 0.05;
 
 /// Effects of an eccentric encoder on a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Largest error of the wall's position, rad.
+    /// Largest error of the measured position, rad.
     pub place_rad: f64,
-    /// Largest error of the motor's field, electrical degrees.
+    /// Largest error of the field's direction, electrical degrees.
     pub electrical_deg: f64,
-    /// Largest fraction of the torque that is lost at any angle: `1 - cos(p ε)`, with `p` pole pairs.
+    /// Largest fraction of the torque that is lost at any angle: `1 - cos(p ε)`, with `p` pole pairs and the encoder's error `ε`.
     pub torque_lost: f64,
     /// Largest relative error of a stiffness or a speed: the slope of the encoder's error over the angle.
     pub stiffness_off: f64,
 }
 
-/// Why the encoder's magnet should be mounted again.
+/// Reason why the encoder's magnet should be mounted again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reseat {
-    /// The motor's field is too far from the right direction.
+    /// The direction of the motor's field has too large an error.
     Electrical,
     /// The error of the wall's stiffness is too large.
     Stiffness,
 }
 
 impl Eccentricity {
-    /// Calculates the effects on a motor with this many pole pairs.
+    /// Computes the effects of the encoder's error on a wall and on a motor with this number of pole pairs.
     #[must_use]
     pub fn cost(&self, pole_pairs: f64) -> Cost {
         let places = (0..PLACES).map(|place| TAU * f64::from(place) / f64::from(PLACES));
@@ -68,7 +70,7 @@ impl Eccentricity {
 }
 
 impl Cost {
-    /// Whether, and why, the encoder's magnet should be mounted again.
+    /// Reason to mount the encoder's magnet again; `None` if the error is acceptable.
     #[must_use]
     pub fn reseat(&self) -> Option<Reseat> {
         if self.electrical_deg > ELECTRICAL_MOST_DEG {

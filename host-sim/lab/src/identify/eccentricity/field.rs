@@ -1,35 +1,38 @@
-//! The encoder's error from the motor's field, which a clock turns: one electrical turn, then a mechanical one, and the same back.
+//! Measures the encoder's error with the motor's field, which turns at a known speed: one electrical turn, then a mechanical one,
+//! and the same back.
 //!
 //! The tick at which the motion ends is known, because the calibration ends with it or its next part begins. The ticks before it
 //! are the way back, the ticks before those the way forward. Of each way the last mechanical turn is used, in which the field's
-//! speed is constant. The model is `reading = C + s ω t + ε`: a constant `C`, the field's angle `s ω t` and the error `ε`. Friction
-//! makes the shaft lag, which is part of `C`. So `C + s ω t` is the shaft's true angle, on which the error depends.
+//! speed is constant. The model is `reading = C + s ω t + ε`, with a constant `C`, the field's angle `s ω t` (direction `s`, speed
+//! `ω`, time `t`) and the error `ε`. Friction makes the shaft lag, which is part of `C`. The shaft's true angle, on which the error
+//! depends, is therefore `C + s ω t`.
 //!
-//! A light rotor with little damping oscillates around the field, at some 20 Hz and by a degree. So the measured acceleration is a
-//! term of the fit, and the motion in proportion to it does not count as encoder error. (Such a term also takes some thousandths of
-//! the error `ε`, because the reading accelerates by `-(n ω)² ε`; the code corrects for that.)
+//! A light rotor with little damping oscillates around the field, at about 20 Hz and by a degree. The measured acceleration is
+//! therefore a term of the fit, and motion in proportion to it does not count as encoder error. The term also takes some
+//! thousandths of the error `ε` (with `n` periods per turn), because the reading accelerates by `-(n ω)² ε`. The code corrects for
+//! this loss.
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, NotSeen, ORDERS, Said};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// Ticks at both ends of a turn that are left out, because a count belongs to the field of the tick before and the field changes
+/// Number of ticks at both ends of a turn that are left out. A count belongs to the field of the tick before, and the field changes
 /// direction there.
 const EDGE: f64 = 3.0;
-/// Smallest fraction of a turn's ticks that must have arrived.
+/// Smallest fraction of a turn's ticks whose data must have arrived.
 const HEARD_LEAST: f64 = 0.8;
 /// Time step of the second difference that gives the acceleration, s; shorter than a period of the rotor's oscillation.
 const DIFFERENCE_S: f64 = 6e-3;
-/// Largest accepted residual of the fit, root mean square, electrical degrees. It is exceeded if a hand holds the shaft, or if a
-/// calibration only checked an alignment.
+/// Largest accepted residual of the fit, root mean square, electrical degrees. A larger residual means that a hand held the shaft,
+/// or that the calibration only checked an alignment.
 const OFF_MOST_DEG: f64 = 10.0;
 /// Largest accepted difference between the two directions: 3.5e-3 rad (0.2 degrees), or the fraction `DISAGREE_MOST` of the
 /// amplitude if that is larger.
 const DISAGREE_MOST_RAD: f64 = 3.5e-3;
 const DISAGREE_MOST: f64 = 0.2;
 
-/// The encoder's error from the turning field of a calibration.
+/// Computes the encoder's error from the turning field of a calibration.
 ///
 /// # Errors
 /// Data are missing, the shaft did not follow the field, or the directions differ; see [`NotSeen`].

@@ -1,4 +1,4 @@
-//! Linear least squares with many equations and few unknowns.
+//! Solves linear least squares with many equations and few unknowns.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -58,7 +58,7 @@ impl Normal {
     }
 }
 
-/// The phasor `A e^(jφ)` of `a cos + b sin`, which is `A sin(· + φ)`.
+/// The phasor `A e^(jφ)` of `cos · cos(x) + sin · sin(x)`, which equals `A sin(x + φ)`.
 pub(super) const fn of_cos_sin(cos: f64, sin: f64) -> Complex<f64> {
     Complex::new(sin, cos)
 }

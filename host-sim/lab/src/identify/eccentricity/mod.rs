@@ -10,23 +10,23 @@
 //! their data (`touchstone_drive::calibration`, `touchstone_drive::measurement`).
 //!
 //! - **The field's angle** ([`field`]). A slowly turning field holds the rotor like a spring of `K = p k_t I` (pole pairs, torque
-//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by the torque
-//!   that it needs, over `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics.
-//!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both. Cogging repeats with
-//!   slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, in both directions alike, remains.
-//!   An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3 with the small motor's. **The
-//!   field alone cannot distinguish it from an eccentric magnet.**
+//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by its load
+//!   torque divided by `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics.
+//!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both directions. Cogging
+//!   repeats with slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, in both directions
+//!   alike, remains. An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3 with the small
+//!   motor's. **The field alone cannot distinguish such a torque from an eccentric magnet.**
 //! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft
-//!   slows down evenly. A torque `T` that repeats `n` times per turn moves it by `T/(J (n ω)²)`, which falls with the square of the
-//!   speed `ω`. The encoder's error is the same at any speed. A coast from fast to slow distinguishes the two, but is short and
-//!   less accurate.
+//!   slows down evenly. A torque `T` that repeats `n` times per turn moves the shaft by `T/(J (n ω)²)`, with the inertia `J`. The
+//!   motion falls with the square of the speed `ω`, while the encoder's error is the same at any speed. A coast from fast to slow
+//!   therefore distinguishes the two, but is short and less accurate.
 //!
 //! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If
 //! the field's value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
 //!
-//! **Neither motion shows:** Orders above two, such as a magnetic encoder's own fourth order, stay in the residual. A rotor with
-//! unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy current
-//! brake that depends on the angle has a ripple in proportion to `1/ω`, between the coast's two terms.
+//! **Neither motion shows** orders above two, such as a magnetic encoder's own fourth order; they stay in the residual. A rotor
+//! with unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy
+//! current brake that depends on the angle has a ripple in proportion to `1/ω`, between the two terms of the coast.
 
 pub mod coast;
 pub mod cost;
@@ -38,50 +38,50 @@ use touchstone_protocol::MeasuringPart;
 
 pub use cost::{Cost, Reseat};
 
-/// Orders (periods per turn) of the error that are measured.
+/// Number of orders (periods per turn) of the error that are measured, from order 1.
 pub const ORDERS: usize = 2;
-/// Fastest field with which this measurement works, electrical turns per second. A faster field has not reached its constant speed
+/// Fastest field with which the measurement works, electrical turns per second. A faster field has not reached its constant speed
 /// after the first electrical turn, which is not used.
 pub const FIELD_FASTEST_TURNS_PER_S: f64 = 4.0;
-/// Fraction of an encoder count above which an error is worth reporting.
+/// Fraction of an encoder count above which an amplitude is worth reporting.
 const COUNT_SHARE: f64 = 0.25;
 
-/// Data that a device sends for one control tick of a calibration.
+/// Data that a device sends for one control period (tick) of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Part of the measurement; `None` while the field turns.
     pub part: Option<MeasuringPart>,
-    /// Position, encoder counts.
+    /// Position of the shaft, encoder counts.
     pub count: i32,
 }
 
-/// Properties of encoder and motor that have to be known.
+/// Properties of encoder and motor that the caller has to give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownEncoder {
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// Encoder counts per turn.
     pub counts_per_rev: f64,
-    /// Pole pairs; the motor's alignment has confirmed them.
+    /// Number of pole pairs, which the motor's alignment has confirmed.
     pub pole_pairs: f64,
     /// Speed of the field, electrical turns per second.
     pub field_turns_per_s: f64,
 }
 
-/// One order of the encoder's error: `A sin(n θ + φ)`.
+/// One order `n` of the encoder's error over the shaft's angle `θ`: `A sin(n θ + φ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Amplitude `A`, rad.
+    /// Amplitude of the error of this order, rad.
     pub amplitude_rad: f64,
-    /// Phase `φ`, rad.
+    /// Phase of the error of this order, rad.
     pub phase_rad: f64,
-    /// Uncertainty of the phasor `A e^(jφ)` in any direction, rad.
+    /// Uncertainty of amplitude and phase as a phasor `A e^(jφ)`, in any direction of the complex plane, rad.
     pub uncertainty_rad: f64,
 }
 
-/// The known motion from which the encoder's error was calculated.
+/// The known motion from which the encoder's error was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Witness {
     /// The turning of the motor's field, which is slow and timed by a clock.
@@ -90,7 +90,8 @@ pub enum Witness {
     Coast,
 }
 
-/// The encoder's error from one type of motion: the phasor `A e^(jφ)` of each order and its uncertainty, rad.
+/// The encoder's error from one type of motion: for each order the phasor `A e^(jφ)` (amplitude and phase) and its uncertainty,
+/// rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Said {
     /// Phasors of the encoder's error by order, from order 1, rad.
@@ -112,11 +113,11 @@ pub struct Eccentricity {
     pub apart_rad: Option<[f64; ORDERS]>,
     /// Residual of the fit to the field's motion, root mean square, rad.
     pub residual_rms_rad: f64,
-    /// Size of an encoder count, rad.
+    /// Angle of one encoder count, rad.
     pub count_rad: f64,
 }
 
-/// Why the encoder's error was not measured.
+/// Reason why the encoder's error was not measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSeen {
     /// The field did not turn a whole turn in both directions, or its data are missing.

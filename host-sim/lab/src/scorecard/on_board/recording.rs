@@ -1,4 +1,4 @@
-//! Reads a recording of board and shaft under the scorecard's programme from a CSV table.
+//! Reads a recording of board and shaft, made while a hand carried out the scorecard's actions, from a CSV table.
 
 use super::super::cases::Deed;
 use super::deed_word;
@@ -26,10 +26,10 @@ const COLUMNS: [&str; 10] = [
 /// Optional column: angle of the wall's surface in rad, if it differs from the scene's.
 const SURFACE: &str = "surface_rad";
 
-/// Numbers of one row of the recording, in the order of the columns.
+/// Numbers of one row of the recording (one control period), in the order of the columns.
 type Row = [f64; 7];
 
-/// A recording of a board, sorted by grip and action.
+/// A recording of a board, sorted by grip and action of the hand.
 #[derive(Debug, Clone)]
 pub struct BoardRecording {
     file: PathBuf,
@@ -41,7 +41,7 @@ impl BoardRecording {
     /// Reads a recording from a file.
     ///
     /// # Errors
-    /// The file cannot be read or is no recording of a programme, or the wall was off in one of its ticks.
+    /// The file cannot be read or is not a recording of the scorecard's actions, or the wall was off in one of its ticks.
     pub fn read(file: &Path) -> Result<Self> {
         let wrong = |problem: String| {
             Error::Io {
@@ -111,7 +111,7 @@ impl BoardRecording {
         Ok(here)
     }
 
-    /// An error about the recording as a whole.
+    /// Makes an error about the recording as a whole.
     pub(super) fn wrong(&self, problem: impl Into<String>) -> Error {
         Error::Io {
             path: self.file.clone(),

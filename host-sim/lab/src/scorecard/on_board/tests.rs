@@ -16,7 +16,8 @@ fn gimbal() -> Scene {
     Scene::load("gimbal-knob").unwrap()
 }
 
-/// Makes a recording without a board: simulates the scene `board` under the programme of `scene`, in the format of a test stand.
+/// Makes a recording without a board: simulates the scene `board` with the hand's actions for `scene`, in the format of a test
+/// stand.
 fn recorded(scene: &Scene, board: &Scene, deeds: &[Deed], name: &str) -> BoardRecording {
     let programme = board_programme(scene);
     let mut text = String::from(

@@ -1,6 +1,6 @@
 //! Compares the thesis' statements on its experiments in three degrees of freedom (§5.2) with the simulation.
 //!
-//! A statement that the simulation does not reproduce is reported as such, with the measured values.
+//! A statement that the simulation does not reproduce is reported as not reproduced, with the measured values.
 
 use super::record::Record;
 use super::tuned::{self, DirectionCard};
@@ -17,7 +17,7 @@ fn outcome(holds: bool) -> Outcome {
     }
 }
 
-/// Finds the run with this object, stiffness in N/mm and way to calculate the force.
+/// Finds the run with this object, stiffness in N/mm and approach (way to compute the force).
 fn of(runs: &[Record], object: Object, k: f64, approach: Approach) -> Option<&Record> {
     runs.iter().find(|run| {
         let cell = &run.cell;
@@ -31,8 +31,8 @@ const EXTENSIONS: [Approach; 2] = [Approach::PerAxis, Approach::Magnitude];
 /// tremor is not simulated.
 pub const AT_REST_MM: f64 = 0.05;
 
-/// Checks every claim against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness is the
-/// omega.3's.
+/// Checks every claim against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness (largest
+/// stable stiffness of a plain spring) is that of the omega.3.
 ///
 /// # Errors
 /// The control law does not accept its settings.
@@ -77,8 +77,8 @@ pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     Ok(0.5 * (stable + ringing))
 }
 
-/// Whether an oscillation of the bare device on a spring of `k` N/mm grows. A force of 4 N presses the device into the spring. The
-/// device starts at 1.4 times the depth at which it would rest.
+/// Whether an oscillation of the device without a hand on a spring of `k` N/mm grows. A force of 4 N presses the device into the
+/// spring. The device starts at 1.4 times the depth at which it would rest.
 fn grows(k: f64) -> Result<bool, SettingsError> {
     const PUSH_N: f64 = 4.0;
     let cell = Cell {

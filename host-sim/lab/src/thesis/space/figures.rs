@@ -1,4 +1,4 @@
-//! Figures like those of §5.2 of the thesis: displayed stiffness, trajectory and force over time, per coordinate.
+//! Draws figures like those of §5.2 of the thesis: displayed stiffness, trajectory and force over time, per coordinate.
 
 use super::record::{Record, dot};
 use super::{Approach, Object, Phase};
@@ -8,7 +8,7 @@ use crate::report::figure::{Axis, Figure, Range, Shape};
 const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];
 const AXES: [&str; 3] = ["x1", "x2", "x3"];
 
-/// Number of the thesis' figure for the same object and way to calculate the force; empty for the shipped wall.
+/// Number of the thesis' figure for the same object and approach (way to compute the force); empty for the shipped wall.
 #[must_use]
 pub fn reference(object: Object, approach: Approach) -> &'static str {
     match (object, approach) {
@@ -23,7 +23,7 @@ pub fn reference(object: Object, approach: Approach) -> &'static str {
     }
 }
 
-/// All figures of a run in three axes.
+/// All figures of a run in three degrees of freedom.
 #[must_use]
 pub fn of(run: &Record) -> Vec<Figure> {
     vec![stiffness(run), forces(run), trajectory(run), view(run)]
@@ -163,7 +163,7 @@ fn view(run: &Record) -> Figure {
     figure
 }
 
-/// Lines on the object's surface, projected by `seen`.
+/// Lines on the object's surface, projected to the picture plane by `seen`.
 fn outline(object: Object, seen: &impl Fn([f64; 3]) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
     let normal = object.normal();
     match object {

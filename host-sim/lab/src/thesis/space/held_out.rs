@@ -1,10 +1,10 @@
 //! Checks the tuned law on walls that were not used to choose its settings: random directions, positions, hands, pushes, inertias,
 //! dampings and delays.
 //!
-//! The scorecards of [`super::tuned`] are for walls that were looked at while the settings were chosen. Here each wall has a random
-//! normal through a random point, a hand between the light and the firm one, and a push of 4 to 9 N. Inertia and damping are up to
-//! a fifth off; the delay is 0, 0.1 or 0.5 of a tick. A fifth of the walls are a ball, with a hand that is stiff enough to stay on
-//! it.
+//! The scorecards of [`super::tuned`] are for walls that influenced the choice of the settings. Here each wall has a random normal
+//! through a random point, a hand between the light and the firm one, and a push of 4 to 9 N. Inertia and damping are up to a fifth
+//! off; the delay is 0, 0.1 or 0.5 of a control period. A fifth of the walls are a ball, with a hand that is stiff enough to stay
+//! on the ball.
 
 use super::held_out_cause::HeldOutCause;
 use super::mechanism::{Deviation, Mechanism};
@@ -22,16 +22,16 @@ use serde::Serialize;
 use touchstone_control::{EstimatorSettings, Settings, SettingsError};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION};
 
-/// Number of walls in a check.
+/// Number of random walls in a check.
 pub const DRAWS: usize = 200;
-/// One of this many walls is a ball.
+/// Reciprocal of the fraction of walls that are a ball: one of this many.
 const BALL_EACH: usize = 5;
 /// Largest distance of a plane's pressed point from the centre of the workspace, m.
 const FURTHEST_M: f64 = 0.03;
 const PUSHES_N: (f64, f64) = (4.0, 9.0);
 const DELAYS_TICKS: [f64; 3] = [0.0, 0.1, 0.5];
-/// Largest push on a ball, as a fraction of the push at which the hand slides off. That push is the ball's radius `R` times the
-/// hand's stiffness across the push.
+/// Largest push on a ball, as a fraction of the push at which the hand slides off. The hand slides off at the ball's radius times
+/// the hand's stiffness across the push.
 const BALL_SHARE: f64 = 0.6;
 
 /// A random wall with its hand and device.
@@ -43,11 +43,11 @@ pub struct Drawn {
     pub grip: f64,
     /// Force of the press, N.
     pub push_n: f64,
-    /// How the device differs from its nominal values.
+    /// How the device differs from its nominal values, as factors and a delay.
     pub deviation: Deviation,
 }
 
-/// The hand at this position between the light and the firm one.
+/// The hand at the position `grip` between the light hand (0) and the firm hand (1).
 fn hand(grip: f64) -> Hand {
     let between = |light: f64, firm: f64| light * (firm / light).powf(grip);
     let (light, firm) = (LIGHT_TRANSLATION, FIRM_TRANSLATION);
@@ -60,12 +60,13 @@ fn hand(grip: f64) -> Hand {
     }
 }
 
-/// Stiffness of a hand with its pad across the push, N/m.
+/// Stiffness of a hand with its fingertip pad across the direction of the push, N/m.
 fn across(hand: &Hand) -> f64 {
     1.0 / (1.0 / hand.stiffness + 1.0 / hand.pad_stiffness)
 }
 
-/// Largest push with which the simulated hand presses a ball, N. Above `R` times its stiffness across the push a hand slides off.
+/// Largest push with which the simulated hand presses a ball, N. The hand slides off above the ball's radius times its stiffness
+/// across the push.
 fn most_on_ball_n(hand: &Hand) -> f64 {
     BALL_SHARE * 1e-3 * RADIUS_MM * across(hand)
 }
@@ -140,11 +141,11 @@ pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
 pub struct HeldOutCell {
     /// The wall, its hand and its device.
     pub drawn: Drawn,
-    /// The wall's figures. The ripple has no limit here.
+    /// The scorecard's measures of the wall. The torque ripple has no limit here.
     pub found: DirectionFigures,
-    /// Largest force that the law requested of the motors, N.
+    /// Magnitude of the largest force vector that the law requested of the motors, N.
     pub longest_n: f64,
-    /// For a wall beyond a limit: the first single change with which all its figures are within their limits.
+    /// Cause of a wall beyond a limit: the first single change with which all its measures are within their limits.
     pub cause: Option<HeldOutCause>,
     limits: Limits,
 }
@@ -180,7 +181,8 @@ impl HeldOutCell {
         })
     }
 
-    /// Simulates a wall. If a figure is beyond its limit, the wall is simulated again with one change at a time, to find the cause.
+    /// Simulates a wall. If a measure is beyond its limit, the wall is simulated again with one change at a time, to find the
+    /// cause.
     fn explained(
         drawn: Drawn,
         law: &Settings,
@@ -209,7 +211,7 @@ impl HeldOutCell {
         self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
     }
 
-    /// Figures that are beyond their limits, each with its value divided by the limit.
+    /// Measures that are beyond their limits, each with its value divided by the limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
@@ -228,16 +230,16 @@ pub struct HeldOut {
     pub cells: Vec<HeldOutCell>,
 }
 
-/// The largest value of a figure, with the wall that has it.
+/// The largest value of a measure over all walls, with the wall that has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstOfAll {
-    /// The scorecard figure.
+    /// The measure of the scorecard to which the values belong.
     pub measure: Measure,
     /// The largest value; `None` if it is infinite, for example because the run diverged.
     pub value: Option<f64>,
-    /// Median of the figure over all walls; `None` if it is infinite.
+    /// Median of the measure over all walls; `None` if it is infinite.
     pub median: Option<f64>,
-    /// Number of random walls on which the figure is beyond its limit.
+    /// Number of random walls on which the measure is beyond its limit.
     pub beyond: usize,
     /// Description of the wall with the largest value.
     pub wall: String,
@@ -273,7 +275,7 @@ impl HeldOut {
         })
     }
 
-    /// The largest value of each figure over all walls.
+    /// The largest value of each measure over all walls.
     #[must_use]
     pub fn worst(&self) -> Vec<WorstOfAll> {
         let of = |measure: Measure| {
@@ -296,7 +298,7 @@ impl HeldOut {
         Measure::ALL.map(of).to_vec()
     }
 
-    /// Number of walls with a figure beyond its limit.
+    /// Number of walls with a measure beyond its limit.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.cells
@@ -329,7 +331,8 @@ impl HeldOut {
         }
     }
 
-    /// Longest time that a press took to stay within 5 % of its depth, s; `None` if one never did.
+    /// Longest settling time of a press over all walls, s: until the depth stays within 5 % of the ideal depth. `None` if a press
+    /// never settled.
     #[must_use]
     pub fn settle_s(&self) -> Option<f64> {
         self.cells
@@ -406,7 +409,7 @@ mod tests {
         }
     }
 
-    /// Checks on a small sample that the shipped settings fail on fewer walls than settings with a wrong estimator delay.
+    /// Checks on a few random walls that the shipped settings fail on fewer walls than settings with a wrong estimator delay.
     #[test]
     fn a_sample_of_the_check() {
         let found = HeldOut::played(1, 10).expect("settings");
@@ -421,8 +424,8 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// Checks that causes are found: a push beyond the motors, a delay with which a hand gets energy out, and a case that no single
-    /// change explains.
+    /// Checks that the causes of three walls beyond their limits are found: a push beyond the motors, a delay with which a hand
+    /// gets energy out, and a case that no single change explains.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
         let law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());

@@ -5,19 +5,19 @@ use super::mechanism::Mechanism;
 use crate::identify::lever::PRESS_SHARE;
 use serde::Serialize;
 
-/// Cause why a wall is beyond a limit: the single change with which every figure is within its limit.
+/// Cause why a wall is beyond a limit: the single change with which every measure is within its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOutCause {
-    /// The push: the motors were at their limit; with the scorecard's own push the figures are within their limits.
+    /// The push, which needed more force than the motors have. With the scorecard's own push the measures are within their limits.
     MotorsLimit,
-    /// The delay of the device: without it the figures are within their limits.
+    /// The delay of the device. Without the delay the measures are within their limits.
     Delay,
-    /// The device's damping, which differs from what the law assumes.
+    /// The device's damping, which differs from the damping that the law assumes.
     Damping,
-    /// The device's inertia, which differs from what the law assumes.
+    /// The device's inertia, which differs from the inertia that the law assumes.
     Inertia,
-    /// No single change brings all figures of the wall within their limits.
+    /// No single change brings all measures of the wall within their limits.
     NoneAlone,
 }
 

@@ -1,4 +1,4 @@
-//! The device of a comparison in three axes, nominal or varied: a mass that is the same in every direction, or a delta mechanism.
+//! The device in three degrees of freedom, nominal or varied: a mass that is the same in every direction, or a delta mechanism.
 
 use crate::scorecard::cases::Change;
 use serde::{Deserialize, Serialize};
@@ -11,16 +11,16 @@ use touchstone_world::plant::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mechanism {
-    /// An omega.3 as three axes that do not influence each other.
+    /// An omega.3, modelled as three axes that do not influence each other.
     #[default]
     Cartesian,
-    /// A delta mechanism with the lengths of the Falcon.
+    /// A delta mechanism with the lengths of the Novint Falcon.
     Delta,
 }
 
-/// Largest force of the Falcon, according to CHAI3D, N.
+/// Largest force of the Novint Falcon, N, as the library CHAI3D gives it.
 const FALCON_FORCE_N: f64 = 8.0;
-/// Least damping of the delta within 35 mm of its centre, N·s/m, rounded down. A test calculates it.
+/// Least damping of the delta mechanism within 35 mm of its centre, N·s/m, rounded down. A test computes this value.
 pub const DELTA_DAMPING: f64 = 0.5;
 
 impl Mechanism {
@@ -54,7 +54,7 @@ impl Mechanism {
         }
     }
 
-    /// Least damping in any direction, N·s/m. Law and guard assume this value.
+    /// Least damping in any direction, N·s/m. Control law and energy guard assume this value.
     #[must_use]
     pub fn damping(self) -> f64 {
         match self {
@@ -63,7 +63,8 @@ impl Mechanism {
         }
     }
 
-    /// Size of a position count, m. For the delta it is the largest motion of the effector by one joint count, at the centre.
+    /// Resolution of the measured position, m. For the delta it is the largest motion of the effector per joint count, at the
+    /// centre.
     #[must_use]
     pub fn count_m(self) -> f64 {
         match self {
@@ -77,22 +78,22 @@ impl Mechanism {
         }
     }
 
-    /// Requested stiffnesses of a comparison, N/mm: the critical one `2 b/T`, and five times that. For the omega.3 they are those
-    /// of §5.2.
+    /// Requested stiffnesses of a comparison, N/mm: the critical stiffness `2 b/T` (damping `b`, control period `T`), and five
+    /// times that. For the omega.3 they are those of §5.2 of the thesis.
     #[must_use]
     pub fn stiffnesses_n_per_mm(self) -> [f64; 2] {
         let critical = 2e-3 * self.damping() * f64::from(super::RATE_HZ);
         [critical, 5.0 * critical]
     }
 
-    /// Force with which the hand pushes, N: half of the motors' largest.
+    /// Force with which the hand pushes, N: half of the largest motor force.
     #[must_use]
     pub fn push_n(self) -> f64 {
         0.5 * self.force_n()
     }
 
-    /// Speed at which the hand slides along a surface, mm/s: the thesis' 50 mm/s, or a speed that stays within 40 mm of a Falcon's
-    /// centre.
+    /// Speed at which the hand slides along a surface, mm/s: the thesis' 50 mm/s for the omega.3. For the delta the speed keeps the
+    /// motion within 40 mm of the centre.
     #[must_use]
     pub fn slide_mm_per_s(self) -> f64 {
         match self {
@@ -102,21 +103,21 @@ impl Mechanism {
     }
 }
 
-/// How a device differs from its nominal values: factors, and a delay.
+/// How a device differs from its nominal values: factors on its properties, and a delay.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
     /// Factor on the device's inertia.
     pub inertia: f64,
     /// Factor on the device's damping.
     pub damping: f64,
-    /// Factor on the position counts.
+    /// Factor on the number of position counts.
     pub counts: f64,
-    /// Delay from a sample until its command acts, ticks.
+    /// Delay from a sample until its command acts, in ticks (control periods).
     pub delay_ticks: f64,
 }
 
 impl Deviation {
-    /// The nominal device.
+    /// No deviation: the nominal device.
     pub const NONE: Self = Self {
         inertia: 1.0,
         damping: 1.0,
@@ -124,7 +125,7 @@ impl Deviation {
         delay_ticks: 0.0,
     };
 
-    /// The deviation of a scorecard's device.
+    /// The deviation that gives a scorecard's varied device.
     #[must_use]
     pub fn of(change: Change) -> Self {
         let mut deviation = Self::NONE;
@@ -139,7 +140,7 @@ impl Deviation {
     }
 }
 
-/// Forces, work and losses of one simulated tick.
+/// Mean force, work and losses of one simulated tick (control period).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossed {
     /// Mean force on the effector during the tick, N.
@@ -150,7 +151,7 @@ pub struct Crossed {
     pub loss: Loss,
 }
 
-/// The simulation cannot continue: the plant is not possible, or the mechanism cannot reach the position.
+/// Error: the simulation cannot continue, because the plant cannot be built or the mechanism cannot reach the position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
@@ -175,7 +176,7 @@ enum Body {
     },
 }
 
-/// A mechanism in a hand, simulated tick by tick.
+/// A device in a hand, simulated tick by tick (per control period).
 #[derive(Debug, Clone)]
 pub struct HeldMechanism {
     body: Body,
@@ -186,7 +187,7 @@ pub struct HeldMechanism {
 type Held = Cartesian<HeldLinear>;
 
 impl HeldMechanism {
-    /// Creates a mechanism at rest at the hand's rest point.
+    /// Makes a mechanism at rest at the hand's rest point.
     ///
     /// # Errors
     /// [`Stopped`]: device or hand are not possible, or the position is out of reach.
@@ -244,7 +245,7 @@ impl HeldMechanism {
         })
     }
 
-    /// Size of a position count, m.
+    /// Resolution of the measured position, m.
     #[must_use]
     pub fn count_m(&self) -> f64 {
         self.count_m
@@ -283,7 +284,7 @@ impl HeldMechanism {
         }
     }
 
-    /// Simulates one tick. The previous command acts until the new one takes effect after the delay.
+    /// Simulates one tick (control period). The previous command acts until the new one takes effect after the delay.
     ///
     /// # Errors
     /// [`Stopped`]: the mechanism cannot reach the position.

@@ -1,8 +1,8 @@
 //! The thesis' comparison in three degrees of freedom (§5.2): a plane, an inclined plane and a sphere, on a simulated omega.3.
 //!
-//! A firm hand probes each object, holds, slides along it at 50 mm/s and lets go. The motion between ticks is calculated exactly,
-//! positions are measured in counts, and forces are limited to those of the motors. [`claims`] compares the thesis' statements with
-//! the results.
+//! A firm hand probes each object, holds, slides along it at 50 mm/s and lets go. The motion between ticks (control periods) is
+//! computed exactly, positions are rounded to counts, and forces are limited to those of the motors. [`claims`] compares the
+//! thesis' statements with the results.
 
 pub mod claims;
 pub mod figures;
@@ -56,26 +56,26 @@ pub enum Object {
     Sphere,
 }
 
-/// How the force is calculated.
+/// Approach: way in which the force on the hand is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Approach {
-    /// A spring along the normal.
+    /// A spring along the surface's normal.
     Spring,
-    /// A spring with virtual damping along the normal.
+    /// A spring with virtual damping, along the normal.
     SpringDamper,
-    /// Force bounding of the force vector.
+    /// Force bounding approach (FBA), applied to the force vector.
     Bounding,
-    /// The enhanced law, applied to each axis separately.
+    /// Enhanced successive force augmentation, applied to each axis separately.
     PerAxis,
-    /// The enhanced law, applied along the normal.
+    /// Enhanced successive force augmentation, applied along the normal.
     #[default]
     Magnitude,
-    /// The shipped wall for the mechanism: tuned, on estimated states, with the energy guard. It is not in the thesis.
+    /// The shipped wall for the mechanism: tuned, with state estimator and energy guard. The thesis does not have this approach.
     Shipped,
 }
 
-/// One cell of the comparison: mechanism, object, stiffness and way to calculate the force.
+/// One cell of the comparison: mechanism, object, stiffness and approach (way to compute the force).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// The mechanism of the run.
@@ -84,7 +84,7 @@ pub struct Cell {
     pub object: Object,
     /// Requested stiffness, N/mm.
     pub k_desired_n_per_mm: f64,
-    /// How the force is calculated.
+    /// Way in which the force is computed.
     pub approach: Approach,
 }
 
@@ -145,7 +145,7 @@ impl Object {
 }
 
 impl Approach {
-    /// All ways to calculate the force.
+    /// All approaches (ways to compute the force).
     pub const ALL: [Approach; 6] = [
         Approach::Spring,
         Approach::SpringDamper,
@@ -155,7 +155,7 @@ impl Approach {
         Approach::Shipped,
     ];
 
-    /// Name of this way to calculate the force, for readers.
+    /// Name of the approach (way to compute the force), for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -184,7 +184,7 @@ pub fn shipped_n_per_mm(mechanism: Mechanism) -> f64 {
     1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
 }
 
-/// All cells of a mechanism: the thesis' ways to calculate the force at two stiffnesses, and the shipped wall at its own stiffness.
+/// All cells of a mechanism: the thesis' approaches at two stiffnesses, and the shipped wall at its own stiffness.
 #[must_use]
 pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
@@ -209,8 +209,8 @@ pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     cells
 }
 
-/// Settings of the laws for the omega.3 in SI units. They have the same proportions to `k_c` as the knob's; `k_c` is 5 N/mm here
-/// (§5.2).
+/// Settings of a control law for the omega.3, in SI units. They have the same ratios to the critical stiffness (largest stable
+/// stiffness of a plain spring) as the settings for the knob. The critical stiffness of the omega.3 is 5 N/mm (§5.2).
 #[must_use]
 pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let si = Si::from_num::<f64>;
@@ -250,8 +250,10 @@ fn place(mm: [f64; 3]) -> Vector<Position<N>> {
     Vector(mm.map(position))
 }
 
-/// Settings of the laws for a mechanism. The critical stiffness `k_c` is in proportion to the mechanism's damping, and the law's
-/// stiffnesses, dampings and masses in proportion to `k_c`. The press is in proportion to the mechanism's force.
+/// Settings of a control law for a mechanism, in SI units.
+///
+/// The critical stiffness is proportional to the mechanism's damping. The law's stiffnesses, dampings and masses are proportional
+/// to the critical stiffness, and the press is proportional to the mechanism's force.
 #[must_use]
 pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let omega = settings(law, k_desired_n_per_mm);
@@ -279,7 +281,7 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
     }
 }
 
-/// The wall of a cell.
+/// Makes the wall of a cell: its object with its control law.
 fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
     let mechanism = cell.mechanism;
     if cell.approach == Approach::Shipped {
@@ -364,7 +366,7 @@ fn played(
     Ok(())
 }
 
-/// Simulates all cells on all cores; returns the records in the order of the cells. `done` is called after each.
+/// Simulates all cells on all cores; returns the records in the order of the cells. Calls `done` after each cell.
 ///
 /// # Errors
 /// The errors of [`run`].
@@ -379,5 +381,5 @@ pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, Se
         .collect()
 }
 
-/// Checks at compile time that the smallest step of the number format is `2^-24` of its unit, which is a centimetre here.
+/// Checks at compile time that the resolution of the number format is `2^-24` of its unit, which is a centimetre here.
 const _: () = assert!(N::ONE.to_bits() == 1 << 24);

@@ -1,4 +1,4 @@
-//! The hand's motion: the position that the hand is pulled to (its rest point), over time.
+//! The hand's motion at an object, as its rest point over time (position to which the person pulls the hand).
 
 use super::{Object, RADIUS_MM};
 use touchstone_world::plant::FIRM_TRANSLATION;
@@ -6,7 +6,7 @@ use touchstone_world::plant::FIRM_TRANSLATION;
 /// A part of the hand's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// The hand moves from outside into the object, a little out and in again.
+    /// The hand moves from outside into the object, a little out, and in again.
     Probe,
     /// The hand rests with the full push.
     Hold,
@@ -35,7 +35,7 @@ pub struct ProbingMotion {
     push_n: f64,
 }
 
-/// A rise from 0 to 1 without jumps of speed.
+/// A smooth rise from 0 to 1 as `t` goes from 0 to 1, without jumps of speed.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -63,21 +63,21 @@ impl ProbingMotion {
         }
     }
 
-    /// The same motion, with another speed of sliding; for a smaller workspace.
+    /// The same motion with another sliding speed, for a smaller workspace.
     #[must_use]
     pub fn at_speed(mut self, slide_mm_per_s: f64) -> Self {
         self.slide_mm_per_s = slide_mm_per_s;
         self
     }
 
-    /// The same motion, with another force of the push; for weaker motors.
+    /// The same motion with another push force, for weaker motors.
     #[must_use]
     pub fn with_push(mut self, push_n: f64) -> Self {
         self.push_n = push_n;
         self
     }
 
-    /// Number of ticks of the whole motion.
+    /// Number of ticks (control periods) of the whole motion.
     #[must_use]
     pub fn ticks(&self) -> u32 {
         let seconds = PROBE_S + HOLD_S + SLIDE_S + RELEASE_S;

@@ -1,4 +1,4 @@
-//! A surface on a mechanism with three axes that a hand presses and moves in, with the actions of the scorecard.
+//! A surface on a device with three degrees of freedom that a simulated hand presses and oscillates in, as for the scorecard.
 
 use super::mechanism::{Deviation, HeldMechanism, Mechanism, Stopped};
 use super::record::dot;
@@ -22,7 +22,7 @@ use touchstone_world::plant::Hand;
 pub enum PressedSurface {
     /// A plane: a point in it in m, and its outward unit normal.
     Plane([f64; 3], [f64; 3]),
-    /// A ball with a radius of 30 mm in the centre, pressed where this unit vector is its outward normal.
+    /// A ball with a radius of 30 mm in the centre of the workspace. The vector is its outward unit normal at the pressed point.
     Ball([f64; 3]),
 }
 
@@ -49,7 +49,7 @@ impl PressedSurface {
         }
     }
 
-    /// Rest point of a hand that is to be at this depth below the surface, m.
+    /// Rest point of a hand at the depth `depth_m` below the surface, m.
     fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
         match self {
             Self::Plane(through_m, normal) => {
@@ -85,7 +85,7 @@ pub struct PressedWall {
     pub estimator: Option<EstimatorSettings>,
     /// The mechanism of the device.
     pub mechanism: Mechanism,
-    /// How the mechanism differs from its nominal values.
+    /// How the device differs from its nominal values, as factors and a delay.
     pub deviation: Deviation,
     /// The hand that holds the device.
     pub hand: Hand,
@@ -107,7 +107,7 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
     }
 }
 
-/// A wall with a law along its normal and the energy guard. It uses estimated states if the estimator's settings are given.
+/// Makes a wall with a control law along its normal and the energy guard. It uses estimated states if `estimator` is given.
 ///
 /// # Errors
 /// Control law or energy guard do not accept their settings.
@@ -162,7 +162,7 @@ impl PressedWall {
         }
     }
 
-    /// Simulates an action of the hand; returns the scorecard's figures.
+    /// Simulates an action of the hand; returns the scorecard's measures.
     ///
     /// # Errors
     /// Control law or energy guard do not accept their settings.
@@ -170,8 +170,8 @@ impl PressedWall {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// Simulates an action of the hand; returns the scorecard's figures and the largest force that was requested of the motors, N.
-    /// If the mechanism cannot reach a position, all figures are infinite.
+    /// Simulates an action of the hand; returns the scorecard's measures and the largest force that was requested of the motors, N.
+    /// If the mechanism cannot reach a position, all measures are infinite.
     ///
     /// # Errors
     /// Control law or energy guard do not accept their settings.

@@ -1,19 +1,19 @@
-//! The record of a run in three axes, and figures that are calculated from it.
+//! The record of a run in three degrees of freedom, and values that are computed from it.
 
 use super::{Cell, Object, Phase, RADIUS_MM};
 
-/// The record of a run in three axes, tick by tick.
+/// The record of a run in three degrees of freedom, one entry per tick (control period).
 #[derive(Debug, Clone)]
 pub struct Record {
-    /// The cell that was run.
+    /// The cell of the comparison that was simulated.
     pub cell: Cell,
     /// Time of each tick, s.
     pub time_s: Vec<f64>,
     /// Part of the hand's motion in each tick.
     pub phase: Vec<Phase>,
-    /// True position of the hand's point in each tick, mm.
+    /// True position of the effector in each tick, mm.
     pub hip_mm: Vec<[f64; 3]>,
-    /// Force on the hand's point in each tick, N.
+    /// Force on the effector in each tick, N.
     pub force_n: Vec<[f64; 3]>,
     /// Whether the run ended because the mechanism could not reach a position.
     pub stopped: bool,
@@ -55,7 +55,7 @@ impl Record {
         self.force_n.push(force_n);
     }
 
-    /// Normal of the true surface at the hand's point in a tick.
+    /// Normal of the true surface at the effector's position in a tick.
     #[must_use]
     pub fn normal(&self, tick: usize) -> [f64; 3] {
         match self.cell.object {
@@ -91,7 +91,7 @@ impl Record {
         length(std::array::from_fn(|i| self.force_n[tick][i] - out * n[i]))
     }
 
-    /// Ticks of the last part of a phase of the hand's motion; `share` is the length of that part as a fraction of the phase.
+    /// Ticks of the last part of a phase of the hand's motion. `share` is the length of that part as a fraction of the whole phase.
     #[must_use]
     pub fn late(&self, phase: Phase, share: f64) -> std::ops::Range<usize> {
         let all: Vec<usize> = (0..self.phase.len())
@@ -131,7 +131,7 @@ impl Record {
         (sum / count.max(1.0)).sqrt()
     }
 
-    /// Mean speed of the hand's point over some ticks, mm/s.
+    /// Mean speed of the effector over some ticks, mm/s.
     #[must_use]
     pub fn speed_mm_per_s(&self, ticks: std::ops::Range<usize>) -> f64 {
         if ticks.len() < 2 {

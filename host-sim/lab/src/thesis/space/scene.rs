@@ -1,11 +1,11 @@
-//! Scene files for three axes: those with `dof = 3`, which `touchstone run` simulates.
+//! Scene files for three degrees of freedom (`dof = 3`), which `touchstone run` simulates.
 
 use super::mechanism::Mechanism;
 use super::{Approach, Cell, Object, shipped_n_per_mm};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A scene for three axes; keys that are left out have default values.
+/// A scene for three degrees of freedom. Fields that the file leaves out have default values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceScene {
@@ -20,7 +20,7 @@ pub struct SpaceScene {
     /// The object that the hand touches.
     #[serde(default)]
     pub object: SpaceObject,
-    /// How the force is calculated.
+    /// How the force is computed.
     #[serde(default)]
     pub law: SpaceLaw,
     /// Mechanism of the device.
@@ -28,7 +28,7 @@ pub struct SpaceScene {
     pub mechanism: SpaceMechanism,
 }
 
-/// Table `[object]` of the scene file.
+/// Table `[object]` of the scene file: the touched object.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceObject {
@@ -37,19 +37,20 @@ pub struct SpaceObject {
     pub kind: Object,
 }
 
-/// Table `[law]` of the scene file.
+/// Table `[law]` of the scene file: how the force is computed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceLaw {
-    /// How the force is calculated: a control law, and how the direction of its force is found.
+    /// Approach (way in which the force is computed): a control law, and the rule for the direction of its force.
     #[serde(default)]
     pub approach: Approach,
-    /// Requested stiffness, N/mm. If left out it is five times the critical one of the mechanism, or that of the shipped wall.
+    /// Requested stiffness, N/mm. If left out, it is five times the largest stable stiffness of a plain spring on the mechanism, or
+    /// that of the shipped wall.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
 }
 
-/// Table `[mechanism]` of the scene file.
+/// Table `[mechanism]` of the scene file: the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceMechanism {
@@ -66,10 +67,10 @@ fn unnamed() -> String {
 pub const STIFFEST_N_PER_MM: f64 = 50.0;
 
 impl SpaceScene {
-    /// Fills in the default values of keys that were left out.
+    /// Fills in the default values of fields that the file leaves out.
     ///
     /// # Errors
-    /// The key whose value is out of range, and its range.
+    /// The field whose value is out of range, and its range.
     pub fn completed(mut self) -> Result<Self, (&'static str, String)> {
         if self.dof != 3 {
             return Err(("dof", "must be 3".to_owned()));
@@ -88,7 +89,7 @@ impl SpaceScene {
         Ok(self)
     }
 
-    /// Stiffness if the scene gives none, N/mm.
+    /// Default stiffness for a scene that gives none, N/mm.
     fn own_stiffness_n_per_mm(&self) -> f64 {
         let mechanism = self.mechanism.kind;
         match self.law.approach {
@@ -97,7 +98,7 @@ impl SpaceScene {
         }
     }
 
-    /// The cell of the comparison that equals this scene.
+    /// The cell of the thesis' comparison that this scene describes.
     #[must_use]
     pub fn cell(&self) -> Cell {
         let given = self.law.k_desired_n_per_mm;
@@ -110,7 +111,7 @@ impl SpaceScene {
     }
 }
 
-/// JSON schema of scene files for three axes; the file `docs/schema/space-scene.schema.json` holds its text.
+/// JSON schema of scene files for three degrees of freedom, stored in `docs/schema/space-scene.schema.json`.
 #[must_use]
 pub fn schema() -> Value {
     let table = |about: &str, properties: Value| {

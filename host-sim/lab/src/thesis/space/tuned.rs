@@ -1,9 +1,9 @@
-//! Scorecards of the tuned law in three axes, direction by direction. This law is not in the thesis.
+//! Scorecards of the tuned law in three degrees of freedom, direction by direction. The thesis does not have this law.
 //!
 //! The device is an omega.3, nominal or varied: half and double mass and damping, coarser counts, delayed commands. Each of three
 //! hands presses and moves along each axis in both senses, and along directions between the axes. A ball is left out, because a
-//! hand softer than `F/R` (push over radius) slides off it with any law. Figures and limits are those of [`crate::scorecard`]; the
-//! ripple has no limit here.
+//! hand whose stiffness is below push over radius slides off it with any law. Measures and limits are those of
+//! [`crate::scorecard`]; the torque ripple has no limit here.
 
 use super::mechanism::{Deviation, Mechanism};
 use super::pressed::{PressedSurface, PressedWall};
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use touchstone_control::SettingsError;
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
 
-/// The hands; every figure is the worst over them.
+/// The hands; every measure is the worst over them.
 pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSLATION];
 
 /// A direction in which the hand presses a surface.
@@ -53,7 +53,7 @@ struct Played {
     mechanism: Mechanism,
     tuned: TunedWall,
     rate_hz: u32,
-    /// Whether the law uses estimated states; otherwise it uses differences of position counts.
+    /// Whether the law uses the state estimator; otherwise it uses differences of position counts.
     estimated: bool,
 }
 
@@ -81,7 +81,7 @@ impl Played {
         }
     }
 
-    /// Whether this wall must hold on the device; a very stiff wall need not hold on all devices.
+    /// Whether this wall must work on the device; a very stiff wall need not work on all devices.
     fn is_asked(&self, case: &Case) -> bool {
         let per_s = (self.tuned.k_desired_n_per_m / self.tuned.axis_kg).sqrt();
         let per_tick = per_s / f64::from(self.rate_hz);
@@ -94,12 +94,12 @@ impl Played {
 pub struct DirectionCard {
     /// The direction of the wall's normal.
     pub at: NormalOfWall,
-    /// Results of every device, the worst of three hands: name of the device, figures and limits.
+    /// Results of every device, the worst of three hands: name of the device, measures and limits.
     pub cells: Vec<(&'static str, DirectionFigures, Limits)>,
 }
 
 impl DirectionCard {
-    /// Worst value of each figure over all devices.
+    /// Worst value of each measure over all devices.
     #[must_use]
     pub fn worst(&self) -> DirectionFigures {
         self.cells
@@ -109,7 +109,7 @@ impl DirectionCard {
             })
     }
 
-    /// Every device and figure beyond a limit.
+    /// Every device and measure beyond a limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(&'static str, Measure)> {
         let mut fails = Vec::new();
@@ -137,7 +137,7 @@ pub fn cards(
     cards_of(&Played::as_tuned(mechanism, rate_hz), normals)
 }
 
-/// Scorecards of any wall.
+/// Makes the scorecards of any law and device.
 fn cards_of(
     played: &Played,
     normals: &[NormalOfWall],
@@ -256,7 +256,7 @@ mod tests {
         holds(Mechanism::Cartesian, RATE_HZ, &NORMALS);
     }
 
-    /// Checks that two sets of settings cover the control rates of the omega.3.
+    /// Checks that two sets of settings together cover the control rates of the omega.3.
     #[test]
     fn the_tuned_law_is_within_every_limit_at_other_rates() {
         for rate_hz in [1500, 2000, 4000] {
@@ -264,7 +264,8 @@ mod tests {
         }
     }
 
-    /// Checks that the delta's settings are within the limits, and that the omega.3's settings are not, on the nominal delta.
+    /// Checks that the delta mechanism's settings are within the limits on the nominal delta, and that the omega.3's settings are
+    /// not.
     #[test]
     fn a_delta_is_within_every_limit_by_a_law_of_its_own() {
         holds(Mechanism::Delta, RATE_HZ, &NORMALS[..4]);
@@ -280,7 +281,7 @@ mod tests {
         );
     }
 
-    /// Checks that the law needs the estimator: on differences of counts it is beyond its limits.
+    /// Checks that the law needs the state estimator: with differences of position counts it is beyond its limits.
     #[test]
     fn on_measured_states_it_is_not() {
         let played = Played {

@@ -1,15 +1,15 @@
-//! Walls that were tuned for a type of axis: settings of law and estimator, and the devices that may use them.
+//! Settings of control law and estimator that were tuned for an axis, with the devices that may use them.
 //!
-//! Each wall was found by `touchstone tune` on one axis as a knob on a lever ([`crate::identify::lever`]), for the devices of
-//! [`crate::scorecard::cases`]. Times, lengths and forces of the law do not change with the control rate, so one wall serves a
-//! range of rates. The figures at its rates are in `docs/devices.md`.
+//! Each set was found by `touchstone tune` on one axis, treated as a knob on a lever ([`crate::identify::lever`]), for the devices
+//! of [`crate::scorecard::cases`]. Times, lengths and forces of the law do not change with the control rate, so one set serves a
+//! range of rates. The scorecard's measures at these rates are in `docs/devices.md`.
 
 use super::Mechanism;
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// A tuned wall, in SI units.
+/// A tuned wall: settings of control law and estimator, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TunedWall {
     /// Name of the device, for readers.
@@ -24,37 +24,39 @@ pub struct TunedWall {
     pub damping_n_s_per_m: f64,
     /// Largest damping of an axis that may use the wall, N·s/m.
     pub most_damping_n_s_per_m: f64,
-    /// Soft stiffness of the enhanced law, [`Settings::k_soft`], N/m.
+    /// Stiffness of the soft spring of enhanced successive force augmentation, [`Settings::k_soft`], N/m.
     pub k_soft: f64,
     /// Fraction of the ideal step by which the law's offset moves per millisecond, [`Settings::step_of_ideal`].
     pub step_of_ideal: f64,
-    /// Largest step of the law's offset per force, per millisecond, [`Settings::limit_of_force`].
+    /// Largest step of the force by the law's offset, as a fraction of the force, per millisecond, [`Settings::limit_of_force`].
     pub limit_of_force: f64,
-    /// Largest step of the law's offset per penetration, per millisecond, [`Settings::limit_of_penetration`].
+    /// Largest step of the law's offset, as a fraction of the penetration, per millisecond, [`Settings::limit_of_penetration`].
     pub limit_of_penetration: f64,
-    /// Virtual mass of the enhanced law, [`FilterSettings::mass`], kg.
+    /// Virtual mass of enhanced successive force augmentation, [`FilterSettings::mass`], kg.
     pub filter_kg: f64,
     /// Stiffness of the coupling between device and virtual mass, [`FilterSettings::stiffness`], N/m.
     pub filter_stiffness: f64,
     /// Damping of the coupling between device and virtual mass, [`FilterSettings::damping`], N·s/m.
     pub filter_damping: f64,
-    /// Damping of the virtual mass against the ground, [`FilterSettings::ground_damping`], N·s/m.
+    /// Damping from the virtual mass to ground, [`FilterSettings::ground_damping`], N·s/m.
     pub ground_damping: f64,
     /// Bandwidth of the state estimator, [`EstimatorSettings::bandwidth_hz`], Hz.
     pub bandwidth_hz: f64,
-    /// Delay that the state estimator predicts over, [`EstimatorSettings::delay_s`], s.
+    /// Delay over which the state estimator predicts, [`EstimatorSettings::delay_s`], s.
     pub delay_s: f64,
     /// Mass that the state estimator assumes, [`EstimatorSettings::inertia`], kg.
     pub estimator_kg: f64,
 }
 
-/// The wall for an omega.3, from a search with seed 1 and 2,358 examined settings, for a press of 8 N at 1 kHz. On a lever of 26.0
-/// mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are 0.3119 N·m. A
-/// position count of 0.01 mm is one of 16,332 counts per turn.
+/// The wall for an omega.3 at 1 kHz and a press of 8 N, from a search with seed 1 that examined 2,358 settings.
 ///
-/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one figure is beyond its limit: a hand of 0.8 kg
-/// gets 0.16 mJ out of a device with a whole tick of delay. That hand is heavier than any for which the knob was tuned. Steps of
-/// 0.01 were tried, judged on these runs: from 0.879 to 0.929 ms all figures are within their limits, except at 0.907 ms.
+/// On a lever of 26.0 mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are
+/// 0.3119 N·m. A position count of 0.01 mm is one of 16,332 counts per turn.
+///
+/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit: a hand of 0.8 kg
+/// gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was tuned.
+/// Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except at
+/// 0.907 ms.
 pub const OMEGA3_WALL: TunedWall = TunedWall {
     name: "an omega.3",
     k_desired_n_per_m: 25_000.0,
@@ -76,7 +78,7 @@ pub const OMEGA3_WALL: TunedWall = TunedWall {
 };
 
 /// The wall for the omega.3 at 2 kHz (`touchstone tune --quick`, seed 1, 187 examined settings). It is within every limit from 2 to
-/// 4 kHz. At 1.5 kHz a device with a whole tick of delay oscillates in it.
+/// 4 kHz. At 1.5 kHz a device with a whole control period of delay oscillates in the wall.
 pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     rates_hz: (2000, 4000),
     k_soft: 20570.0,
@@ -93,12 +95,12 @@ pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     ..OMEGA3_WALL
 };
 
-/// The wall for the delta's lighter, sideways axes: 0.095 kg and 0.933 N·s/m as `touchstone device identify` measures them, on a
-/// lever of 32.45 mm (`touchstone tune --quick`, seed 1). The upward axis has 0.132 kg and 2.65 N·s/m.
+/// The wall for the delta mechanism's lighter, sideways axes: 0.095 kg and 0.933 N·s/m as `touchstone device identify` measures
+/// them, on a lever of 32.45 mm (`touchstone tune --quick`, seed 1). The upward axis has 0.132 kg and 2.65 N·s/m.
 ///
-/// The bandwidth was changed by hand. With the 74.43 Hz from the search one figure in nine directions is beyond its limit: a wall
-/// with 0.41 of the counts has an error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis give out energy in ±x on
-/// the mechanism; those for 3 N/mm have an error of 6.4 % with 0.41 of the counts.
+/// The bandwidth was changed by hand. With the 74.43 Hz from the search, one measure in nine directions is beyond its limit: a wall
+/// with 0.41 of the position counts has a stiffness error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis give
+/// out energy in ±x on the mechanism. Those for 3 N/mm have a stiffness error of 6.4 % with 0.41 of the counts.
 pub const DELTA_WALL: TunedWall = TunedWall {
     name: "a delta of a Falcon's lengths",
     k_desired_n_per_m: 2500.0,
@@ -133,7 +135,7 @@ impl TunedWall {
         }
     }
 
-    /// The wall that all three axes of a device may use at a control rate; `None` if there is none.
+    /// The tuned wall that all three axes of a device may use at a control rate; `None` if there is none.
     #[must_use]
     pub fn for_axes(axes: &[Device; 3], rate_hz: u32) -> Option<Self> {
         let may = |wall: &&Self| {
@@ -172,7 +174,7 @@ impl TunedWall {
         }
     }
 
-    /// Settings of the estimator, the same for every device: those of the axis for which the wall was tuned.
+    /// Settings of the state estimator for the axis for which the wall was tuned, the same for every device.
     #[must_use]
     pub fn estimator(&self) -> EstimatorSettings {
         let si = Si::saturating_from_num::<f64>;

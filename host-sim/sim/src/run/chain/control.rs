@@ -1,47 +1,49 @@
-//! The controller side of the loop: everything from the true angle to the motor's torque, behind one call.
+//! The controller side of the loop, from the device's true angle to the motor's torque.
 
 use super::sensor::Sensor;
 use crate::run::wall::{Inside, Wall};
 
-/// Everything between the true angle and the torque of the motor. The loop calls `torque_n_m` or `answer` once a tick.
+/// Computes the motor's torque from the device's true angle. The loop calls `torque_n_m` or `answer` once per tick (control
+/// period).
 pub trait Control {
-    /// Torque of the motor along `+x` in N·m, at a true angle in rad.
+    /// Returns the torque of the motor in N·m, in the direction of positive angles, at a true angle in rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
-    /// Same as `torque_n_m`, bit for bit, with the details that a recording needs.
+    /// Returns the same torque as `torque_n_m`, bit for bit, with internal values for a recording.
     fn answer(&mut self, angle_rad: f64) -> Answer;
-    /// Reports the torque that was really commanded, N·m along `+x`, after an effect (such as a limit) changed the last torque.
+    /// Reports the torque that was really commanded, N·m in the direction of positive angles, after a limit or another effect
+    /// changed the torque of the control law.
     fn commanded(&mut self, torque_n_m: f64);
-    /// Reports the true angle at which the motor's torque changed since the last sample, rad.
+    /// Reports the true angle at the moment when the motor's torque last changed, rad.
     fn changed_at(&mut self, angle_rad: f64);
 }
 
-/// A torque, with the values of the law that led to it.
+/// A motor torque, with the internal values of the control law that computed it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// Torque of the motor along `+x`, N·m.
+    /// Torque of the motor in the direction of positive angles, N·m.
     pub torque_n_m: f64,
-    /// Force of the law, N·m, positive out of the wall.
+    /// Force of the control law, N·m, positive out of the wall.
     pub force_n_m: f64,
-    /// Penetration that the law received from the sensor, rad.
+    /// Penetration that the control law received from the sensor, rad.
     pub told_rad: f64,
     /// Internal values of the law after the tick.
     pub inside: Inside,
 }
 
-/// Innermost part of the controller side: a law that gets its angle from a sensor, with an ideal motor.
+/// Basic controller side without further effects: a sensor that gives the angle, and a control law that gives the torque.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled<S, W> {
     /// The sensor that gives the law the angle.
     pub sensor: S,
-    /// The law at its surface.
+    /// The control law at the surface of its wall.
     pub wall: W,
 }
 
 impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
-    // Reached through a table of functions in any case, and the law's code then stands in the program once.
+    // The loop calls this method indirectly in any case. Without inlining, the law's code exists only once.
     #[inline(never)]
     fn torque_n_m(&mut self, angle_rad: f64) -> f64 {
-        // The wall pushes out, along -x.
+        // The wall's force pushes out of the wall, in the direction of -x.
         -self.sensor.read(&mut self.wall, angle_rad)
     }
 

@@ -1,18 +1,19 @@
-//! How a torque command reaches the plant and acts on it over one tick.
+//! Carries a torque command from the controller to the plant, with its delay, and advances the plant by one tick (control period).
 
 use std::collections::VecDeque;
 use touchstone_world::plant::{Kinematics, Stepper};
 
-/// Energies of one tick at the wall's port and in the device.
+/// Energies exchanged in one tick (control period): work of the motor, losses and storage in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
-    /// Mean torque of the motor along `+x` over the tick, N·m.
+    /// Mean torque of the motor in the direction of positive angles over the tick, N·m.
     pub torque_n_m: f64,
-    /// Work of the motor on the device, J: `Σ u Δx` over the parts of the tick, exact for a torque held over each part.
+    /// Work of the motor on the device, J: the sum of torque times displacement over the parts of the tick. It is exact, because
+    /// the torque is constant over each part.
     pub motor_j: f64,
     /// Energy dissipated in the device, J.
     pub device_loss_j: f64,
-    /// Energy that springs, gravity and magnets in the device stored, J; kinetic energy is not included.
+    /// Energy that the device stored in springs, gravity and magnets, J; kinetic energy is not included.
     pub stored_j: f64,
 }
 
@@ -21,13 +22,13 @@ pub trait Crossing {
     /// State of the plant.
     type State: Kinematics;
 
-    /// Advances plant and commands by one tick.
+    /// Advances plant and delayed commands by one tick (control period).
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
 
-    /// Same as `cross`, bit for bit; returns the energies of the tick.
+    /// Does the same as `cross`, bit for bit, and returns the energies of the tick.
     fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
 
-    /// Angle of the device at which the torque changed in the last tick, rad; `None` if it is not measured.
+    /// Angle of the device at which the motor's torque changed in the last tick, rad; `None` if that angle is not measured.
     #[inline(always)]
     fn changed_at_rad(&self) -> Option<f64> {
         None
@@ -50,10 +51,10 @@ pub(super) fn step_with_flow<S: Stepper>(
     }
 }
 
-/// No delay: the command of a tick acts during that tick.
+/// No delay: the torque command of a tick acts during the whole tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Prompt<S>(
-    /// Steps the plant by one control period.
+    /// The stepper, which advances the plant by one control period.
     pub S,
 );
 
@@ -71,8 +72,7 @@ impl<S: Stepper> Crossing for Prompt<S> {
     }
 }
 
-/// Every other effect between torque and plant is reached by an indirect call, so that the loop is not compiled again
-/// for it.
+/// Calls any other type of crossing (with delay, jitter or tremor) indirectly, so that the loop is not compiled again for each.
 impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     type State = S;
 
@@ -92,24 +92,24 @@ impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     }
 }
 
-/// A computational delay of whole ticks and a fraction. Two steppers alternate on one plant state: before and after the command
-/// changes.
+/// A computational delay of whole ticks and a fraction of one. The command changes once within each tick; one stepper advances the
+/// plant before the change, another after it.
 #[derive(Debug, Clone)]
 pub struct Delayed<S> {
-    /// Steps the plant over the fraction, while the older command still acts.
+    /// Advances the plant over the first part of the tick, while the older command still acts.
     before: S,
-    /// Steps the plant over the rest of the period.
+    /// Advances the plant over the rest of the tick, under the newer command.
     after: S,
-    /// Commands on their way, the oldest first; the first of them acts now.
+    /// Delayed torque commands, the oldest first; the first of them acts now.
     queue: VecDeque<f64>,
-    /// Angle of the device at which the torque changed, rad; `None` if it is not measured.
+    /// Angle of the device when the motor's torque changed, rad; `None` if that angle is not measured.
     changed_at_rad: Option<f64>,
 }
 
 impl<S: Stepper> Delayed<S> {
-    /// Builds a delay of `whole` periods plus the time that `before` steps over.
+    /// Builds a delay of `whole` control periods plus the time over which `before` advances the plant.
     pub fn new(before: S, after: S, whole: usize) -> Self {
-        // Before the first command arrives the motor is off.
+        // Until the first command takes effect, the motor has no torque.
         Self {
             before,
             after,
@@ -118,7 +118,7 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// Same delay, which also measures the device's position when the torque changes.
+    /// Makes the delay also measure the angle of the device when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -127,8 +127,8 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// Records the angle at which a command of this tick begins to act: after the fraction, or at the end of the tick if whole
-    /// ticks pass first.
+    /// Records the angle at which a command of this tick begins to act: after the fraction of a tick, or at the end of the tick if
+    /// whole ticks pass first.
     #[inline(always)]
     fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
         if let Some(changed) = &mut self.changed_at_rad {

@@ -1,4 +1,4 @@
-//! Samples and commands that come late by random times.
+//! Jitter and random latency: position samples and torque commands that come late by random times.
 
 use std::collections::VecDeque;
 
@@ -7,20 +7,22 @@ use touchstone_world::plant::{Kinematics as _, Stepper};
 use super::crossing::{Crossing, Flow, step_with_flow};
 use super::noise::Stream;
 
-/// Parts of a control period, to which lateness is rounded. A power of two, so that one stepper spans a whole period.
+/// Number of parts of a control period to which lateness is rounded. It is a power of two, because the steppers span 1, 2, 4, …
+/// parts.
 pub const PARTS: u32 = 1 << DOUBLINGS;
 const DOUBLINGS: u32 = 10;
 
-/// Every tick comes late by up to `jitter`, and every command later than its delay by up to `spread`, each equally likely anywhere
-/// in between, to the nearest part of a period. Commands keep their order.
+/// Delays every position sample by up to `jitter`, and every torque command by its delay plus up to `spread`.
 ///
-/// A tick is the time from one sample to the next, so it is longer or shorter than a period. Records give the time at which it
-/// should have been, and the hand's rest point is that of the same time.
+/// Each random delay is uniformly distributed, in whole parts ([`PARTS`]) of a control period. Commands keep their order. A tick
+/// lasts from one sample to the next, so it may be longer or shorter than a control period. Records give the nominal time of a
+/// sample, and the hand's rest point is that of the nominal time.
 #[derive(Debug, Clone)]
 pub struct Irregular<S> {
-    /// Steppers of the plant over 1, 2, 4, … parts of a period.
+    /// Steppers that advance the plant over 1, 2, 4, … parts of a control period.
     steppers: Vec<S>,
-    /// Commands on their way, the oldest first: parts of a period from the present sample, and torque in N·m.
+    /// Delayed commands, the oldest first: parts of a control period from the present sample to the command's effect, and torque in
+    /// N·m.
     queue: VecDeque<(u64, f64)>,
     acting_n_m: f64,
     delay: u64,
@@ -28,7 +30,7 @@ pub struct Irregular<S> {
     spread: u64,
     jitters: Stream,
     latencies: Stream,
-    /// Lateness of the present sample, in parts of a period.
+    /// Lateness of the present sample, in parts of a control period.
     late: u64,
     changed_at_rad: Option<f64>,
 }
@@ -36,16 +38,16 @@ pub struct Irregular<S> {
 /// Delay and largest random lateness, in parts of a control period.
 #[derive(Debug, Clone, Copy)]
 pub struct Lateness {
-    /// Least time from a sample to its command.
+    /// Least time from a position sample to its torque command.
     pub delay: u64,
-    /// Largest lateness of a sample.
+    /// Largest lateness of a position sample.
     pub jitter: u64,
-    /// Largest additional lateness of a command.
+    /// Largest additional delay of a torque command.
     pub spread: u64,
 }
 
 impl<S: Stepper> Irregular<S> {
-    /// Prepares steps; `plant` makes a stepper for an interval, s.
+    /// Builds a crossing with random lateness. `plant` makes a stepper that advances the plant by a time in s.
     ///
     /// # Errors
     /// Settings that `plant` refuses.
@@ -63,7 +65,7 @@ impl<S: Stepper> Irregular<S> {
         let [jitters, latencies] = streams;
         Ok(Self {
             steppers,
-            // Room for all commands that can be on their way, so that no tick needs more.
+            // Capacity for all commands that can be delayed at a time, so that no tick allocates memory.
             queue: VecDeque::with_capacity((longest / u64::from(PARTS)) as usize + 4),
             acting_n_m: 0.0,
             delay: lateness.delay,
@@ -76,7 +78,7 @@ impl<S: Stepper> Irregular<S> {
         })
     }
 
-    /// Same crossing, which also measures the device's position when the torque changes.
+    /// Makes the crossing also measure the angle of the device when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -85,12 +87,12 @@ impl<S: Stepper> Irregular<S> {
         }
     }
 
-    /// A random number of parts, 0 to `most`.
+    /// Draws a random number of parts, from 0 to `most`.
     fn drawn(stream: &mut Stream, most: u64) -> u64 {
         (stream.uniform() * (most + 1) as f64) as u64
     }
 
-    /// Queues a command; returns the number of parts until the next sample.
+    /// Queues a torque command, and returns the number of parts of a control period until the next sample.
     fn take(&mut self, torque_n_m: f64) -> u64 {
         let after = self.delay + Self::drawn(&mut self.latencies, self.spread);
         let latest = self.queue.back().map_or(0, |&(at, _)| at);
@@ -101,7 +103,7 @@ impl<S: Stepper> Irregular<S> {
         parts
     }
 
-    /// Advances one tick. Calls `step` for every stretch of constant torque that one stepper spans.
+    /// Advances one tick. Calls `step` for every stretch of constant torque that one stepper can span.
     #[inline(always)]
     fn tick(
         &mut self,
@@ -158,7 +160,7 @@ impl<S: Stepper> Crossing for Irregular<S> {
             sum.device_loss_j += flow.device_loss_j;
             sum.stored_j += flow.stored_j;
         });
-        // Two samples at one time: nothing moved, and the mean of nothing is what acts.
+        // With two samples at the same time, the tick has no duration; its mean torque is the torque that acts.
         sum.torque_n_m = if time_s > 0.0 {
             impulse / time_s
         } else {

@@ -1,10 +1,10 @@
-//! Lost ticks, in which the controller side does not run.
+//! Lost ticks: control periods in which the controller side does not run.
 
 use super::control::{Answer, Control};
 use super::noise::Stream;
 
-/// A controller side that does not run in some ticks. In a lost tick the motor keeps its torque and the law receives nothing. The
-/// first tick is never lost.
+/// A controller side that does not run in some ticks (control periods). In a lost tick the motor keeps its torque, and the control
+/// law receives no sample. The first tick is never lost.
 pub struct Lossy {
     inner: Box<dyn Control>,
     share: f64,
@@ -14,7 +14,7 @@ pub struct Lossy {
 }
 
 impl Lossy {
-    /// Loses ticks with probability `share` (0 to 1), each independently of the others.
+    /// Makes `inner` lose ticks with probability `share` (0 to 1), each independently of the others.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, share: f64, stream: Stream) -> Box<dyn Control> {
         Box::new(Self {

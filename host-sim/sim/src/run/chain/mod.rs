@@ -1,16 +1,16 @@
-//! Once-per-tick effects around law and plant, one kind a file.
+//! Effects that act once per tick (control period) around control law and plant, one type of effect per file.
 //!
-//! | where | trait | absent | present |
+//! | where the effect acts | trait | without the effect | with the effect |
 //! |---|---|---|---|
-//! | how the law is told the angle | [`Sensor`] | [`ExactAngle`] | [`Counts`] |
-//! | between world and law, on the angle or on the torque | [`Stage`] | nothing | [`Staged`]: one indirect call |
-//! | whether the law's side runs at all | [`Control`] | nothing | [`Lossy`]: one indirect call |
+//! | on the sensor that gives the law the angle | [`Sensor`] | [`ExactAngle`] | [`Counts`] |
+//! | between device and law, on the angle or on the torque | [`Stage`] | nothing | [`Staged`]: one indirect call |
+//! | on whether the controller side runs in a tick | [`Control`] | nothing | [`Lossy`]: one indirect call |
 //! | between torque and plant | [`Crossing`] | [`Prompt`], compiled with the plant | [`Delayed`], [`Irregular`]: one indirect call |
-//! | between a motion and the hand | [`Crossing`] | nothing | [`Handled`]: one indirect call |
+//! | between intended motion and hand | [`Crossing`] | nothing | [`Handled`]: one indirect call |
 //!
-//! Effects add up, they do not multiply: the law's side of the loop is behind the one indirect call by which the loop reaches
-//! the law anyway, and a stage is put around it only where the scene names it. So what a scene does not name is not in the
-//! loop (not computed, not stored, not branched on), and a new effect is compiled once, whatever else there is.
+//! The costs of effects add up; they do not multiply. The loop calls the controller side indirectly in any case, and a stage is put
+//! around it only where the scene names the effect. An effect that the scene does not name is therefore neither computed nor stored
+//! nor branched on. A new effect is compiled once, not once for each combination.
 
 mod control;
 mod crossing;

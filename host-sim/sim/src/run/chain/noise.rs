@@ -2,8 +2,8 @@
 
 use super::stage::Stage;
 
-/// An independent random-number sequence, made from a seed and a purpose. Adding a sequence does not change the numbers of the
-/// others. It gives the same numbers on every machine.
+/// An independent random-number sequence, made from a seed and a purpose. A further sequence does not change the numbers of the
+/// others, and every machine gives the same numbers.
 ///
 /// The generator is SplitMix64 by Steele, Lea and Flood (OOPSLA 2014): a counter, and a function that mixes its bits.
 #[derive(Debug, Clone, Copy)]
@@ -19,11 +19,11 @@ pub enum Channel {
     Sensor = 1,
     /// Noise of the current sensor.
     Current = 2,
-    /// Lateness of samples.
+    /// Random lateness of position samples.
     Jitter = 3,
-    /// Lateness of commands.
+    /// Random delay of torque commands.
     Latency = 4,
-    /// Ticks that are lost.
+    /// Which ticks (control periods) are lost.
     Lost = 5,
 }
 
@@ -52,8 +52,8 @@ impl Stream {
         (mixed(self.counter) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
     }
 
-    /// Normally distributed random number of mean 0 and variance 1 (Box and Muller). The method makes two at a time; the second is
-    /// kept for the next call.
+    /// Normally distributed random number of mean 0 and variance 1. The method of Box and Muller makes two numbers at a time; the
+    /// second is kept for the next call.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -69,7 +69,7 @@ impl Stream {
 /// White noise that is added to the angle before the encoder counts it.
 #[derive(Debug, Clone, Copy)]
 pub struct Noisy {
-    /// Root of the mean square, rad.
+    /// Root mean square of the noise, rad.
     pub rms_rad: f64,
     /// Random-number sequence of the noise.
     pub stream: Stream,
@@ -81,16 +81,17 @@ impl Stage for Noisy {
     }
 }
 
-/// Periodic angle error of a disc or magnet off the axis, `A sin(n x + phi)`. A tilted one adds `A2 sin(2n x + phi2)`.
+/// Angle error that repeats every turn, `A sin(n x + phi) + A2 sin(2n x + phi2)`, where `x` is the angle. The cause is a sensor
+/// disc or magnet off the axis; a tilt adds the second term.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentric {
-    /// Amplitude `A`, rad.
+    /// Amplitude `A` of the angle error, rad.
     pub amplitude_rad: f64,
-    /// Periods `n` per turn.
+    /// Number of periods `n` of the angle error per turn.
     pub per_rev: f64,
-    /// Phase `phi`, rad.
+    /// Phase `phi` of the angle error, rad.
     pub phase_rad: f64,
-    /// Amplitude `A2` and phase `phi2` of the second component, rad.
+    /// Amplitude `A2` and phase `phi2` of the component with `2n` periods per turn, rad; `None` without this component.
     pub second: Option<(f64, f64)>,
 }
 
@@ -107,15 +108,16 @@ impl Stage for Eccentric {
     }
 }
 
-/// Torque error of a current loop whose current sensor has noise and steps. The controller does not know the error.
+/// Torque error of a current controller whose current sensor has noise and finite resolution. The control law does not know the
+/// error.
 ///
 /// Quantisation is modelled as an error uniformly distributed within half a step (Widrow, IRE Trans. Circuit Theory 3(4) 266,
-/// 1956). The model holds where the current loop runs many times a tick and its current ripples by more than a step.
+/// 1956). The model holds if the current controller runs many times per tick and the current ripples by more than a step.
 #[derive(Debug, Clone, Copy)]
 pub struct CurrentError {
-    /// Root of the noise's mean square, as torque, N·m.
+    /// Root mean square of the sensor's noise, as torque, N·m.
     pub rms_n_m: f64,
-    /// The sensor's step, as torque, N·m.
+    /// Resolution of the current sensor, as torque, N·m.
     pub step_n_m: f64,
     /// Random-number sequence of noise and quantisation error.
     pub stream: Stream,
@@ -147,7 +149,7 @@ mod tests {
         assert_eq!(first(7, Channel::Sensor), first(7, Channel::Sensor));
     }
 
-    /// Moments within five standard deviations of what that many independent numbers would have.
+    /// Tests that mean, variance and higher moments lie within five standard deviations of their expected values.
     #[test]
     fn normal_numbers_have_the_moments_of_the_normal_distribution() {
         let count = 200_000;
@@ -163,7 +165,7 @@ mod tests {
             let spread = (variance / n).sqrt();
             assert!((found - expected).abs() < 5.0 * spread, "{power}: {found}");
         }
-        // White: neighbours, and the two of a pair, are not correlated.
+        // The noise is white: neighbouring numbers, such as the two of a pair, are not correlated.
         for lag in 1..=8 {
             let sum: f64 = numbers.windows(lag + 1).map(|w| w[0] * w[lag]).sum();
             assert!((sum / n).abs() < 5.0 / n.sqrt(), "lag {lag}: {}", sum / n);

@@ -1,18 +1,18 @@
-//! How the law gets the device's angle: exactly, or by an encoder.
+//! Gives the control law the device's angle: exactly, or as encoder counts.
 
 use crate::run::wall::Wall;
 
-/// Gives the law the device's position.
+/// A position sensor: gives the control law the device's position.
 pub trait Sensor {
-    /// Passes the angle to the wall, and returns the wall's force, N·m, positive out of the wall.
+    /// Passes the device's angle to the wall, and returns the wall's force, N·m, positive out of the wall.
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64;
-    /// Passes on to the wall the angle at which the motor's torque changed.
+    /// Passes to the wall the device's angle at which the motor's torque changed, rad.
     fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64);
-    /// Penetration that the wall receives at a true angle, rad.
+    /// Penetration that the wall receives for a true angle, rad.
     fn told_rad(&self, angle_rad: f64) -> f64;
 }
 
-/// No encoder: the law receives the exact angle, measured from the wall's surface.
+/// Exact sensor: the control law receives the true angle, measured from the wall's surface.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactAngle {
     /// Position `x_s` of the wall's surface, rad.
@@ -35,7 +35,7 @@ impl Sensor for ExactAngle {
     }
 }
 
-/// No encoder: the exact angle measured from zero, for scenes with several walls.
+/// Exact sensor for scenes with several walls: the control law receives the true angle, measured from zero.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactPlace {
     /// Position `x_s` of the first wall's surface, rad, from which records measure penetration.
@@ -58,19 +58,19 @@ impl Sensor for ExactPlace {
     }
 }
 
-/// An encoder: the law receives the nearest count.
+/// Encoder: the control law receives the count nearest to the true angle.
 #[derive(Debug, Clone, Copy)]
 pub struct Counts {
-    /// Counts per radian.
+    /// Encoder counts per radian.
     pub per_rad: f64,
-    /// Radians per count.
+    /// Angle of one encoder count, rad.
     pub step_rad: f64,
     /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
 }
 
 impl Counts {
-    /// Encoder with counts `step_rad` apart, and the position of the wall's surface, rad.
+    /// Makes an encoder whose counts are `step_rad` apart, for a wall with its surface at `surface_rad`.
     #[must_use]
     pub fn of(step_rad: f64, surface_rad: f64) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Counts {
     #[inline(always)]
     fn count(&self, angle_rad: f64) -> i64 {
         let scaled = angle_rad * self.per_rad;
-        // By adding half and flooring, without the library call that `round` is on plain x86-64.
+        // Adding half and flooring avoids `round`, which is a library call on plain x86-64.
         let shifted = scaled + 0.5;
         let cut = shifted as i64;
         cut.saturating_sub(i64::from((cut as f64) > shifted))

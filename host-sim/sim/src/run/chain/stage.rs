@@ -1,34 +1,35 @@
-//! Effects on the angle before it reaches the law, and on the torque before it reaches the motor.
+//! Effects on the angle before it reaches the control law, and on the torque before it reaches the motor.
 
 use super::control::{Answer, Control};
 
-/// An effect around the law: it changes the angle on its way in, the torque on its way out, or both.
+/// An effect between device and control law. It changes the angle that the law receives, the torque that the motor receives, or
+/// both.
 pub trait Stage {
-    /// Whether the law is informed of the changed torque. A torque limit is known to a device, an error of its current sensor is
-    /// not.
+    /// Whether the control law is informed of the changed torque. A real controller knows its torque limit, but not the error of
+    /// its current sensor.
     const TOLD: bool = true;
 
-    /// Returns the angle to pass on to the law, rad.
+    /// Returns the angle to pass on to the control law, rad.
     #[inline(always)]
     fn angle_rad(&mut self, angle_rad: f64) -> f64 {
         angle_rad
     }
 
-    /// Returns the torque to pass on to the motor, N·m along `+x`.
+    /// Returns the torque to pass on to the motor, N·m in the direction of positive angles.
     #[inline(always)]
     fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
         torque_n_m
     }
 }
 
-/// One effect around the rest of the controller side. Effects that are physically nearer to the device are further outside.
+/// One effect around the rest of the controller side. The effect that is physically nearest to the device is the outermost.
 pub struct Staged<S> {
     stage: S,
     inner: Box<dyn Control>,
 }
 
 impl<S: Stage + 'static> Staged<S> {
-    /// Puts an effect around the present controller side.
+    /// Puts an effect around the controller side `inner`.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, stage: S) -> Box<dyn Control> {
         Box::new(Self { stage, inner })
@@ -36,7 +37,8 @@ impl<S: Stage + 'static> Staged<S> {
 }
 
 impl<S: Stage> Staged<S> {
-    /// Torque after this effect, N·m. If it differs from `wanted_n_m`, the inner effects and the law are informed.
+    /// Torque after this effect, N·m. If it differs from the requested torque `wanted_n_m`, the inner effects and the control law
+    /// are informed.
     #[inline(always)]
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);
@@ -47,7 +49,7 @@ impl<S: Stage> Staged<S> {
     }
 }
 
-/// Informs the law of a changed torque. A separate function, so that ticks without a change do not pay for the call.
+/// Informs the control law of a changed torque. The function is separate, so that ticks without a change do not pay for the call.
 #[cold]
 #[inline(never)]
 fn tell(inner: &mut dyn Control, torque_n_m: f64) {
@@ -77,10 +79,10 @@ impl<S: Stage> Control for Staged<S> {
     }
 }
 
-/// Limits the torque.
+/// Limits the motor's torque to a largest absolute value.
 #[derive(Debug, Clone, Copy)]
 pub struct Limited {
-    /// Largest torque, N·m.
+    /// Largest absolute torque, N·m.
     pub limit_n_m: f64,
 }
 
@@ -91,10 +93,10 @@ impl Stage for Limited {
     }
 }
 
-/// An amplifier with discrete steps: rounds the torque to the nearest step.
+/// An amplifier with finite resolution: rounds the torque to the nearest step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stepped {
-    /// Step, N·m.
+    /// Resolution of the amplifier's torque, N·m.
     pub step_n_m: f64,
 }
 

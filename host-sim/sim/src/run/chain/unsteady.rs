@@ -6,20 +6,20 @@ use touchstone_world::plant::Kinematics;
 
 use super::crossing::{Crossing, Flow};
 
-/// Changes the hand's rest point in each tick, before plant and hand are advanced.
+/// Changes the hand's rest point in each tick (control period), before plant and hand are advanced.
 pub trait Unsteady<S> {
     /// Returns the changed rest point of this tick, rad.
     fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64;
 }
 
-/// A crossing whose hand has a tremor or a reflex.
+/// A crossing (path from torque command to plant) whose hand has a tremor or a reflex.
 pub struct Handled<S, U> {
     inner: Box<dyn Crossing<State = S>>,
     hand: U,
 }
 
 impl<S: Kinematics + 'static, U: Unsteady<S> + 'static> Handled<S, U> {
-    /// Adds a tremor or reflex of the hand to the present crossing.
+    /// Adds a tremor or reflex of the hand to the crossing `inner`.
     #[must_use]
     pub fn before(inner: Box<dyn Crossing<State = S>>, hand: U) -> Box<dyn Crossing<State = S>> {
         Box::new(Self { inner, hand })
@@ -49,9 +49,9 @@ impl<S: Kinematics, U: Unsteady<S>> Crossing for Handled<S, U> {
 pub struct Tremor {
     /// Amplitude of the rest point's motion, rad.
     pub amplitude_rad: f64,
-    /// Phase of the sine per tick, rad.
+    /// Advance of the sine's phase per tick (control period), rad.
     pub per_tick_rad: f64,
-    /// Ticks so far.
+    /// Number of ticks (control periods) since the start.
     pub tick: u64,
 }
 
@@ -63,18 +63,20 @@ impl<S> Unsteady<S> for Tremor {
     }
 }
 
-/// A reflex: muscles that answer an earlier stretch with a stiffness `k_r` of their own. The rest point moves by `dr` so that the
-/// hand's spring `k_h` gives the muscles' torque: `k_h dr = -k_r (x_h - r)`, with `x_h` and `r` of the earlier time.
+/// A stretch reflex: muscles that answer an earlier stretch of the hand's spring with an additional stiffness `k_r`.
+///
+/// The rest point moves by `dr` so that the hand's spring `k_h` gives the muscles' torque: `k_h dr = -k_r (x_h - r)`. Hand angle
+/// `x_h` and rest point `r` are those at the earlier time.
 #[derive(Debug, Clone)]
 pub struct Reflex {
-    /// Gain: `k_r/k_h`.
+    /// Gain `k_r/k_h`: stiffness of the reflex over that of the hand's spring.
     gain: f64,
-    /// Stretches that the muscles have not answered yet, rad, the oldest first; all zero at the start.
+    /// Stretches of the hand's spring that the muscles have not answered yet, rad, the oldest first.
     stretches: VecDeque<f64>,
 }
 
 impl Reflex {
-    /// A reflex that reacts after `ticks` whole ticks.
+    /// Makes a reflex that answers a stretch after `ticks` ticks (control periods).
     #[must_use]
     pub fn new(gain: f64, ticks: usize) -> Self {
         let mut stretches = VecDeque::with_capacity(ticks + 1);

@@ -1,4 +1,4 @@
-//! The list of all effects, joined from its parts, and functions that search it.
+//! The complete list of simulated effects, joined from its parts, and functions that search it.
 
 use super::{Effect, WORLD, touch};
 
@@ -25,7 +25,7 @@ pub fn by_name(name: &str) -> Option<&'static Effect> {
     EFFECTS.iter().find(|effect| effect.name == name)
 }
 
-/// Whether two effects are two values of one setting, so that a scene can have only one of them.
+/// Whether two effects set the same setting to different values, so that a scene can have only one of them.
 #[must_use]
 pub fn exclude_each_other(a: &Effect, b: &Effect) -> bool {
     let one_thing = |of: fn(&Effect) -> bool| of(a) && of(b);

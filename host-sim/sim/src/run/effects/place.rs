@@ -1,29 +1,29 @@
 //! Places in the control loop at which effects act.
 
-/// Place of an effect in the control loop. It determines the least cost of the effect.
+/// Place of an effect in the control loop. It determines the least computing time that the effect costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The effect is the sensor that gives the law the angle.
+    /// The effect replaces the sensor that gives the control law the angle.
     Sensor,
-    /// The effect changes the angle before it reaches the law.
+    /// The effect changes the angle before it reaches the control law.
     Angle,
     /// The effect changes the torque before it reaches the motor.
     Torque,
-    /// The effect wraps the whole controller side.
+    /// The effect acts around the whole controller side, such as lost control periods.
     Law,
     /// The effect acts between torque command and plant, or on the times of samples and commands.
     Crossing,
-    /// The effect is part of the plant's exact step.
+    /// The effect is part of the closed-form solution of device and hand.
     Exact,
-    /// The effect adds a linear state to the exact step of a drive train.
+    /// The effect adds a linear state to the closed-form solution of a drive train.
     State,
-    /// The effect acts at the shaft of a drive train, in substeps.
+    /// The effect acts at the shaft of a drive train; the simulation then needs substeps.
     Shaft,
     /// The effect acts between the intended motion and the hand.
     Hand,
-    /// The effect acts in addition to the wall, before its guard.
+    /// The effect adds a torque to that of the wall, before the energy guard limits their sum.
     Environment,
-    /// The effect is the velocity estimate of the law's damper.
+    /// The effect is the velocity estimate for the damper of the control law `spring-damper`.
     Velocity,
 }
 

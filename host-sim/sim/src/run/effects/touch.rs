@@ -1,4 +1,5 @@
-//! Entries of the list of effects for further walls, detents and end stops, and for the velocity estimates of a law's damper.
+//! Entries of the list of effects for further walls, detents and end stops, and for the velocity estimates of the control law
+//! `spring-damper`.
 
 use super::{Effect, Place};
 use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene, TorqueProfile};
@@ -12,7 +13,7 @@ fn of_environment(scene: &Scene, has: impl Fn(&Environment) -> bool) -> bool {
     scene.environment.as_ref().is_some_and(has)
 }
 
-/// Removes a part of the environment, and the whole environment if it is then empty.
+/// Removes a part of a scene's environment, such as its detents. Removes the whole environment if nothing is left in it.
 fn rid(scene: &mut Scene, take: impl Fn(&mut Environment)) {
     if let Some(environment) = &mut scene.environment {
         take(environment);
@@ -30,7 +31,7 @@ fn damped(scene: &mut Scene, from: VelocityKind) {
     if scene.law.kind != LawKind::SpringDamper {
         scene.law.kind = LawKind::SpringDamper;
         scene.law.states = StatesKind::Measured;
-        // Below half of the damping that the thesis' knob has: the settings' default is none, which no velocity changes.
+        // Half of the damping of the thesis' knob or less. The default damping is 0, with which the velocity has no effect.
         scene.law.virtual_damping_n_m_s_per_rad = 2e-4;
     }
     scene.law.velocity.from = from;
@@ -40,7 +41,7 @@ fn as_told(scene: &mut Scene) {
     scene.law.velocity.from = VelocityKind::Told;
 }
 
-/// Entry for a velocity filter, which has no magnitude.
+/// Makes the list's entry for a velocity estimate, which has no magnitude.
 const fn velocity(
     name: &'static str,
     typical: &'static str,
@@ -62,7 +63,7 @@ const fn velocity(
     }
 }
 
-/// Entries for walls, detents and velocity filters in the list of effects.
+/// Entries for walls, detents and velocity estimates in the list of effects.
 pub const ROWS: [Effect; 8] = [
     Effect {
         name: "second-wall",

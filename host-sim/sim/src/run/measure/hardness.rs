@@ -1,11 +1,11 @@
-//! Rate-hardness, thesis (1.5): rate of change of the force over the velocity of the device at initial contact.
+//! Rate-hardness (thesis, equation 1.5): rate of change of the force divided by the device's velocity at the initial contact.
 
-/// Longest initial contact, s: shorter than a hand's reaction time, long enough for several encoder counts.
+/// Longest time that counts as initial contact, s: shorter than a hand's reaction time, long enough for several encoder counts.
 const LONGEST_S: f64 = 0.02;
-/// Least number of ticks to which a slope is fitted.
+/// Least number of ticks (control periods) to which a slope is fitted.
 const FEWEST: f64 = 3.0;
 
-/// Rate-hardness `Ḟ/ẋ` of the initial contact: least-squares slope of true force over true penetration. The contact counts from the
+/// Rate-hardness `Ḟ/ẋ` of the initial contact: least-squares slope of true force over true penetration. The contact lasts from the
 /// first force to the first reversal of the motion, at most 20 ms.
 #[derive(Debug, Clone, Copy)]
 pub struct RateHardness {
@@ -17,7 +17,7 @@ pub struct RateHardness {
     f: f64,
     xx: f64,
     xf: f64,
-    /// Angle of the first contact, rad. Sums are relative to it, to avoid cancellation.
+    /// Angle at the first contact, rad. Sums use angles relative to it, to avoid cancellation.
     origin_rad: f64,
 }
 
@@ -38,10 +38,10 @@ impl RateHardness {
         }
     }
 
-    /// Adds a tick: true penetration at its sample in rad, and the force held over the tick in N·m, positive out of the wall.
+    /// Adds a tick: true penetration at the sample in rad, and the force held after the sample in N·m, positive out of the wall.
     ///
-    /// While a motion slows down, a lag of the force makes the slope steeper. Pairing the sample with the force held after it keeps
-    /// the lag of the hold itself out of the measure.
+    /// While a motion slows down, a lag of the force makes the slope steeper. Pairing each sample with the force held after it
+    /// keeps the lag of the zero-order hold out of the measure.
     pub fn record(&mut self, penetration_rad: f64, force_n_m: f64) {
         let touched = self.n > 0.0;
         if self.over || (!touched && force_n_m <= 0.0) {
@@ -64,7 +64,7 @@ impl RateHardness {
         self.xf += x * force_n_m;
     }
 
-    /// Slope of the force, N·m/rad; `None` if the contact was shorter than three ticks.
+    /// Rate-hardness, N·m/rad; `None` if the contact was shorter than three ticks.
     #[must_use]
     pub fn n_m_per_rad(&self) -> Option<f64> {
         let slope = (self.xf - self.x * self.f / self.n) / (self.xx - self.x * self.x / self.n);
@@ -78,7 +78,7 @@ mod tests {
 
     const PERIOD_S: f64 = 1e-3;
 
-    /// A mass that enters `F(x, v)` at 1 rad/s and swings back after 31 ms.
+    /// Measures the rate-hardness of a wall with force `F(x, v)` for a mass that enters at 1 rad/s and swings back after 31 ms.
     fn hardness(force: impl Fn(f64, f64) -> f64) -> Option<f64> {
         let mut hardness = RateHardness::new(PERIOD_S);
         for index in 0..200 {
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_way_back_does_not_count_and_a_touch_of_two_ticks_has_no_slope() {
-        // Constant velocity in, then out with no force at all.
+        // The device enters at constant velocity, then leaves without a force.
         let mut there = RateHardness::new(PERIOD_S);
         (1..=10).for_each(|i| there.record(f64::from(i) * 1e-3, f64::from(i) * 5e-3));
         (1..=9).for_each(|i| there.record(f64::from(10 - i) * 1e-3, 0.0));

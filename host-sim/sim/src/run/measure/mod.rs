@@ -1,7 +1,7 @@
-//! Measures of a wall's haptic quality, one per file. Each is updated tick by tick.
+//! Measures of how a wall feels to a hand, one per file. Each measure is updated once per tick (control period).
 //!
-//! All measures use the true motion and the motor's true force (after limits, steps and delay), not the law's input. A measure of
-//! the law's input could not show that the law is wrong.
+//! All measures use the true motion and the motor's true force (after torque limit, resolution and delay), not the values in the
+//! control law. Only true values can show that the law is wrong.
 
 mod hardness;
 mod penetration;

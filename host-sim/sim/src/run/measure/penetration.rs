@@ -1,6 +1,6 @@
 //! Largest penetration of the device into the wall.
 
-/// The deepest penetration of a press.
+/// Measures the deepest penetration of the device during a press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PeakPenetration {
     peak_rad: f64,
@@ -12,8 +12,8 @@ impl PeakPenetration {
         self.peak_rad = self.peak_rad.max(penetration_rad);
     }
 
-    /// Peak penetration over that of a spring of the requested stiffness at rest, `F/k_de`, under the same push `F`. It is 1 for a
-    /// wall of the requested stiffness without overshoot.
+    /// Peak penetration divided by `F/k_de`, the static penetration of a spring of the requested stiffness `k_de` under the same
+    /// push `F`. It is 1 for a wall of the requested stiffness without overshoot.
     #[must_use]
     pub fn ratio(&self, push_n_m: f64, k_desired: f64) -> f64 {
         self.peak_rad * k_desired / push_n_m
@@ -26,14 +26,14 @@ mod tests {
 
     #[test]
     fn a_press_that_is_put_suddenly_on_a_spring_overshoots_by_two() {
-        // J x'' = F - k x from rest: x = F/k (1 - cos wt), the deepest 2 F/k.
+        // From rest, J x'' = F - k x gives x = F/k (1 - cos wt), whose maximum is 2 F/k.
         let (k, push) = (5.0, 0.1);
         let mut peak = PeakPenetration::default();
         for step in 0..10_000 {
             peak.record(push / k * (1.0 - (f64::from(step) * 1e-3).cos()));
         }
         let ratio = peak.ratio(push, k);
-        // The top lies within half a step, 0.0005, of a sample: its height within 0.0005²/2.
+        // The maximum lies within half a step (0.0005) of a sample, so the sampled value is within 0.0005²/2 of it.
         assert!((ratio - 2.0).abs() < 1e-6, "{ratio}");
         // The same motion is ten times too deep for a wall that should be ten times as stiff.
         assert!((peak.ratio(push, 10.0 * k) - 20.0).abs() < 1e-5);

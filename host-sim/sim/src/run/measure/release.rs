@@ -1,6 +1,6 @@
 //! Outward motion of the device after the hand lets go of the wall.
 
-/// Outward motion from the moment at which the hand begins to let go.
+/// Measures the outward motion of the device from the moment at which the hand begins to let go.
 #[derive(Debug, Clone, Copy)]
 pub struct Release {
     from: u64,
@@ -27,13 +27,13 @@ impl Release {
         }
     }
 
-    /// Largest outward speed, rad/s.
+    /// Largest outward speed of the device, rad/s.
     #[must_use]
     pub fn speed_rad_per_s(&self) -> f64 {
         self.speed_rad_per_s
     }
 
-    /// Largest distance of the device outside the wall's surface, rad. It includes the distance to which the hand itself withdraws.
+    /// Largest distance of the device outside the wall's surface, rad. It includes the distance by which the hand itself withdraws.
     #[must_use]
     pub fn excursion_rad(&self) -> f64 {
         self.excursion_rad
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_mass_on_a_spring_that_is_let_go_swings_through_with_all_it_held() {
-        // Held `a` inside, let go at tick 500: x = a cos wt, v = -a w sin wt.
+        // The device is held at the depth `a` and released at tick 500: x = a cos wt, v = -a w sin wt.
         let (a, w, period_s) = (0.02, 50.0, 1e-4);
         let mut release = Release::new(500);
         for index in 0..2_000_u64 {

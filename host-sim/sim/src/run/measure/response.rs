@@ -1,4 +1,4 @@
-//! Stiffness for a moving hand: force over penetration at the frequency of the hand's motion.
+//! Dynamic stiffness: force over penetration at the frequency at which the hand moves.
 
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -6,24 +6,24 @@ use std::f64::consts::TAU;
 /// A rhythmic motion of the hand at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
-    /// First tick, and tick after the last, of the whole periods at full amplitude.
+    /// First tick, and tick after the last, of the measurement: whole periods at full amplitude.
     pub window: (u64, u64),
 }
 
-/// Ratio of force to penetration, `F/x`, at one frequency.
+/// Dynamic stiffness: ratio of force to penetration at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
-    /// Frequency, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
-    /// Amplitude of the force over that of the penetration, N·m/rad.
+    /// Amplitude of the force divided by that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,
-    /// Phase by which the force leads the penetration, degrees. A lagging force (below 0) acts as negative damping.
+    /// Phase by which the force leads the penetration, degrees. A force that lags (negative phase) acts as negative damping.
     pub phase_deg: f64,
 }
 
-/// Sums of one signal for a least-squares fit of mean, cosine and sine.
+/// Sums over one signal, for a least-squares fit of mean, cosine and sine.
 #[derive(Debug, Clone, Copy, Default)]
 struct Signal {
     sum: f64,
@@ -39,8 +39,8 @@ impl Signal {
     }
 }
 
-/// Fits a mean and a sine to force and penetration by least squares (lock-in). The ends of the measured window need not fall on
-/// ticks, and the mean does not distort the sine.
+/// Fits a mean and a sine to force and penetration by least squares. Unlike a plain correlation, the fit allows a window that does
+/// not end on a tick, and the mean does not distort the sine.
 #[derive(Debug, Clone, Copy)]
 pub struct Response {
     wiggle: Wiggle,
@@ -73,13 +73,13 @@ impl Response {
         }
     }
 
-    /// Adds a tick: the means over it of the true penetration in rad and of the force in N·m, positive out of the wall.
+    /// Adds a tick: means over the tick of the true penetration in rad and of the force in N·m, positive out of the wall.
     pub fn record(&mut self, index: u64, penetration_rad: f64, force_n_m: f64) {
         let (from, to) = self.wiggle.window;
         if index < from || index >= to {
             return;
         }
-        // A wall that is left is no spring any more, whatever the sines say.
+        // If the device leaves the wall, the fitted sines do not describe a stiffness.
         self.touched &= penetration_rad > 0.0 && force_n_m > 0.0;
         let (sin, cos) = libm::sincos((index - from) as f64 * self.radians_per_tick);
         self.ticks += 1.0;
@@ -91,7 +91,7 @@ impl Response {
         self.penetration.add(penetration_rad, (sin, cos));
     }
 
-    /// Amplitudes of cosine and sine of a signal.
+    /// Amplitudes of the cosine and sine components fitted to a signal.
     fn fitted(&self, signal: &Signal) -> (f64, f64) {
         let n = self.ticks;
         let cos_cos = self.cos_cos - self.cos * self.cos / n;
@@ -106,7 +106,8 @@ impl Response {
         )
     }
 
-    /// Stiffness at the motion's frequency; `None` if the hand left the wall, did not move, or the window has no period.
+    /// Dynamic stiffness at the frequency of the motion. `None` if the hand left the wall or did not move, or if the window has no
+    /// whole period.
     #[must_use]
     pub fn stiffness(&self) -> Option<DynamicStiffness> {
         let (force, penetration) = (self.fitted(&self.force), self.fitted(&self.penetration));
@@ -128,7 +129,8 @@ mod tests {
 
     const PERIOD_S: f64 = 1e-3;
 
-    /// Measures a wall `F = F_0 + k x + B v` whose force lags by `lag_s`, for a motion of 0.02 rad ± 0.006 rad.
+    /// Measures a wall `F = F_0 + k x + B v` whose force lags by `lag_s`, for a penetration `x` of 0.02 rad ± 0.006 rad. `k` is the
+    /// stiffness, `B` the damping, `v` the velocity.
     fn wall(frequency_hz: f64, k: f64, damping: f64, lag_s: f64) -> Option<DynamicStiffness> {
         let periods = (1.0 / frequency_hz / PERIOD_S).round() as u64;
         let window = (300, 300 + 3 * periods);
@@ -152,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_spring_shows_its_stiffness_without_lead_or_lag_at_every_frequency() {
-        // 3 and 7 Hz: a period is no whole number of ticks.
+        // At 3 and 7 Hz a period is not a whole number of ticks.
         for frequency_hz in [0.25, 1.0, 3.0, 7.0, 16.0] {
             let found = wall(frequency_hz, 5.0, 0.0, 0.0).unwrap();
             assert!((found.modulus_n_m_per_rad - 5.0).abs() < 1e-9, "{found:?}");
@@ -181,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_wall_that_is_left_or_a_hand_that_is_still_has_no_value() {
-        // What pulls inward is no touched wall.
+        // A force that pulls inward is not a contact with the wall.
         assert!(wall(1.0, -5.0, 0.0, 0.0).is_none());
         let still = Wiggle {
             frequency_hz: 1.0,

@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Frequency above which a change of torque is vibration rather than an answer to the hand's motion, Hz.
+/// Frequency above which changes of torque count as vibration rather than as response to the hand's motion, Hz.
 pub const HIGH_PASS_HZ: f64 = 50.0;
 
-/// Second-order Butterworth high-pass, bilinear transform: the corner lies exactly at [`HIGH_PASS_HZ`].
+/// Second-order Butterworth high-pass by the bilinear transform, with its corner exactly at [`HIGH_PASS_HZ`].
 #[derive(Debug, Clone, Copy)]
 struct HighPass {
     gain: f64,
@@ -15,7 +15,7 @@ struct HighPass {
 }
 
 impl HighPass {
-    /// Builds the filter for a control rate; `None` where the rate is too low to hold frequencies above the corner.
+    /// Builds the filter for a control rate in Hz; `None` if the rate is too low for frequencies above the corner.
     fn new(rate_hz: f64) -> Option<Self> {
         if rate_hz < 4.0 * HIGH_PASS_HZ {
             return None;
@@ -61,7 +61,7 @@ impl Squares {
     }
 }
 
-/// Ripple of the motor's force over a window of ticks. Only ticks in contact with the wall count.
+/// Ripple of the motor's force over a window of ticks (control periods). Only ticks in contact with the wall count.
 #[derive(Debug, Clone, Copy)]
 pub struct Ripple {
     window: (u64, u64),
@@ -72,7 +72,7 @@ pub struct Ripple {
 }
 
 impl Ripple {
-    /// Measures from the first tick of `window` to the tick before its second.
+    /// Starts a measurement from the first tick of `window` to the tick before its second value.
     #[must_use]
     pub fn new(window: (u64, u64), rate_hz: f64) -> Self {
         Self {
@@ -142,7 +142,7 @@ mod tests {
             let found = sine(0.01, frequency_hz).above_50_hz_rms_n_m().unwrap();
             let ratio = warp(HIGH_PASS_HZ) / warp(frequency_hz);
             let expected = 0.01 / SQRT_2 / (1.0 + ratio.powi(4)).sqrt();
-            // What is left of the filter's start decays by e^(-222) in the second before the window.
+            // The filter's start transient decays by e^(-222) in the second before the window.
             assert!(
                 (found / expected - 1.0).abs() < 1e-6,
                 "{frequency_hz} Hz: {found} {expected}"

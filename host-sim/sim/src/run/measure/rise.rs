@@ -2,22 +2,23 @@
 
 use std::collections::VecDeque;
 
-/// Time over which a change of the torque is measured, s; one tick where a tick is longer. A fixed time makes control rates
-/// comparable.
+/// Time over which a change of the torque is measured, s, or one tick if a tick is longer. A fixed time makes different control
+/// rates comparable.
 const CHANGE_S: f64 = 1e-3;
-/// Time after the entry within which the largest torque is measured, s. A hand feels a tap by this rise.
+/// Time after the device enters the wall within which the largest torque is measured, s. A hand perceives a tap by the torque in
+/// this time.
 pub const RISE_S: f64 = 5e-3;
-/// Longest initial contact, s; the same as for rate-hardness.
+/// Longest time that counts as initial contact, s; the same as for rate-hardness.
 const LONGEST_S: f64 = 0.02;
 
-/// Extended rate-hardness (Han and Choi 2010): largest rate of change of the force over the largest speed, in the first contact.
-/// Also the largest torque in the first 5 ms of the contact.
+/// Extended rate-hardness (Han and Choi 2010): largest rate of change of the force, divided by the largest speed, in the first
+/// contact. Also measures the largest torque in the first 5 ms of the contact.
 #[derive(Debug, Clone)]
 pub struct ContactRise {
     period_s: f64,
-    /// Forces of the last [`CHANGE_S`] in N·m, the latest last.
+    /// Forces of the last [`CHANGE_S`] seconds, N·m, the latest at the end.
     past: VecDeque<f64>,
-    /// Ticks since the device entered the wall; `None` before.
+    /// Number of ticks since the device entered the wall; `None` before.
     inside: Option<u64>,
     over: bool,
     steepest_n_m_per_s: f64,
@@ -41,7 +42,7 @@ impl ContactRise {
         }
     }
 
-    /// Adds a tick: true penetration in rad and inward speed in rad/s at its sample, and the force held over the tick in N·m,
+    /// Adds a tick: true penetration in rad and inward speed in rad/s at the sample, and the force in N·m held after the sample,
     /// positive out of the wall.
     pub fn record(&mut self, penetration_rad: f64, speed_rad_per_s: f64, force_n_m: f64) {
         if self.over || (self.inside.is_none() && penetration_rad <= 0.0) {
@@ -82,7 +83,7 @@ impl ContactRise {
 mod tests {
     use super::*;
 
-    /// Measures a device that enters the wall `F(x, v)` at 2 rad/s and slows down evenly to rest in 10 ms.
+    /// Measures a wall with force `F(x, v)`, for a device that enters at 2 rad/s and slows down evenly to rest in 10 ms.
     fn entered(period_s: f64, force: impl Fn(f64, f64) -> f64) -> ContactRise {
         let mut rise = ContactRise::new(period_s);
         let ticks = (0.012 / period_s) as i32;
@@ -125,11 +126,11 @@ mod tests {
         assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
         rise.record(1e-3, 1.0, 5e-3);
         rise.record(2e-3, 1.0, 10e-3);
-        // What comes later than five milliseconds is no rise, but hardness.
+        // A force later than 5 ms does not count as the rise, but it counts for the hardness.
         (3..=10).for_each(|i| rise.record(f64::from(i) * 1e-3, 1.0, f64::from(i) * 5e-3));
         assert_eq!(rise.torque_n_m(), Some(25e-3));
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
-        // Out, and in once more with a blow.
+        // The device leaves the wall and enters once more, faster.
         rise.record(-1e-3, -1.0, 0.0);
         rise.record(1e-3, 9.0, 1.0);
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);

@@ -1,16 +1,16 @@
-//! Settling time: how long a press takes until the wall has its requested stiffness.
+//! Settling time: how long a press takes until the wall displays its requested stiffness.
 
-/// Largest relative deviation of a settled force from the requested one (0.05 is 5 %).
+/// Largest relative deviation of force over penetration from the requested stiffness that counts as settled (0.05 is 5 %).
 pub const TOLERANCE: f64 = 0.05;
 
-/// Observes a press from the first touch to the end of its hold.
+/// Measures the settling time of a press, from the first touch to the end of its hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Settle {
     k_desired: f64,
     ramp_end: u64,
     end: u64,
     first_touch: Option<u64>,
-    /// First tick after the last one whose force was outside the tolerance.
+    /// Tick after the last one whose force was outside the tolerance.
     settled: u64,
 }
 
@@ -50,15 +50,15 @@ impl Settle {
             self.settled = index;
         }
         let wanted = self.k_desired * penetration_rad;
-        // A hand that was thrown out again has not settled; nor has a number that is none.
+        // A device outside the wall has not settled; neither has one with a NaN value.
         let near = (force_n_m - wanted).abs() <= TOLERANCE * wanted.abs();
         if !(near && penetration_rad > 0.0) {
             self.settled = index + 1;
         }
     }
 
-    /// Ticks until force over penetration stayed within [`TOLERANCE`] of the requested stiffness to the end of the hold. `None` if
-    /// it did not, or nothing was touched.
+    /// Ticks until force over penetration stays within [`TOLERANCE`] of the requested stiffness to the end of the hold. `None` if
+    /// it does not settle, or the device never touches the wall.
     #[must_use]
     pub fn settled(&self) -> Option<Settled> {
         let first_touch = self.first_touch?;
@@ -73,7 +73,8 @@ impl Settle {
 mod tests {
     use super::*;
 
-    /// Measures a wall that is touched at tick 100 and whose stiffness rises as `k (1 - e^(-t/τ))`.
+    /// Measures a wall that is touched at tick 100 and whose stiffness rises over time `t` as `k (1 - e^(-t/τ))`. `τ` is the time
+    /// constant.
     fn approach(time_constant: f64, end: u64) -> Option<Settled> {
         let mut settle = Settle::new(5.0, 150, end);
         for index in 0..2_000_u64 {
@@ -97,7 +98,7 @@ mod tests {
     fn what_settles_before_the_ramp_ends_waits_for_nothing_and_what_does_not_settle_says_so() {
         assert_eq!(approach(5.0, 1_000).unwrap().from_ramp_end, 0);
         assert_eq!(approach(500.0, 1_000), None);
-        // A spring that is a tenth too soft never arrives, one that is exact has arrived at once.
+        // A spring that is a tenth too soft never settles; an exact spring has settled at once.
         for (shown, expected) in [(4.5, None), (5.0, Some(0))] {
             let mut settle = Settle::new(5.0, 0, 100);
             (0..100).for_each(|index| settle.record(index, 0.02, shown * 0.02));

@@ -1,9 +1,9 @@
 //! Largest energy that a port gives out in any window of time.
 
-/// Largest fall of an energy below an earlier value: the most that a port gave out in any window of time.
+/// Most energy that a port gave out in any window of time: the largest fall of the absorbed energy below an earlier value.
 ///
 /// In a sum from the start, energy put in early would hide energy given out later; a window may begin and end at any tick. A spring
-/// gives back what it stored, so even a passive wall has a value: the energy of its deepest press.
+/// gives back what it stored, so even a passive wall has a value above 0: the energy of its deepest press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct WorstWindow {
     highest_j: f64,
@@ -11,7 +11,7 @@ pub struct WorstWindow {
 }
 
 impl WorstWindow {
-    /// Adds the energy in J that the port has absorbed since the start of the run, where it was 0.
+    /// Adds a tick. `absorbed_j` is the energy that the port has absorbed since the start of the run, J; it starts at 0.
     pub fn record(&mut self, absorbed_j: f64) {
         self.highest_j = self.highest_j.max(absorbed_j);
         self.worst_j = self.worst_j.max(self.highest_j - absorbed_j);
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn what_was_put_in_first_does_not_hide_what_is_given_later() {
         assert_eq!(worst([10.0, 7.0, 9.0, 3.0, 4.0]), 7.0);
-        // Never below the start, so that a count from the start sees nothing.
+        // The energy never falls below its start, so a sum from the start would show no energy given out.
         assert_eq!(worst([-2.0, -1.0, -4.0]), 4.0, "the start is 0");
     }
 

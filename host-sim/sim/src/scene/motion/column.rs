@@ -1,9 +1,9 @@
-//! Finds the columns of a recording: which header names a time, which an angle, and in which unit.
+//! Finds the columns of a recording in a CSV header: the time column, the angle column, and the unit of each.
 
 use crate::scene::units::{self, Dimension, UNITS};
 
-/// Angle columns of Touchstone's own files, in the order of preference. A simulation's trace knows the hand's rest point; the
-/// record of a device has only the device's angle.
+/// Names of angle columns in files that Touchstone wrote, the preferred first. A trace of a simulation contains the hand's rest
+/// point; a recording from a device contains only the device's angle.
 const OWN_ANGLES: [&str; 5] = [
     "rest_rad",
     "hand_rad",
@@ -11,7 +11,7 @@ const OWN_ANGLES: [&str; 5] = [
     "angle_measured_rad",
     "penetration_rad",
 ];
-/// Columns that identify a file of this program: a simulation's trace or a record of `touchstone monitor`.
+/// Columns that only files of this program have: a simulation's trace, or a recording by `touchstone monitor`.
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
 /// The column of a CSV file from which times or angles are read, with the factor that converts its unit to SI.
@@ -21,7 +21,7 @@ pub(super) struct Column {
     pub si: f64,
 }
 
-/// The angle's column in a file that this program wrote; `None` for other files.
+/// Finds the angle column in a file that Touchstone wrote; `None` for other files.
 pub(super) fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     let place = |wanted: &str| header.iter().position(|name| name == wanted);
     OWN_MARKS
@@ -36,7 +36,7 @@ pub(super) fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     })
 }
 
-/// Words with which the name of a time column begins.
+/// Words that the name of a time column may begin with, in several languages.
 const TIMES: [&str; 7] = [
     "time",
     "t",
@@ -47,7 +47,7 @@ const TIMES: [&str; 7] = [
     "clock",
 ];
 
-/// Units that headers spell as words, each with the suffix that it stands for.
+/// Units spelled as words in a CSV header, each with its short form as suffix.
 const WORDS: [(&str, &str); 15] = [
     ("sec", "s"),
     ("secs", "s"),
@@ -66,8 +66,8 @@ const WORDS: [(&str, &str); 15] = [
     ("revolutions", "rev"),
 ];
 
-/// Puts a column's name in lower case, with `_` between the words: `Angle [deg]` and `angle (deg)` become `angle_deg`. `°/s`
-/// becomes `deg_per_s`, which is a speed.
+/// Normalises a column's name: lower case, with `_` between the words. `Angle [deg]` and `angle (deg)` become `angle_deg`, and
+/// `°/s` becomes `deg_per_s`.
 fn plain(name: &str) -> String {
     let name = name
         .to_lowercase()
@@ -79,7 +79,7 @@ fn plain(name: &str) -> String {
     words.join("_")
 }
 
-/// The unit with which a column's name ends; `None` if it ends with none.
+/// The unit at the end of a column's name; `None` if the name ends in no known unit.
 fn unit_of(name: &str) -> Option<&'static units::Unit> {
     let plain = plain(name);
     let (stem, last) = plain.rsplit_once('_').unwrap_or(("", &plain));
@@ -90,7 +90,8 @@ fn unit_of(name: &str) -> Option<&'static units::Unit> {
     }
 }
 
-/// Finds the only column whose name ends in a unit of this dimension. Error: problem and remedy, if no column or several fit.
+/// Finds the only column whose name ends in a unit of the quantity `dimension`. Error: problem and remedy, if no column or several
+/// fit.
 pub(super) fn find(
     header: &csv::StringRecord,
     dimension: Dimension,

@@ -2,14 +2,14 @@
 
 use super::Recording;
 
-/// Recorded rest points of the hand, each held until the next sample's time. A recording with one sample per tick is replayed bit
-/// for bit.
+/// Recorded rest points of the hand. Each is held until the next sample's time, so that a recording with one sample per control
+/// period is replayed bit for bit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Held {
     times_s: Vec<f64>,
     values: Vec<f64>,
-    /// Time in seconds by which a sample takes effect early, a thousandth of the sample interval. It absorbs the rounding of sample
-    /// times that are written in decimals.
+    /// Time by which each sample takes effect early, s: a thousandth of the sample interval. It absorbs rounding errors of sample
+    /// times in decimal text.
     early_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The intended motion of the simulated hand: its rest point as a function of time.
+//! The intended motion of the simulated hand over time, as the rest point of the hand's spring.
 
 mod column;
 mod held;
@@ -20,10 +20,10 @@ use held::Held;
 use press::Press;
 use tap::TapPath;
 
-/// The hand's moving rest point `r(t)`: the end of the hand's spring that the person moves on purpose.
+/// The hand's moving rest point `r(t)`, rad: the end of the hand's spring that the person moves on purpose.
 ///
-/// All computed shapes are smooth: `r` has a continuous slope, and its frequencies are those of voluntary motion, up to some 10 Hz.
-/// A recording that is replayed exactly moves in steps.
+/// Computed motions are smooth: the slope of `r` is continuous, and its frequencies are those of voluntary motion, up to about 10
+/// Hz. A recording that is replayed exactly moves in steps.
 #[derive(Debug, Clone)]
 pub struct RestPath {
     shape: Shape,
@@ -41,7 +41,7 @@ enum Shape {
 }
 
 impl Scene {
-    /// Initial angle of the device, rad: the scene's initial angle if the scene gives one, otherwise the hand's first rest point.
+    /// Initial angle of the device, rad: the angle that the scene gives, else the first rest point of the hand.
     pub fn start_rad(&self, motion: &RestPath) -> f64 {
         self.device
             .initial_angle_rad
@@ -101,7 +101,7 @@ impl RestPath {
         Ok(RestPath { shape, note })
     }
 
-    /// A hand whose rest point stays at one angle.
+    /// Motion of a hand whose rest point stays at one angle, rad.
     pub fn still(rest_rad: f64) -> RestPath {
         RestPath {
             shape: Shape::Still(rest_rad),
@@ -109,7 +109,7 @@ impl RestPath {
         }
     }
 
-    /// Rest point of the hand at a time in s, rad. The simulation calls it once per tick.
+    /// The hand's rest point at the time `time_s`, rad. The simulation calls this method once per control period.
     pub fn rest_rad(&self, time_s: f64) -> f64 {
         match &self.shape {
             Shape::Still(angle) => *angle,
@@ -129,7 +129,7 @@ impl RestPath {
         }
     }
 
-    /// One line for users on how the recording was placed against the wall and smoothed; `None` for motions without a recording.
+    /// One line for users that says how the recording was placed on the wall and smoothed. `None` for motions without a recording.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }
@@ -144,9 +144,10 @@ impl Turn {
     }
 }
 
-/// Minimum-jerk step from 0 to 1, the profile by which people move from rest to rest. `share` is the fraction of the time, 0 to 1.
+/// Minimum-jerk step from 0 to 1: the profile by which people move from rest to rest. `share` is the elapsed fraction of the
+/// motion's duration, 0 to 1.
 ///
-/// Its first and second derivatives are 0 at both ends.
+/// First and second derivative are 0 at both ends.
 pub(super) fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))

@@ -7,9 +7,10 @@ use std::f64::consts::TAU;
 const FASTEST_RAD_PER_S: f64 = 60.0;
 /// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
-/// Distance of a recording's first time from 0 above which its clock is taken for that of a calendar, s: 11 days.
+/// First time stamp of a recording above which the time column is taken for calendar time (seconds since an epoch), s: 11 days.
 const EPOCH_S: f64 = 1e6;
-/// Shortest time between two samples that is reported as a gap, s. A hand can make a motion in it that the recording lacks.
+/// Shortest time between two samples that is reported as a gap in the recording, s. Within this time, a hand can move without
+/// leaving a trace in the recording.
 const GAP_S: f64 = 0.1;
 
 impl Recording {

@@ -1,4 +1,4 @@
-//! The hand's presses on a wall: move in, push with a given torque, optionally wiggle, hold, let go.
+//! Rest point of a hand that presses on a wall: move in, push with a given torque, optionally wiggle, hold, let go.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use super::minimum_jerk;
 use crate::scene::device::Wall;
 use crate::scene::operator::{Hand, PressWiggleRelease, RampAndHold, TouchAndPress};
 
-/// Rest point of the hand over time while it presses on a wall.
+/// Rest point of the hand over time during a press on a wall.
 ///
-/// Device, fingertip pad and hand are springs in series between the wall and the rest point. A static torque `τ` therefore needs
-/// the rest point `τ·(1/k_de + 1/k_pad + 1/k_hand)` beyond the wall's surface, where `k_de` is the wall's desired stiffness. With a
-/// soft hand that is several radians: the rest point is where the person pulls to, not where the hand gets to.
+/// Wall, fingertip pad and hand are springs in series. A static torque `τ` therefore needs the rest point `τ·(1/k_de + 1/k_pad +
+/// 1/k_hand)` beyond the wall's surface. `k_de` is the requested stiffness of the wall; `k_pad` and `k_hand` are those of pad and
+/// hand. With a soft hand this is several radians: the person pulls towards the rest point without reaching it.
 #[derive(Debug, Clone)]
 pub(super) struct Press {
     outside_rad: f64,
-    /// Rest point at the start of the press, rad: outside the wall, or that of the preceding light touch.
+    /// Rest point at the start of the press, rad: outside the wall, or the rest point of a light touch before the press.
     from_rad: f64,
     inside_rad: f64,
     touch_start_s: f64,
@@ -28,12 +28,12 @@ pub(super) struct Press {
     wiggle_hz: f64,
 }
 
-/// Stiffness below which a wall counts as absent, N·m/rad. Such a wall would give way by a million radians under 1 N·m.
+/// Stiffness below which a wall counts as absent, N·m/rad. A torque of 1 N·m would deform such a wall by a million radians.
 const LEAST_STIFFNESS: f64 = 1e-6;
 
-/// Shift of the rest point in radians per newton metre of static torque, against a wall of the desired stiffness.
+/// Shift of the rest point per static torque, rad/(N·m), against a wall of the requested stiffness.
 ///
-/// A wall below [`LEAST_STIFFNESS`] holds no torque, so only the springs of pad and hand count.
+/// A wall softer than [`LEAST_STIFFNESS`] carries no torque, so only the springs of pad and hand count.
 fn shift_per_n_m(hand: &Hand, wall: &Wall) -> f64 {
     let k = wall.k_desired_n_m_per_rad;
     hand.compliance_rad_per_n_m() + if k < LEAST_STIFFNESS { 0.0 } else { 1.0 / k }
@@ -117,8 +117,8 @@ impl Press {
         }
     }
 
-    /// Wiggle of the rest point at a time, rad: a sine that swells and fades over half a period each (less if the time is short),
-    /// so that its slope has no steps.
+    /// Deviation of the rest point from that of the mean push, rad, at a time in s since the wiggle began. The sine swells and
+    /// fades over half a period each (less if the time is short), so that its slope has no steps.
     fn wiggle_at(&self, time_s: f64) -> f64 {
         if time_s >= self.wiggle_s || self.wiggle_rad == 0.0 {
             return 0.0;

@@ -11,10 +11,10 @@ use crate::scene::units::Dimension;
 
 /// Largest number of samples in a recording: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
-/// Smallest time stamp, in the file's unit, whose fall to less than half is explained as a counter's wrap. The smallest counter, of
-/// 8 bits, ends at 255.
+/// Smallest time stamp, in the file's unit, after which a fall to less than half is explained as the wrap of a counter. The
+/// smallest counter, of 8 bits, ends at 255.
 const LEAST_OF_COUNTER: f64 = 255.0;
-/// Shortest accepted recording, s.
+/// Shortest duration of an accepted recording, s.
 const SHORTEST_S: f64 = 1e-5;
 /// Largest accepted angle of either sign, rad.
 const LARGEST_RAD: f64 = 1e6;
@@ -23,9 +23,9 @@ const LARGEST_RAD: f64 = 1e6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     file: PathBuf,
-    /// Header name of the angle's column.
+    /// Name of the angle column in the file's header.
     angle: String,
-    /// Time of the first sample on the clock of the file, s; [`times_s`](Self::times_s) counts from it.
+    /// Time of the first sample as written in the file, s. [`times_s`](Self::times_s) counts from this time.
     begins_s: f64,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
@@ -234,7 +234,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Header name of the angle's column.
+    /// Name of the angle column in the file's header.
     pub(super) fn angle(&self) -> &str {
         &self.angle
     }
@@ -249,7 +249,7 @@ impl Recording {
         median_interval_s(&self.times_s)
     }
 
-    /// Time of the first sample on the clock of the file, s.
+    /// Time of the first sample as written in the file, s.
     #[must_use]
     pub fn begins_s(&self) -> f64 {
         self.begins_s
@@ -265,7 +265,7 @@ impl Recording {
         &self.angles_rad
     }
 
-    /// Mean angle over time, rad. It is integrated by trapezoids, so that unequal sample intervals do not shift it.
+    /// Mean angle over time, rad. The trapezoidal rule weights each sample by time, so that uneven intervals do not shift the mean.
     pub fn mean_rad(&self) -> f64 {
         let areas = self
             .times_s
@@ -275,7 +275,8 @@ impl Recording {
         areas.sum::<f64>() / self.length_s()
     }
 
-    /// The smoothed rest point over time, placed against the wall: `surface + offset + scale·(angle - mean)`, rad.
+    /// Computes the smoothed rest point over time, `surface + offset + scale·(angle - mean angle)`, rad. Offset and scale come from
+    /// `spec`.
     pub(super) fn placed(&self, surface_rad: f64, spec: &Recorded) -> Curve {
         let mean = self.mean_rad();
         let rest: Vec<f64> = self
@@ -286,7 +287,7 @@ impl Recording {
         Curve::smooth(&self.times_s, &rest)
     }
 
-    /// Describes in one line how the recording was placed against the wall and smoothed.
+    /// Describes in one line, for users, how the recording was placed on the wall and smoothed.
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
@@ -310,7 +311,7 @@ impl Recording {
     }
 }
 
-/// Writes a number in a short form: a huge number without its hundreds of digits.
+/// Writes a number for messages in a short form; a huge number is not written out to its last digit.
 fn short(number: f64) -> String {
     match number.abs() < 1e15 {
         true => number.to_string(),
@@ -318,7 +319,7 @@ fn short(number: f64) -> String {
     }
 }
 
-/// Line number in the file of a CSV row. The reader's own number does not count comments and empty lines before the row.
+/// Line number of a CSV row in the file. The CSV reader's own line number omits comments and empty lines before the row.
 fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let Some(position) = row.position() else {
         return 1;

@@ -1,34 +1,34 @@
 //! Turns recorded samples at uneven times into a smooth curve, without adding motion that the samples lack.
 //!
-//! First, a monotone cubic (PCHIP: Fritsch and Carlson, with the harmonic mean of the neighbouring slopes) joins the samples. It
-//! passes through every sample, its slope is continuous, and it stays between the two neighbouring samples. A natural spline or a
-//! windowed sinc would ring on every step of the sensor.
+//! In the first step, a monotone cubic joins the samples (PCHIP by Fritsch and Carlson, with the harmonic mean of the neighbouring
+//! slopes). The curve passes through every sample, has a continuous slope, and stays between neighbouring samples. A natural spline
+//! or a windowed sinc would ring on every step of the sensor.
 //!
-//! Second, a Gaussian low-pass removes the sensor's steps. Voluntary motion ends near 10 Hz, so a low-pass at 20 Hz loses none of
-//! it. All weights of the Gaussian are positive, so the low-pass neither rings nor overshoots, and it has no delay. It also
-//! prevents aliasing if the recording is faster than the control rate.
+//! In the second step, a Gaussian low-pass removes the sensor's steps. Voluntary motion ends near 10 Hz, so a cut-off at 20 Hz
+//! keeps it. All weights of the Gaussian are positive, so the filter neither rings nor overshoots, and it has no delay. The filter
+//! also prevents aliasing if the recording is faster than the control rate.
 
 use std::f64::consts::{LN_2, PI};
 
-/// Cut-off frequency of the low-pass (-3 dB), Hz. The low-pass reduces the amplitude by 0.3 % at 2 Hz and by 2.1 % at 5 Hz; at 100
-/// Hz a fraction of 2e-4 remains.
+/// Cut-off frequency (-3 dB) of the Gaussian low-pass for recordings, Hz. The filter reduces an amplitude by 0.3 % at 2 Hz and by
+/// 2.1 % at 5 Hz; at 100 Hz a fraction of 2e-4 remains.
 pub const SMOOTHING_HZ: f64 = 20.0;
 
-/// Largest time step of the smoothed curve, s. Seven such steps are about one standard deviation of the Gaussian low-pass.
+/// Largest time step of the smoothed curve, s. The standard deviation of the Gaussian low-pass is about seven such steps.
 const STEP_S: f64 = 1e-3;
 
-/// Largest number of steps in a smoothed curve: an hour in steps of 1 ms, 29 MB.
+/// Largest number of stored steps in a smoothed curve: an hour in steps of 1 ms, 29 MB.
 pub(super) const MOST_STEPS: f64 = 3.6e6;
 
-/// Smallest time step of the smoothed curve, s. A hand has no motion above half the rate of such steps, and the cost of the
+/// Smallest time step of the smoothed curve, s. A hand has no motion above 5 kHz, half the rate of such steps. The cost of the
 /// low-pass grows with the inverse square of the step.
 const FINEST_S: f64 = 1e-4;
 
-/// Largest number of steps in a curve whose steps are shorter than [`STEP_S`].
+/// Largest number of stored steps in a curve with a time step shorter than [`STEP_S`].
 const MOST_FINE_STEPS: f64 = 6e5;
 
-/// Time step in seconds of the smoothed curve of a recording. It is the mean sample interval within limits, because samples may
-/// come in bursts.
+/// Time step of the smoothed curve for a recording, s: the mean sample interval, limited to a range. The mean is used because
+/// samples may come in bursts.
 pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
     let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
     mean_s
@@ -37,7 +37,7 @@ pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
         .min(STEP_S)
 }
 
-/// A smooth curve over time, stored at equal steps from time 0. Before and after its range it keeps the first and last value.
+/// A smooth curve over time, stored at equal steps from time 0. Outside the stored time, the first or last value holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     step_s: f64,
@@ -45,7 +45,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Makes a smooth curve through samples in any unit. Times are in s and must rise; there are at least two, the first of them 0.
+    /// Makes a smooth curve through samples of any unit. `times_s` rises from 0 and has at least two entries.
     pub fn smooth(times_s: &[f64], values: &[f64]) -> Self {
         let last = times_s.last().copied().unwrap_or(0.0);
         let step_s = step_s(last, times_s.len());

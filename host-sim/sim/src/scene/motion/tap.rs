@@ -1,9 +1,9 @@
-//! Taps of the hand on the wall: the device reaches the wall at a given speed.
+//! Rest point of a hand that taps on the wall, so that the device reaches the wall at a given speed.
 //!
-//! A pulse of the rest point alone would not set the speed, because a hand of 2 Hz on a soft fingertip pad barely follows a quick
-//! pulse. The tap is therefore given as a motion of the *device* in free air: a bump whose steepest point lies on the wall's
-//! surface. The rest point that makes the device move so is computed by inverting the chain device – pad – hand. With the wall, the
-//! device moves differently.
+//! A pulse of the rest point alone would not set the speed: a hand with a natural frequency of 2 Hz on a soft fingertip pad barely
+//! follows a quick pulse. The tap is therefore given as a motion of the *device* in free air: a bump whose steepest point lies on
+//! the wall's surface. The rest point is then computed backwards through the chain of device, pad and hand. With the wall present,
+//! the device moves differently.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,18 +12,18 @@ use nalgebra::Complex;
 use crate::scene::device::DeviceSpec;
 use crate::scene::operator::{Hand, Tap};
 
-/// Height of a tap's steepest point, as a fraction of the bump's full height.
+/// Height of the steepest point of a tap's bump, as a fraction of the bump's full height.
 ///
-/// The bump is `sin⁶` over half a turn of its argument, steepest where `tan² = 5`. It has five continuous derivatives, which the
-/// inversion of the chain needs: two for each of the two masses and one for a continuous slope.
+/// The bump is `sin⁶ θ` for `θ` from 0 to π, steepest where `tan² θ = 5`. It has five continuous derivatives, as the computation of
+/// the rest point needs: two for each of the two masses, and one for a continuous slope.
 const HEIGHT_AT_STEEPEST: f64 = 125.0 / 216.0;
 
-/// Slope over the argument at the bump's steepest point: `6 sin⁵ cos = 6·(5/6)^(5/2)·(1/6)^(1/2)`.
+/// Slope of the bump `sin⁶ θ` over `θ` at its steepest point: `6 sin⁵ θ cos θ = 6·(5/6)^(5/2)·(1/6)^(1/2)`.
 fn steepest_slope() -> f64 {
     6.0 * libm::pow(5.0 / 6.0, 2.5) * (1.0_f64 / 6.0).sqrt()
 }
 
-/// Fourier coefficients of the bump: `sin⁶ θ` as a sum of `cos 2kθ`, k = 0 to 3.
+/// Fourier coefficients of the tap's bump `sin⁶ θ`: the factors of `cos 2kθ` for k = 0 to 3.
 const HARMONICS: [f64; 4] = [10.0 / 32.0, -15.0 / 32.0, 6.0 / 32.0, -1.0 / 32.0];
 
 /// Duration of the whole tap, out and back, s.
@@ -37,13 +37,13 @@ pub(super) struct TapPath {
     outside_rad: f64,
     start_s: f64,
     length_s: f64,
-    /// Complex amplitude in radians of the rest point at each of the tap's harmonics, 0 to 3.
+    /// Complex amplitude of the rest point at each of the tap's harmonics 0 to 3, rad.
     rest: [Complex<f64>; 4],
-    /// Time constant of the fingertip pad in s: its damping divided by its stiffness.
+    /// Time constant of the fingertip pad, s: its damping divided by its stiffness.
     pad_s: f64,
-    /// Correction in radians of the rest point at the start of the tap. The harmonics describe taps that repeat for ever; a single
-    /// tap starts from rest. The correction is subtracted from the start on and added back at the end, and decays with the pad's
-    /// time constant.
+    /// Correction of the rest point at the start of the tap, rad. The harmonics describe taps repeated for ever, but a single tap
+    /// starts from rest. The correction is subtracted at the start and added back at the end; it decays with the pad's time
+    /// constant.
     left_over: f64,
 }
 

@@ -6,10 +6,10 @@ use super::{Field, field, number};
 use touchstone_control::Choice as _;
 use touchstone_control::environment::{MOST_POINTS, Side};
 
-/// Range of a further wall's stiffness in N·m/rad, the same as for the stiffness in `[wall]`.
+/// Range of the stiffness of an additional wall, N·m/rad, the same as for the stiffness of `[wall]`.
 const STIFFNESS: super::Range = Within(0.0, 500_000.0);
 
-/// Makes the three fields of one wall beside the main one: place of its surface, solid side and stiffness.
+/// Makes the three fields of one additional wall: position of its surface, solid side and stiffness.
 macro_rules! wall {
     ($table:literal, $which:literal) => {
         [

@@ -11,7 +11,7 @@ use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
 
-/// Tables of a scene that may be left out as a whole, each with the meaning of leaving it out.
+/// Tables that a scene file may leave out, each with the meaning of its absence.
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("device.friction", "no dry friction"),
     ("device.cogging", "no cogging"),
@@ -303,7 +303,7 @@ const NUMBER: &[Field] = &[field(
     "the number format that the law computes in",
 )];
 
-/// Makes fields of a scene from the control crate's list of law settings, and joins all fields in their printing order.
+/// Joins the lists of fields in printing order. The fields of `[law]` are made from the control crate's list of law settings.
 macro_rules! table {
     (
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }

@@ -12,7 +12,7 @@ pub use fields::FIELDS;
 pub(crate) use fields::OPTIONAL_TABLES;
 pub(crate) use hand_fields::MOTION_KIND;
 
-/// The type and range of the values that a field of a scene may have.
+/// Type and allowed range of the value of a scene field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any text.
@@ -47,7 +47,7 @@ pub enum Range {
     UpTo(f64),
     /// Between these two numbers, ends included.
     Within(f64, f64),
-    /// Between two decimal numbers given as text, ends included, as in the control crate's list of settings.
+    /// Between two decimal numbers, ends included. They are given as text, as in the control crate's list of settings.
     Exactly(&'static str, &'static str),
 }
 

@@ -1,4 +1,4 @@
-//! Tests of bad scenes: each class of mistake gets its error message of one line.
+//! Tests of invalid scenes: each type of mistake gets its own error message of one line.
 
 use super::*;
 

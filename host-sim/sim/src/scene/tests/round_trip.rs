@@ -1,4 +1,4 @@
-//! Tests that scenes survive printing and reading, and that the scene's types and the table of fields agree.
+//! Tests that a scene printed as TOML reads back unchanged, and that the scene's types agree with the list of fields.
 
 use std::collections::BTreeSet;
 
@@ -391,7 +391,7 @@ fn shipped_scenes_are_what_their_names_say() {
     );
 }
 
-/// Tests that a setting of the control law, written as decimal text, gives the same bits in a scene and on a device.
+/// Tests that a control setting written as decimal text becomes the same bits in a scene and on a device.
 #[test]
 fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
     use touchstone_control::{Field, PositionSettings, Settings};

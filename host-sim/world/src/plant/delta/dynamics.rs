@@ -1,30 +1,34 @@
-//! Dynamics of a delta mechanism: `M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand`.
-//!
-//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
-//! robots*, Int. J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the
-//! effector:
+//! Dynamics of a delta mechanism (three arms that move an effector without turning it).
 //!
 //! ```text
-//! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations while the effector moves straight on
+//! M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand
+//! M = m 1 + I slopesᵀ slopes        c: accelerations of the joints while the effector moves straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed
-//! solution. An interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with
-//! the motion, so that the energy balance shows the error of the method.
+//! `x` and `v` are position and velocity of the effector, `θ` the joint angles with damping `b_θ`, `τ` the motor torques, `b` the
+//! damping of the effector, and `hand` the force of the hand. `slopes` is the derivative of the joint angles over `x`.
+//!
+//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
+//! robots*, Int. J. Robotics Research 17(12), 1998). The moving parts are therefore an inertia `I` at each motor and a mass `m` at
+//! the effector. The equations are Lagrange's for the energy `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as
+//! compensated.
+//!
+//! The equations have no closed-form solution. Each interval is integrated by the classical Runge–Kutta method in substeps. Work
+//! and losses are integrated along with the motion, so that the energy balance shows the error of the method.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
 use crate::plant::device::{Invalid, not_negative, positive};
 use crate::plant::{Hand, Loss};
 use nalgebra::{Matrix3, SVector, Vector3};
 
-/// Masses and inertias of a delta's parts.
+/// Masses and inertias of the parts of a delta mechanism.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaMasses {
-    /// Inertia of rotor, gear and arm about each motor's axis, kg·m².
+    /// Inertia about each motor's axis of rotor, gear and arm together, kg·m².
     pub arm_kg_m2: f64,
     /// Mass of each elbow, kg.
     pub elbow_kg: f64,
-    /// Mass of each forearm, both long sides of its parallelogram, kg.
+    /// Mass of each forearm, kg: the two long sides of its parallelogram together.
     pub forearm_kg: f64,
     /// Mass of the effector, kg.
     pub effector_kg: f64,
@@ -45,11 +49,11 @@ pub struct DeltaDevice {
     pub count_rad: f64,
 }
 
-/// The Novint Falcon: the lengths of [`FALCON_GEOMETRY`] and the encoder of libnifalcon, with 320 slots and four edges per slot, on
-/// a capstan drive of 14.25 to 110 mm.
+/// Parameters of the Novint Falcon: the lengths of [`FALCON_GEOMETRY`], and the encoder as in the library libnifalcon. The encoder
+/// has 320 slots with four edges each, on a capstan drive of 14.25 to 110 mm.
 ///
-/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg and 0.94 N·s/m across,
-/// 0.132 kg and 2.65 N·s/m upwards, and 8 N in every direction, the force that CHAI3D assumes.
+/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg and 0.94 N·s/m
+/// sideways, 0.132 kg and 2.65 N·s/m upwards, and 8 N in every direction, the force that the library CHAI3D assumes.
 pub const FALCON: DeltaDevice = DeltaDevice {
     geometry: FALCON_GEOMETRY,
     masses: DeltaMasses {
@@ -67,7 +71,7 @@ pub const FALCON: DeltaDevice = DeltaDevice {
 const WITH_ELBOW: f64 = 2.0 / 3.0;
 
 impl DeltaDevice {
-    /// Inertia `I` at each motor, kg·m².
+    /// Inertia at each motor, kg·m²: rotor, gear and arm, with the masses that count at the elbow.
     #[must_use]
     pub fn joint_inertia_kg_m2(&self) -> f64 {
         let masses = &self.masses;
@@ -75,27 +79,27 @@ impl DeltaDevice {
         masses.arm_kg_m2 + arm * arm * (masses.elbow_kg + WITH_ELBOW * masses.forearm_kg)
     }
 
-    /// Mass `m` at the effector, kg.
+    /// Mass at the effector, kg, with the forearms' masses that count there.
     #[must_use]
     pub fn effector_mass_kg(&self) -> f64 {
         self.masses.effector_kg + 3.0 * (1.0 - WITH_ELBOW) * self.masses.forearm_kg
     }
 
-    /// Inertia matrix `M` of the effector at a position, kg.
+    /// Inertia matrix of the effector at a position, kg; it includes the inertias at the motors.
     #[must_use]
     pub fn inertia_kg(&self, pose: &DeltaPose) -> Matrix3<f64> {
         Matrix3::identity() * self.effector_mass_kg()
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
-    /// Damping matrix of the effector at a position that the joints' damping causes, N·s/m.
+    /// Damping matrix of the effector at a position, N·s/m, that results from the damping of the joints.
     #[must_use]
     pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
         pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
     }
 
-    /// The motor torques for a force at the effector, N·m. If a torque exceeds its motor's limit, all three are scaled down alike,
-    /// so that the force keeps its direction.
+    /// Motor torques that make a force at the effector, N·m. If one torque exceeds its motor's limit, all three are scaled down by
+    /// the same factor, so that the force keeps its direction.
     #[must_use]
     pub fn limited_torques_n_m(&self, pose: &DeltaPose, force_n: Vector3<f64>) -> Vector3<f64> {
         let wanted = pose.torques_n_m(force_n);
@@ -106,7 +110,7 @@ impl DeltaDevice {
         wanted * (self.torque_n_m / most)
     }
 
-    /// The position and joint angles that the encoders measure: the joint angles are rounded to whole counts.
+    /// Position and joint angles as the encoders measure them: the joint angles are rounded to whole counts.
     ///
     /// # Errors
     /// No position of the effector belongs to these counts.
@@ -128,7 +132,7 @@ impl DeltaDevice {
     }
 }
 
-/// Positions and velocities of effector and hand.
+/// State of a delta device in a hand: positions and velocities of effector and hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaState {
     /// Position of the effector, m.
@@ -155,19 +159,19 @@ impl DeltaState {
     }
 }
 
-/// The integrated vector: the twelve numbers of a state, the motors' work, and the losses of device and hand.
+/// The integrated vector: the twelve numbers of a [`DeltaState`], the work of the motors, and the losses of device and hand.
 type Entries = SVector<f64, 15>;
 
-/// Energies of a step, J.
+/// Work of the motors and losses in one simulated interval, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeltaWork {
     /// Work of the motors on the device.
     pub motors_j: f64,
-    /// Dissipated energy.
+    /// Energy dissipated in device and hand.
     pub loss: Loss,
 }
 
-/// A delta device in a hand, prepared for one interval.
+/// A delta device, in a hand or free, prepared for one interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeltaPlant {
     device: DeltaDevice,
@@ -180,7 +184,7 @@ pub struct DeltaPlant {
 const SUBSTEP_S: f64 = 1.25e-4;
 
 impl DeltaPlant {
-    /// A delta device, with a hand or without.
+    /// Prepares a delta device, with or without a hand.
     ///
     /// # Errors
     /// [`Invalid`] for a device or hand that is out of range.
@@ -202,14 +206,14 @@ impl DeltaPlant {
         })
     }
 
-    /// The same plant with this number of substeps per interval.
+    /// Returns the same plant with `substeps` substeps per interval.
     #[must_use]
     pub fn in_substeps(mut self, substeps: u32) -> Self {
         self.substeps = substeps.max(1);
         self
     }
 
-    /// Advances by one interval under held motor torques and a held rest point of the hand.
+    /// Advances by one interval under constant motor torques and a constant rest point of the hand.
     ///
     /// # Errors
     /// The effector left the positions that the mechanism can reach. The state is then unchanged.

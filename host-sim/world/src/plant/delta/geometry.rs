@@ -8,9 +8,9 @@
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the
-//! position for joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their
-//! curvature.
+//! `b` is the length of the forearm, and `ends` the length of its two end pieces. The equation is linear in `cos θ` and `sin θ`, so
+//! a position gives its joint angles in closed form. Newton's method gives the position for joint angles. The first derivative
+//! gives the slopes of the joint angles (radians per metre), the second derivative their curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -21,27 +21,30 @@ pub struct DeltaGeometry {
     pub arm_m: f64,
     /// Length of the parallelogram's long sides, m.
     pub forearm_m: f64,
-    /// Distance from the elbow's axis to the parallelogram plus that from the parallelogram to the effector's axis, m.
+    /// Length of both end pieces of a forearm together, m: from the elbow's axis to the parallelogram, and from the parallelogram
+    /// to the effector's axis.
     pub ends_m: f64,
-    /// Distance of each motor's axis from the base's centre, minus that of the effector's joints from the effector's centre, m.
+    /// Distance of each motor's axis from the base's centre, minus the distance of the effector's joints from the effector's
+    /// centre, m.
     pub reach_m: f64,
-    /// Sideways distance of the legs' joints at the effector from those at the base, m.
+    /// Sideways distance of a leg's joint at the effector from its joint at the base, m.
     pub aside_m: f64,
-    /// Directions of the three legs around the vertical, rad.
+    /// Directions of the three legs around the vertical axis, rad.
     pub legs_rad: [f64; 3],
-    /// Height of the coordinates' origin above the base, m.
+    /// Height of the origin of the coordinates above the base, m.
     pub height_m: f64,
 }
 
-/// The lengths of the Novint Falcon in libnifalcon (`FalconGeometry.h`, after Stamper): arm 60 mm, forearm 102.5 plus twice 11.25
-/// mm. The motors are at 40 mm, the effector's joints at 14.43 mm, -23.09 and 25 mm aside. We put the origin 120 mm above the base.
+/// Lengths of the Novint Falcon, from `FalconGeometry.h` of the library libnifalcon (after Stamper). The arm has 60 mm, the forearm
+/// 102.5 mm plus twice 11.25 mm. Distances from the centre are 40 mm for the motors and 14.43 mm for the effector's joints; their
+/// sideways offsets are 25 mm and 23.09 mm. The origin lies 120 mm above the base.
 pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     arm_m: 0.060,
     forearm_m: 0.1025,
     ends_m: 2.0 * 0.01125,
     reach_m: 0.040 - 0.01443,
     aside_m: 0.02309 - 0.025,
-    // 90°, -30° and -150°, each 15° on.
+    // The directions 90°, -30° and -150°, each turned by 15°.
     legs_rad: [
         105.0 * std::f64::consts::PI / 180.0,
         -15.0 * std::f64::consts::PI / 180.0,
@@ -50,16 +53,16 @@ pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     height_m: 0.120,
 };
 
-/// Why the mechanism cannot take a position. The number is that of the leg.
+/// Reason why the mechanism cannot take a position. The number is the index of the leg, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unreachable {
     /// The leg is too short for the position.
     #[error("leg {0} does not reach")]
     TooFar(usize),
-    /// Arm and forearm of the leg are nearly in line, so its motor does not move the effector.
+    /// Arm and forearm of the leg are nearly in line, so that the leg's motor does not move the effector.
     #[error("arm and forearm of leg {0} are nearly in line")]
     Stretched(usize),
-    /// The three forearms lie nearly in a plane, so the effector can move although the motors hold.
+    /// The three forearms lie nearly in one plane, so that the effector can move although the motors hold.
     #[error("the forearms lie nearly in a plane")]
     Flat,
     /// Newton's method found no position for these joint angles.
@@ -67,11 +70,12 @@ pub enum Unreachable {
     NoPlace,
 }
 
-/// Smallest accepted sine of the angle between an arm and its forearm.
+/// Smallest accepted sine of the angle between an arm and its forearm; a smaller one means that the leg is nearly stretched.
 const LEAST_BEND: f64 = 0.1;
-/// Smallest accepted volume that unit vectors along the three forearms span.
+/// Smallest accepted volume spanned by unit vectors along the three forearms; a smaller one means that they lie nearly in one
+/// plane.
 const LEAST_VOLUME: f64 = 0.05;
-/// Largest number of steps of Newton's method, from a position nearby.
+/// Largest number of steps of Newton's method, which starts from a position nearby.
 const STEPS: usize = 40;
 /// Accepted error of joint angles in Newton's method, rad; far below an encoder's resolution.
 const AGREE_RAD: f64 = 1e-13;
@@ -83,11 +87,10 @@ pub struct DeltaPose {
     pub place_m: Vector3<f64>,
     /// Angles of the arms above the plane of the base, measured outwards, rad.
     pub joints_rad: Vector3<f64>,
-    /// Slopes, radians of each joint per metre of the effector: `dθ = slopes · dx`. Power is equal on both sides, so `F = slopesᵀ
-    /// τ`.
+    /// Change of each joint angle per displacement of the effector, rad/m: `dθ = slopes · dx`. The power at the joints equals that
+    /// at the effector, so the force is `F = slopesᵀ τ` for the motor torques `τ`.
     pub slopes: Matrix3<f64>,
-    /// For each leg the intermediate values `X`, `W`, `v`, `sqrt(b² - v²)`, `L`, the slope of the arm's angle, and the angle's sine
-    /// and cosine.
+    /// Intermediate values of the closed-form solution for each leg.
     legs: [Leg; 3],
 }
 
@@ -104,7 +107,7 @@ struct Leg {
 }
 
 impl DeltaGeometry {
-    /// Directions `u` (outwards) and `v` (sideways) of a leg's frame.
+    /// Directions in a leg's frame: outwards from the base's centre, and sideways.
     fn frame(&self, leg: usize) -> (Vector3<f64>, Vector3<f64>) {
         let (sin, cos) = libm::sincos(self.legs_rad[leg]);
         (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0))
@@ -204,7 +207,7 @@ impl DeltaGeometry {
         }
     }
 
-    /// Accelerations of the joints while the effector moves straight on at a constant velocity, rad/s².
+    /// Accelerations of the joints while the effector moves in a straight line at constant velocity, rad/s².
     #[must_use]
     pub fn curvature(&self, pose: &DeltaPose, velocity: Vector3<f64>) -> Vector3<f64> {
         let rates = pose.slopes * velocity;
@@ -230,7 +233,8 @@ impl DeltaGeometry {
 }
 
 impl DeltaPose {
-    /// The inverse of the slopes, metres of the effector per radian of each joint: `τ = metres_per_radianᵀ F`.
+    /// Displacement of the effector per change of each joint angle, m/rad: the inverse of the slopes. It gives the torques `τ` of a
+    /// force `F` as `τ = metres_per_radianᵀ F`.
     #[must_use]
     pub fn metres_per_radian(&self) -> Matrix3<f64> {
         // `pose` refuses places where there is no inverse.

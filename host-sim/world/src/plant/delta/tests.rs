@@ -20,7 +20,7 @@ fn joints_and_back_are_the_place() {
     let mut worst = 0.0_f64;
     for place in places() {
         let pose = FALCON.geometry.pose(place).expect("inside");
-        // From 10 mm away.
+        // Newton's method starts 10 mm away from the position.
         let near = place + Vector3::new(0.006, -0.006, 0.005);
         let found = FALCON.geometry.place(pose.joints_rad, near).expect("back");
         worst = worst.max((found.place_m - place).norm());
@@ -29,7 +29,8 @@ fn joints_and_back_are_the_place() {
     assert!(worst < 1e-13, "{worst}");
 }
 
-/// Checks that the forearms keep their length, calculated independently from the joint angles.
+/// Checks that the forearms keep their length. The test computes the length from the joint angles, independently of the tested
+/// code.
 #[test]
 fn the_loops_are_closed() {
     let geometry = FALCON.geometry;
@@ -68,7 +69,7 @@ fn slopes_and_curvature_are_derivatives() {
     assert!(first < 1e-6 && second < 1e-3, "{first} {second}");
 }
 
-/// Checks that the motors' power equals the effector's: F·v = τ·dθ/dt.
+/// Checks that the motors' power `τ·dθ/dt` equals the effector's power `F·v`.
 #[test]
 fn power_is_the_same_on_both_sides() {
     for (i, place) in places().enumerate() {
@@ -97,7 +98,7 @@ fn a_force_beyond_a_motor_keeps_its_direction() {
         shortened += usize::from(force.norm() < 0.99 * wanted.norm());
     }
     assert!(shortened > 1000, "{shortened}");
-    // 8 N in every direction at the centre, and a little more.
+    // At the centre the motors must give 8 N in every direction, and only slightly more.
     let pose = FALCON.geometry.pose(Vector3::zeros()).expect("centre");
     let needed = |way: Vector3<f64>| pose.torques_n_m(way.normalize() * 8.0).amax();
     println!(
@@ -124,7 +125,7 @@ fn singular_places_are_refused() {
         Some(Unreachable::TooFar(_))
     ));
     assert!(refused(f64::NAN, 0.0, 0.0).is_some());
-    // Straight up until arms and forearms are in line, at 118 mm + 63 mm of the base.
+    // Moves straight up until arms and forearms are in line, 118 mm + 63 mm above the base.
     let mut last = None;
     for i in 0..1000 {
         let z = 1e-4 * f64::from(i);
@@ -137,7 +138,7 @@ fn singular_places_are_refused() {
     }
     let (why, z) = last.expect("a limit");
     assert!(matches!(why, Unreachable::Stretched(_)), "{why} at {z}");
-    // Nor is there a place for angles that lift each arm straight in.
+    // Joint angles that point each arm inwards belong to no position either.
     assert!(
         geometry
             .place(Vector3::repeat(3.0), Vector3::zeros())
@@ -170,11 +171,11 @@ fn free_motion_keeps_its_energy() {
         now / start - 1.0
     );
     assert!((now / start - 1.0).abs() < 1e-11, "{}", now / start - 1.0);
-    // And it is no mass that all directions move alike: that would have kept its speed.
+    // The inertia depends on the direction of motion: a constant mass would have kept its speed.
     assert!(slowest < 0.99 * speed, "{slowest}");
 }
 
-/// Checks the energy balance in a hand under motor torques: work in equals losses plus the change of the stored energy.
+/// Checks the energy balance of a device in a hand under motor torques: work in equals losses plus the change of the stored energy.
 #[test]
 fn the_books_close_in_a_hand() {
     let plant = DeltaPlant::new(&FALCON, Some(&FIRM_TRANSLATION), 1e-3).expect("plant");
@@ -197,7 +198,7 @@ fn the_books_close_in_a_hand() {
     assert!(worst < 1e-12 && worked > 0.01, "{worst} {worked}");
 }
 
-/// Checks the order of the method: with half the substep the error is a sixteenth.
+/// Checks that the integration method is of fourth order: half the substep gives a sixteenth of the error.
 #[test]
 fn the_method_is_of_fourth_order() {
     let end = |substeps: u32| {
@@ -216,8 +217,8 @@ fn the_method_is_of_fourth_order() {
     assert!((3.5..5.0).contains(&order), "{order}");
 }
 
-/// A slow push on the effector accelerates it by the inertia `M` at its position, because the joints' curvature does not matter at
-/// rest.
+/// Checks that a slow push on the effector accelerates it by the inertia at its position. The curvature of the joint angles has no
+/// effect at rest.
 #[test]
 fn a_push_accelerates_by_the_inertia_of_its_place() {
     let device = DeltaDevice {

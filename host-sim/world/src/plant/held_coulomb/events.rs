@@ -1,4 +1,5 @@
-//! A tick with events: stops and starts of the device, located one after the other on power series of the exact solution.
+//! Advances an interval with stops and starts of the device, which are located one after the other on power series of the exact
+//! solution.
 
 use super::HeldCoulomb;
 use crate::plant::held::drive;
@@ -6,18 +7,18 @@ use crate::plant::state::State;
 use crate::plant::stepper::{Loss, Stepper};
 use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
 
-/// Largest number of stops and starts that are followed in one tick. A plant with usual values has one or two.
+/// Largest number of stops and starts that are followed in one interval. A plant with usual values has one or two.
 const MAX_EVENTS: u32 = 8;
 
-/// The device's motion between two events (stops or starts).
+/// Motion of the device between two events (stops or starts).
 #[derive(Clone, Copy)]
 pub(super) enum Mode {
-    /// The device turns in the direction of this sign.
+    /// The device turns in the direction of this sign (1 or -1).
     Sliding(f64),
     Stuck,
 }
 
-/// The exact motion over a part of a tick, as power series in the fraction (0 to 1) of that part.
+/// The exact motion over a part of an interval, as power series in the elapsed fraction (0 to 1) of that part.
 struct Piece {
     v: Series,
     strain: Series,
@@ -26,10 +27,11 @@ struct Piece {
 }
 
 impl HeldCoulomb {
-    /// Advances by a tick, from event to event. Returns `None`, and leaves the state unchanged, if there is no event in the tick.
+    /// Advances by an interval, from one stop or start to the next. Returns `None`, and leaves the state unchanged, if there is
+    /// neither in the interval.
     ///
-    /// After [`MAX_EVENTS`] events the device is held for the rest of the tick. A force on a body at rest does no work, so this
-    /// error adds no energy.
+    /// After [`MAX_EVENTS`] stops and starts the device is held for the rest of the interval. A force on a body at rest does no
+    /// work, so this error adds no energy.
     #[cold]
     #[inline(never)]
     pub(super) fn follow<const LOSS: bool>(
@@ -74,7 +76,7 @@ impl HeldCoulomb {
                     now.0[0] += piece.length_s * piece.v.integral(until);
                     now.0[1] = piece.v.at(until);
                 }
-                // Its series is nothing but zeros.
+                // All coefficients of the velocity's series are zero.
                 Mode::Stuck => now.0[1] = 0.0,
             }
             now.0[2] += piece.length_s * piece.v_h.integral(until);
@@ -99,8 +101,8 @@ impl HeldCoulomb {
         Some(loss)
     }
 
-    /// The time, as a fraction of the piece of the tick, at which a stuck device starts to move, with its direction. `None` if it
-    /// stays stuck.
+    /// Elapsed fraction of the piece at which a stuck device starts to move, with the direction of the motion. `None` if it stays
+    /// stuck.
     fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
         let hand = &self.sliding.hand;
         let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
@@ -116,7 +118,7 @@ impl HeldCoulomb {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Power series of the motion from `state` over the next `length_s` seconds.
+    /// Power series of the motion from `state` over the next `length_s` seconds, with the device sliding or stuck (`mode`).
     fn expand(&self, state: &State<4>, torque: f64, rest: f64, mode: Mode, length_s: f64) -> Piece {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let [v, strain, v_h, hand_strain, _] = drive(state, torque, rest);
@@ -154,7 +156,7 @@ impl HeldCoulomb {
         piece
     }
 
-    /// Energy dissipated from the start of a piece of the tick to its fraction `until`.
+    /// Energy dissipated from the start of a piece of the interval up to its fraction `until`.
     fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let friction = match mode {
@@ -190,7 +192,7 @@ mod tests {
         State::from_array([0.1, v, 0.1, v_h])
     }
 
-    /// The initial velocity with which the device comes to rest after `stop_s`, to rounding.
+    /// Initial velocity with which the device comes to rest after `stop_s` seconds, to rounding. `v_h` is the velocity of the hand.
     fn velocity_that_stops_after(stop_s: f64, v_h: f64) -> f64 {
         let linear = HeldLinear::new(&DEVICE, &FIRM, stop_s).unwrap();
         let (mut low, mut high) = (0.0, 10.0);
@@ -207,7 +209,8 @@ mod tests {
         high
     }
 
-    /// Checks that a stop gives the same motion whether rounding puts it just before or just after a boundary.
+    /// Checks that a stop after `stop_s` seconds gives the same motion whether rounding puts it just before or just after a
+    /// boundary.
     fn check(plant: &HeldCoulomb, stop_s: f64) {
         for hand in 0..40 {
             let v_h = 0.01 + 1e-3 * f64::from(hand);

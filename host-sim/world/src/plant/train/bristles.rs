@@ -1,12 +1,13 @@
-//! LuGre friction (a model of elastic bristles) over a substep.
+//! LuGre friction (dry friction modelled by elastic bristles) over a substep.
 
 use super::friction::{LuGre, level};
 
-/// Advances the bristles' deflection over a substep. Returns their mean torque against the positive direction, N·m.
+/// Advances the bristles' deflection `z` over a substep. Returns their mean torque against the positive direction, N·m.
 ///
-/// The rate `a = s0 |v|/g` is held constant during the substep. Then `z' = v - a z` is solved exactly for the substep's mean
-/// velocity, and the torque is found together with that velocity. So stiff bristles and fast sliding need no short substeps for
-/// stability. A first pass with the velocity at the start gives the mean velocity for which the rate is taken.
+/// The rate `a = s0 |v|/g` is held constant during the substep, with bristle stiffness `s0`, velocity `v` and friction level `g`.
+/// Then `z' = v - a z` is solved exactly for the substep's mean velocity, and the torque is computed together with that velocity.
+/// Stiff bristles and fast sliding therefore need no short substeps for stability. A first pass with the initial velocity gives the
+/// mean velocity at which the rate is evaluated.
 #[inline(always)]
 pub(super) fn advance(
     lugre: &LuGre,
@@ -53,7 +54,8 @@ fn solve(
     } else {
         substep_s
     };
-    // z at the end is `left z + stretch v`; the torque is that of the mean deflection and of its mean rate, `held + per_v v`.
+    // The deflection at the end is `left z + stretch v`. The torque follows from the mean deflection and its mean rate: `held +
+    // per_v v`.
     let rate = lugre.damping / substep_s;
     let held = bristle * (0.5 * lugre.stiffness * (1.0 + left) - rate * (1.0 - left));
     let per_v = stretch_s * (0.5 * lugre.stiffness + rate);

@@ -1,8 +1,8 @@
-//! The linear parts of a drive train and their equations.
+//! The linear parts of a drive train (motor current, transmission, hand) and their equations of motion.
 //!
 //! The drive vector of a train with `N` states has `N + 4` entries: the states, then four values that are held during a substep.
-//! These are the commanded torque, the hand's rest point, the torque that the transmission's play removes, and further torque on
-//! the motor's shaft.
+//! These values are the commanded torque, the hand's rest point, the torque that the transmission's play removes, and any further
+//! torque on the motor's shaft.
 
 use nalgebra::SMatrix;
 
@@ -13,27 +13,28 @@ use crate::plant::hand::Hand;
 pub(super) const TORQUE: usize = 0;
 /// Index of the hand's rest point in the drive vector, counted after the states.
 pub(super) const REST: usize = 1;
-/// Index of the torque that the transmission's play removes (positive on the motor, negative on the knob), counted after the
-/// states.
+/// Index in the drive vector, counted after the states, of the torque that the transmission's play removes (positive on the motor,
+/// negative on the knob).
 pub(super) const GAP: usize = 2;
-/// Index of the further torque on the motor's shaft in the drive vector, counted after the states.
+/// Index in the drive vector, counted after the states, of any further torque on the motor's shaft.
 pub(super) const SHAFT: usize = 3;
 
-/// A motor current that follows its command with one pole, as torque: `tau' = 2 pi f (u - tau - D v)`.
+/// Motor torque `tau` that follows its command `u` with a lag of first order: `tau' = 2 pi f (u - tau - D v)`. `f` is the
+/// bandwidth, `v` the velocity of the shaft, `D` the damping by the back-EMF.
 ///
-/// A current loop has its bandwidth `f` and `D = 0`. Windings that are driven by a voltage have `f = R/(2 pi L)` and the damping
-/// `D` of their back-EMF. With brushes, `D = k_t^2/R`. With three phases, `D = k_t^2/(1.5 R)`, where `k_t` is for an amplitude of 1
-/// A and `R` is that of a phase.
+/// A current controller has its bandwidth `f` and `D = 0`. Windings driven by a voltage have `f = R/(2 pi L)` with phase resistance
+/// `R` and inductance `L`. With brushes their damping is `D = k_t^2/R`, with the torque constant `k_t`. With three phases it is `D
+/// = k_t^2/(1.5 R)`, where `k_t` is for an amplitude of 1 A.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Current {
-    /// Bandwidth `f`, Hz; above zero.
+    /// Bandwidth of the lag, Hz; above zero.
     pub bandwidth_hz: f64,
     /// Damping `D` of the back-EMF, N·m·s/rad; zero or more.
     pub back_emf: f64,
 }
 
 impl Current {
-    /// Rate of the pole `2 pi f`, 1/s.
+    /// Rate of the lag, `2 pi f` for the bandwidth `f`, 1/s.
     #[must_use]
     pub fn rate(&self) -> f64 {
         std::f64::consts::TAU * self.bandwidth_hz
@@ -43,18 +44,20 @@ impl Current {
 /// A compliant transmission between the motor's shaft and a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission {
-    /// Stiffness `k_t`, N·m/rad; above zero.
+    /// Stiffness of the transmission, N·m/rad; above zero.
     pub stiffness: f64,
-    /// Damping `c_t`, N·m·s/rad; zero or more.
+    /// Damping of the transmission, N·m·s/rad; zero or more.
     pub damping: f64,
     /// Inertia of the knob, kg·m²; above zero and below the device's inertia, which includes it.
     pub knob_inertia: f64,
-    /// Play of the transmission, rad: the spring transmits no torque within half of it to either side. Zero or more.
+    /// Play of the transmission, rad, zero or more. While the twist is within half the play to either side, the spring transmits no
+    /// torque.
     pub gap: f64,
 }
 
 impl Transmission {
-    /// Torque that the play removes at this twist, N·m: that of a spring without play minus that of the spring with it.
+    /// Torque that the play removes at this twist in rad, N·m: torque of a spring without play minus torque of the spring with
+    /// play.
     #[inline(always)]
     pub(super) fn free_play_torque(&self, twist: f64) -> f64 {
         self.stiffness * twist.clamp(-0.5 * self.gap, 0.5 * self.gap)
@@ -67,13 +70,13 @@ impl Transmission {
     }
 }
 
-/// The linear parts of a drive train.
+/// The linear parts of a drive train: device, motor current, transmission and hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Links {
-    /// Inertia of everything that turns with the knob, and damping at the motor's shaft. The device's friction is ignored: a train
-    /// has its friction in [`Shaft`](super::Shaft).
+    /// Device with the inertia of everything that turns with the knob, and the damping at the motor's shaft. The device's friction
+    /// is ignored: a drive train has its friction in [`Shaft`](super::Shaft).
     pub device: Device,
-    /// The current's lag; `None`: the torque equals the command.
+    /// Lag of the motor's torque; `None`: the torque equals the command.
     pub current: Option<Current>,
     /// The transmission; `None`: knob and motor are one body.
     pub transmission: Option<Transmission>,
@@ -82,7 +85,7 @@ pub struct Links {
 }
 
 impl Links {
-    /// Number of linear states.
+    /// Number of linear states of the drive train.
     #[must_use]
     pub fn states(&self) -> usize {
         let pairs = 1 + usize::from(self.transmission.is_some()) + usize::from(self.hand.is_some());
@@ -114,7 +117,7 @@ impl Links {
         self.hand.map_or(Ok(()), |hand| hand.validate())
     }
 
-    /// The matrix `A` in `z' = A z + …`, e.g. to calculate its eigenvalues.
+    /// Matrix `A` of the state's rates, 1/s: `z' = A z + …` for the state `z`. Its eigenvalues are the poles of the drive train.
     ///
     /// # Errors
     /// [`Invalid`] when a value is out of range, or when the links do not have `N` states.
@@ -124,7 +127,7 @@ impl Links {
     }
 }
 
-/// The linear equations `y' = M y` of the drive vector `y`, and powers as its quadratic forms.
+/// Linear equations `y' = M y` of the drive vector `y`, and dissipated powers as quadratic forms of `y`.
 pub(super) struct Assembled<const K: usize> {
     pub matrix: SMatrix<f64, K, K>,
     pub device_loss: SMatrix<f64, K, K>,
@@ -132,7 +135,7 @@ pub(super) struct Assembled<const K: usize> {
     pub motor_power: SMatrix<f64, K, K>,
 }
 
-/// Adds `factor (e_a - e_b)(e_a - e_b)^T` to a quadratic form.
+/// Adds `factor (y_a - y_b)²` to a quadratic form of the vector `y`, such as the power of a damper between two bodies.
 fn add_slip<const K: usize>(form: &mut SMatrix<f64, K, K>, factor: f64, a: usize, b: usize) {
     form[(a, a)] += factor;
     form[(b, b)] += factor;
@@ -140,8 +143,8 @@ fn add_slip<const K: usize>(form: &mut SMatrix<f64, K, K>, factor: f64, a: usize
     form[(b, a)] -= factor;
 }
 
-/// Adds a spring with a damper between two bodies to the equations. The indices are those of the bodies' angles; the velocities
-/// follow them.
+/// Adds a spring with a damper between two bodies to the equations. The two indices are those of the bodies' angles in the state;
+/// each velocity follows its angle.
 fn couple<const K: usize>(
     matrix: &mut SMatrix<f64, K, K>,
     [stiffness, damping]: [f64; 2],
@@ -192,7 +195,7 @@ pub(super) fn assemble<const N: usize, const K: usize>(
             motor_power[(torque, 1)] = 0.5;
         }
     }
-    // The pair that the hand holds, and its inertia.
+    // Index of the body that the hand holds, and the body's inertia.
     let mut held = (0, motor_inertia);
     if let Some(transmission) = &links.transmission {
         let knob = (2, knob_inertia);

@@ -8,10 +8,13 @@
 //!  imbalance --------------/
 //! ```
 //!
+//! `u` is the commanded torque, `tau` the torque of the motor, `x` the shaft angle, `r` the hand's rest point; `J` are inertias,
+//! `k_t` and `c_t` stiffness and damping of the transmission.
+//!
 //! All linear parts are one exact matrix step, as in the other plants of the parent module. The nonlinear parts ([`Shaft`], and the
-//! play of a transmission) are torques that are held during a substep. Their values are those at the substep's middle; friction is
-//! set-valued at the substep's end. So a train without nonlinear parts needs no substeps. With them, the linear part stays exact,
-//! however stiff it is.
+//! play of a transmission) are torques that are held during a substep. Their values are those at the substep's middle. Friction is
+//! consistent with the velocity at the substep's end. A train without nonlinear parts therefore needs no substeps. With nonlinear
+//! parts the linear part stays exact, however stiff it is.
 
 mod bristles;
 mod friction;
@@ -35,12 +38,12 @@ use links::{GAP, REST, SHAFT, TORQUE};
 pub struct DriveTrain<const N: usize, const K: usize> {
     links: Links,
     shaft: Shaft,
-    /// Increment of the states in a substep for each entry of the drive vector.
+    /// Increment of the states in a substep for each entry of the drive vector (states and held values).
     step: [[f64; N]; K],
     device_loss: [[f64; K]; K],
     hand_loss: [[f64; K]; K],
-    /// Matrix of the motor's work on the shaft in a substep, as a quadratic form of the drive vector; `None` if the motor's torque
-    /// is no state.
+    /// Matrix of the motor's work on the shaft in a substep, as a quadratic form of the drive vector. `None` if the motor's torque
+    /// is not a state, because it does not lag.
     motor_work: Option<[[f64; K]; K]>,
     substeps: u32,
     substep_s: f64,
@@ -48,8 +51,8 @@ pub struct DriveTrain<const N: usize, const K: usize> {
 }
 
 impl<const N: usize, const K: usize> DriveTrain<N, K> {
-    /// Prepares intervals of `interval_s` seconds (zero or more), each divided into substeps. A train without nonlinear parts needs
-    /// one substep and gets one.
+    /// Prepares intervals of `interval_s` seconds (zero or more), each divided into substeps. A train without nonlinear parts
+    /// always gets one substep.
     ///
     /// # Errors
     /// [`Invalid`] when a value is out of range, or when the links do not have `N` states.
@@ -83,8 +86,8 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// The drive vector: the state, with angles relative to the device's own, and the held inputs. Relative angles make the result
-    /// independent of turning the whole scene.
+    /// The drive vector: the state with angles relative to the device's angle, and the held inputs. Relative angles make the result
+    /// independent of the absolute angle.
     #[inline(always)]
     fn drive(&self, z: &[f64; N], torque: f64, rest: f64) -> [f64; K] {
         let x = z[0];
@@ -189,8 +192,8 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// Energy of the device in addition to the kinetic energy of its whole inertia at the shaft's velocity, J: in springs, gravity
-    /// and magnets, and the difference because the knob turns at another velocity.
+    /// Energy of the device beyond the kinetic energy of its whole inertia at the shaft's velocity, J: energy in springs, gravity
+    /// and magnets, and the kinetic difference because the knob turns at another velocity than the shaft.
     fn stored_beside_motion_j(&self, state: &TrainState<N>) -> f64 {
         let v = state.z[1];
         let transmission_j = self.links.transmission.map_or(0.0, |transmission| {

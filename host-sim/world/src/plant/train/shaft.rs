@@ -3,14 +3,15 @@
 use super::bristles;
 use super::friction::{Friction, Sliding, level};
 
-/// A torque that depends on the shaft angle `x`: `-A sin(n x + phi)`. Cogging has `n` periods per turn, an off-axis weight has one.
+/// A torque that depends on the shaft angle `x`: `-A sin(n x + phi)`, with amplitude `A`, periods per turn `n` and phase `phi`.
+/// Cogging has many periods per turn, an eccentric weight has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Amplitude `A`, N·m.
+    /// Amplitude of the torque, N·m.
     pub amplitude: f64,
-    /// Number `n` of periods per turn, above zero.
+    /// Number of periods per turn, above zero.
     pub per_rev: f64,
-    /// Phase `phi`, rad.
+    /// Phase at angle 0, rad.
     pub phase: f64,
 }
 
@@ -22,7 +23,7 @@ impl Harmonic {
         -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
     }
 
-    /// The potential energy at a shaft angle, J.
+    /// Potential energy that belongs to the torque, at a shaft angle, J.
     fn potential_j(&self, angle: f64) -> f64 {
         -self.amplitude / self.per_rev * libm::cos(self.per_rev * angle + self.phase)
     }
@@ -31,13 +32,13 @@ impl Harmonic {
 /// The nonlinear torques at the motor's shaft.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shaft {
-    /// The model of dry friction.
+    /// The model of dry friction at the shaft.
     pub friction: Friction,
-    /// Torques of cogging and imbalance, which depend on the shaft angle; they are added.
+    /// Torques of cogging and imbalance over the shaft angle; they are added.
     pub harmonics: Vec<Harmonic>,
 }
 
-/// The result of friction in a substep.
+/// Dry friction over a substep: its torque, and whether it stops the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Opposed {
     /// Friction torque against the positive direction, N·m.
@@ -53,7 +54,7 @@ impl Shaft {
         self.friction == Friction::None && self.harmonics.is_empty()
     }
 
-    /// Sum of the torques of cogging and imbalance at a shaft angle, N·m in the positive direction.
+    /// Sum of the torques of cogging and imbalance at a shaft angle, N·m, in the positive direction.
     #[inline(always)]
     pub(super) fn turned_by(&self, angle: f64) -> f64 {
         self.harmonics
@@ -70,7 +71,7 @@ impl Shaft {
             .sum()
     }
 
-    /// Elastic energy of the bristles at this deflection (rad), J.
+    /// Elastic energy of the LuGre friction's bristles at a deflection in rad, J.
     pub(super) fn bristle_energy_j(&self, bristle: f64) -> f64 {
         match &self.friction {
             Friction::Bristles(lugre) => 0.5 * lugre.stiffness * bristle * bristle,
@@ -78,8 +79,8 @@ impl Shaft {
         }
     }
 
-    /// Friction over a substep. The arguments are the velocity at its start and that at its end without friction. `response` is the
-    /// change of the latter per held torque.
+    /// Computes dry friction over a substep, from the shaft's velocity at its start and the velocity at its end without friction.
+    /// `response` is the change of the end velocity per held torque.
     #[inline(always)]
     pub(super) fn opposed_by(
         &self,
@@ -102,8 +103,8 @@ impl Shaft {
     }
 }
 
-/// The friction torque that is consistent with the velocity at the substep's end (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto,
-/// IEEE T-RO 22(6) 1176, 2006). The velocity's response to the torque is exact.
+/// Friction torque that is consistent with the velocity at the substep's end (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto, IEEE
+/// T-RO 22(6) 1176, 2006). The response of the velocity to the torque is exact.
 #[inline(always)]
 fn dry(
     directions: &[Sliding; 2],

@@ -1,10 +1,9 @@
-//! The state of a drive train, which a tick changes.
+//! The state of a drive train, which each simulated interval changes.
 
 use crate::plant::state::Kinematics;
 
-/// State of a drive train: pairs of angle and velocity, rad and rad/s. The first pair `[x, v]` is that of the motor's shaft. Pairs
-/// of the knob behind a transmission and of the hand follow, if there are any. If `N` is odd, the last entry is the motor's torque,
-/// N·m.
+/// State of a drive train: pairs of angle and velocity, rad and rad/s. The first pair is that of the motor's shaft. The pairs of
+/// the knob behind a transmission and of the hand follow, if present. If `N` is odd, the last entry is the motor's torque, N·m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainState<const N: usize> {
     pub(super) z: [f64; N],
@@ -34,8 +33,8 @@ impl<const N: usize> TrainState<N> {
         self.bristle
     }
 
-    /// The state with device and hand at these angles and velocities and without motor torque. A knob behind a transmission moves
-    /// with the device.
+    /// State with device and hand at the given angles and velocities, without motor torque. A knob behind a transmission moves with
+    /// the device.
     #[must_use]
     pub fn moving(device: [f64; 2], hand: [f64; 2]) -> Self {
         let mut state = Self::from_array([0.0; N]);
@@ -54,7 +53,7 @@ impl<const N: usize> TrainState<N> {
     /// Index of the last pair of angle and velocity.
     const LAST_PAIR: usize = (N / 2 - 1) * 2;
 
-    /// Angle and velocity of the last pair, that of the hand if there is one.
+    /// Angle and velocity of the last body in the state, which is the hand if there is one.
     #[inline(always)]
     pub(super) fn hand(&self) -> [f64; 2] {
         [self.z[Self::LAST_PAIR], self.z[Self::LAST_PAIR + 1]]

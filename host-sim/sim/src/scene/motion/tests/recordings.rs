@@ -252,8 +252,8 @@ fn a_recording_replaces_a_scenes_motion() {
     assert_eq!(message, format!("{option}: {expected}"));
 }
 
-/// Tests a real recording of a hand on a paddle: 15.2 s at 200 Hz, sensor step 0.049°. The file is not part of the project; without
-/// it the test passes.
+/// Tests a real recording of a hand on a paddle: 15.2 s at 200 Hz, sensor step 0.049°. The recording is not part of the repository;
+/// the test passes without it.
 #[test]
 fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -292,7 +292,7 @@ fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
     assert!(rms < 0.5_f64.to_radians(), "rms {} deg", rms.to_degrees());
 
-    // No step of the sensor is left: between ticks the slope never turns faster than the low-pass allows. A record
+    // No step of the sensor is left: the slope never changes faster than the low-pass allows. A record
     // that spans S and passes a Gaussian of standard deviation σ has no second derivative above S/2 · 0.968/σ² (the
     // Gaussian's own variation).
     let sigma = 2.0_f64.ln().sqrt() / (std::f64::consts::TAU * SMOOTHING_HZ);

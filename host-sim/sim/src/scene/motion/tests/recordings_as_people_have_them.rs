@@ -1,5 +1,5 @@
-//! Tests of recordings in the forms that users have. Some must read the same, some are refused with the line, some get a warning
-//! with the suspicious number.
+//! Tests of recordings in the file forms that users have. Some forms must read alike, some are refused with the line, and some get
+//! a warning that quotes the suspicious number.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -12,8 +12,8 @@ fn motion(scene: &Scene) -> RestPath {
     RestPath::from_scene(scene).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Angle and speed of the device every 0.1 ms, with or without an ideal spring wall in continuous time, integrated by Runge-Kutta.
-/// The code is independent of the program's plant, so that it can check it.
+/// Simulates device and hand by Runge-Kutta, with or without an ideal spring wall, and returns time, angle and speed every 0.1 ms.
+/// The code does not use the program's plant model, so that the tests can check that model.
 fn simulate(scene: &Scene, wall: bool) -> Vec<(f64, f64, f64)> {
     let motion = motion(scene);
     let hand: Hand = scene.operator.hand().expect("a hand");
