@@ -168,4 +168,75 @@ pub const KNOWN: &[Known] = &[
 ];
 
 /// Faults that a board does not find in at least one cell in which the hand gets more than the guard's bound.
-pub const UNFOUND: &[(Board, &[&str])] = &[];
+pub const UNFOUND: &[(Board, &[&str])] = &[
+    (
+        Board::NucleoG474re,
+        &["encoder 3 ticks late", "magnet loose by 1 degree"],
+    ),
+    (
+        Board::BG431bEsc1,
+        &[
+            "phases one on",
+            "magnet creeps, a count in 4 ms",
+            "sensor B stays at rest",
+            "sensor B frozen",
+            "encoder 3 ticks late",
+            "magnet loose by 10 degrees",
+            "encoder 10 ticks late",
+            "sensor B off by a quarter of the trip current",
+            "encoder counts half",
+            "phase A open",
+            "sensor A frozen",
+            "phase B open",
+            "phases A, B exchanged",
+            "phase C open",
+            "sensor A stays at rest",
+            "magnet loose by 1 degree",
+            "phases B, C exchanged",
+            "encoder counts backwards",
+        ],
+    ),
+    (
+        Board::NucleoG474reIhm16m1,
+        &[
+            "encoder 10 ticks late",
+            "encoder 3 ticks late",
+            "magnet loose by 10 degrees",
+            "magnet slips by 180 degrees in 0.2 s",
+            "electrical angle wrong by 180 degrees",
+        ],
+    ),
+    (
+        Board::NucleoG474reSimplefocMini,
+        &[
+            "magnet slips by 180 degrees in 0.2 s",
+            "electrical angle wrong by 180 degrees",
+            "magnet slips by 360 degrees in 1 s",
+            "encoder 10 ticks late",
+            "electrical angle wrong by 120 degrees",
+            "magnet slips by -120 degrees in 0.2 s",
+            "magnet slips by 120 degrees in 0.2 s",
+            "phases one on",
+            "magnet loose by 10 degrees",
+            "encoder 3 ticks late",
+        ],
+    ),
+    (
+        Board::NucleoG431rbIhm16m1,
+        &[
+            "magnet slips by 120 degrees in 0.2 s",
+            "electrical angle wrong by 120 degrees",
+            "phases one on",
+            "encoder 10 ticks late",
+            "encoder 3 ticks late",
+            "sensor B stays at rest",
+            "sensor A stays at rest",
+            "sensor A frozen",
+            "sensor B frozen",
+            "magnet loose by 10 degrees",
+            "magnet slips by 180 degrees in 0.2 s",
+            "electrical angle wrong by 180 degrees",
+            "magnet creeps, a count in 4 ms",
+        ],
+    ),
+];

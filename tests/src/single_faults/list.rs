@@ -129,6 +129,7 @@ impl Fault {
 const REFUSED: Same = Same::Everywhere(
     "an armed board refuses it, and a ready one uses it only after its next calibration",
 );
+const ARMED: Same = Same::Somewhere("an armed board refuses it");
 const NO_CURRENT: Same = Same::Somewhere("the phase carries no current there");
 const NO_COUNT: Same = Same::Somewhere("it is less than a count there, or the bit is so anyway");
 
@@ -170,7 +171,7 @@ pub const FAULTS: &[Fault] = &[
         "second reading missing in every 10th tick",
         E::SecondEvery(10),
     ),
-    encoder("second reading frozen", E::SecondFrozen),
+    encoder("second reading frozen", E::SecondFrozen).same(NO_COUNT),
     encoder("second reading a tick late", E::SecondOld),
     encoder("second reading the first again", E::SecondSame),
     magnet("magnet slips by 30 degrees at once", 30.0, 1),
@@ -295,10 +296,10 @@ pub const FAULTS: &[Fault] = &[
     host("computer silent", Host::Silent),
     host("settings without sense", Host::Garbage).same(REFUSED),
     host("settings of another knob", Host::Others).same(REFUSED),
-    host("arm in every tick", Host::Arms).same(Same::Everywhere("it is armed already")),
+    host("arm in every tick", Host::Arms).same(ARMED),
     host("disarm and arm, every 10 ms", Host::ArmsAgain),
-    host("calibrate in every tick", Host::Calibrates).same(REFUSED),
-    host("zero in every tick", Host::Zeros).same(REFUSED),
+    host("calibrate in every tick", Host::Calibrates).same(ARMED),
+    host("zero in every tick", Host::Zeros).same(ARMED),
     host("environment changes every 40 ms", Host::Environment),
     memory("stored settings damaged", Memory::Damaged),
     memory(
