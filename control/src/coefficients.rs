@@ -5,7 +5,7 @@
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate};
 use crate::filter::VirtualMass;
-use crate::law::{Augmentation, EnhancedSfa, Fba, Sfa, Spring, Tdpa};
+use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa};
 use crate::quotient::over;
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
@@ -31,13 +31,7 @@ impl<N: Number> Common<N> {
         settings.validate()?;
         Ok(Self {
             desired: stiffness(Field::KDesired, settings.k_desired)?,
-            limit: N::signal(settings.force_limit).map(Force).ok_or(
-                SettingsError::OutOfFormat {
-                    field: Field::ForceLimit,
-                    value: settings.force_limit,
-                    format: N::NAME,
-                },
-            )?,
+            limit: largest_force(settings)?,
             energy_cap: energy_cap::<N>(),
         })
     }
@@ -163,6 +157,17 @@ impl<N: Number> Common<N> {
     }
 }
 
+/// Largest force that a law commands.
+pub(crate) fn largest_force<N: Number>(settings: &Settings) -> Result<Force<N>, SettingsError> {
+    N::signal(settings.force_limit)
+        .map(Force)
+        .ok_or(SettingsError::OutOfFormat {
+            field: Field::ForceLimit,
+            value: settings.force_limit,
+            format: N::NAME,
+        })
+}
+
 /// Virtual damping per tick in N·m/rad: the damping `B` over the control period `T`.
 fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let per_tick = settings.derived().virtual_damping_per_tick;
@@ -175,6 +180,37 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
     stiffness(Field::VirtualDamping, whole.saturating_mul(share))
+}
+
+/// Shortest time outside a wall after which an entry is a new touch, as a rate in Hz: 20 ms. Noise and chatter at the surface are
+/// faster.
+const APART_HZ: u32 = 50;
+
+impl<N: Number> Impact<N> {
+    /// The pulse at the touch, for validated settings; `None` if they have none.
+    ///
+    /// # Errors
+    /// The pulse or the force limit does not fit the number format.
+    pub fn pulse_of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
+        let share = settings.impact.momentum;
+        if share == Si::ZERO {
+            return Ok(None);
+        }
+        let rate = Si::saturating_from_num(settings.rate_hz);
+        let inertia = settings.estimator.inertia;
+        let inertia_per_tick2 = inertia.saturating_mul(rate).saturating_mul(rate);
+        let apart = (settings.rate_hz / APART_HZ).clamp(1, u32::from(u16::MAX)) as u16;
+        Ok(Some(Self {
+            brake: stiffness(
+                Field::ImpactMomentum,
+                share.saturating_mul(inertia_per_tick2),
+            )?,
+            limit: largest_force(settings)?,
+            apart,
+            left: Force::zero(),
+            outside: apart,
+        }))
+    }
 }
 
 /// A fraction divided by the soft stiffness `k_v`, as a compliance in rad/(N·m).

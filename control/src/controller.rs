@@ -5,8 +5,8 @@ use crate::choices::{LawKind, OffsetUpdate, StatesKind};
 use crate::coefficients::{Common, soft_damper};
 use crate::estimator::EstimatorState;
 use crate::law::{
-    Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Law, Sample, Sfa, SfaState,
-    Spring, SpringState, Tdpa, TdpaState, View,
+    Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Impact, Law, Sample, Sfa,
+    SfaState, Spring, SpringState, Tdpa, TdpaState, View,
 };
 use crate::settings::Settings;
 use crate::validate::SettingsError;
@@ -116,6 +116,8 @@ pub struct Controller<N: Number> {
     pub law: AnyLaw<N>,
     /// The stage before the law, which gives position and velocity: measured or estimated.
     pub states: States<N>,
+    /// The pulse that is added to the law's force at the touch; `None` if the settings have none.
+    pub impact: Option<Impact<N>>,
     /// The energy guard after the law; `None` if the settings switch it off.
     pub guard: Option<Guarded<N>>,
     /// The force commanded at the last tick, as changed by later stages such as a current limit.
@@ -138,7 +140,9 @@ impl<N: Number> Controller<N> {
             None
         };
         let law = AnyLaw::new(settings)?;
-        Ok(Self::of_parts(law, states, guard))
+        let mut controller = Self::of_parts(law, states, guard);
+        controller.impact = Impact::pulse_of(settings)?;
+        Ok(controller)
     }
 
     /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings.
@@ -147,6 +151,7 @@ impl<N: Number> Controller<N> {
         Self {
             law,
             states,
+            impact: None,
             guard,
             commanded: Force::zero(),
         }
@@ -190,7 +195,11 @@ impl<N: Number> Controller<N> {
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
-        let wanted = self.law.tick(self.states.sample(e));
+        let sample = self.states.sample(e);
+        let mut wanted = self.law.tick(sample);
+        if let Some(impact) = &mut self.impact {
+            wanted = impact.with_pulse(sample, wanted);
+        }
         let force = match &mut self.guard {
             None => wanted,
             Some(guard) => guard.tick(e, at_change, wanted),

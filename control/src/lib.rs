@@ -3,7 +3,7 @@
 //! One tick (control period) has these steps, the same in firmware, simulator and proofs:
 //!
 //! ```text
-//! sample -> penetration -> states -> observer -> law -> saturation -> command
+//! encoder count -> penetration -> states -> law -> pulse at the touch -> guard -> command
 //! ```
 //!
 //! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual mass,

@@ -138,6 +138,11 @@ macro_rules! law_settings {
                 VelocityWindow window_s, window_s: number("0", "1") = "0.015", "s",
                     "the longest window of an adaptive one (at most 16 ticks)";
             }
+            /// The pulse at the touch: a short torque that takes the device's momentum away when it enters a wall.
+            impact ImpactSettings {
+                ImpactMomentum momentum, share_of_momentum: number("0", "2") = "1", "",
+                    "the share of the estimator inertia's momentum that a pulse takes away at the touch (0: no pulse)";
+            }
         }
     };
 }
@@ -170,6 +175,8 @@ macro_rules! thesis_settings {
             // Far above the bound k_v T/2 = 4e-4. It sets how fast the mass follows the hand (12 ms with this k_f), and so how
             // steady it is.
             (law filter) ground_damping, ground_damping_n_m_s_per_rad = "0.01";
+            // The thesis has no pulse at the touch.
+            (law impact) momentum, share_of_momentum = "0";
         }
     };
 }

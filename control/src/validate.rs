@@ -348,6 +348,7 @@ impl Settings {
         self.estimator.check_ranges()?;
         self.guard.check_ranges()?;
         self.velocity.check_ranges()?;
+        self.impact.check_ranges()?;
         if self.law == LawKind::SpringDamper {
             self.velocity.validate(self.rate_hz)?;
         }

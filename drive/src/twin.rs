@@ -21,9 +21,10 @@ const FINDS_IN: u32 = 500;
 /// How much the model knows of the memory that the device's control law has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// The whole memory: the model has run since the device was armed.
+    /// The law's whole memory: the model has run since the device was armed.
     All,
-    /// Too little to compare forces; holds the number of control periods outside the wall so far.
+    /// Too little of the law's memory for a comparison of forces. Holds the number of control periods that the knob has been
+    /// outside the wall.
     Little(u32),
 }
 

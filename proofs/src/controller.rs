@@ -1,11 +1,11 @@
-//! The controller around a law: a tick is the law and then the energy guard, for any law. The controller keeps the force that later
-//! stages report to it.
+//! The controller around a law: a tick is the law, the pulse at the touch and then the energy guard, for any law. The controller
+//! keeps the force that later stages report to it.
 //!
 //! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
 //! value.
 //!
 //! ```text
-//! f = guard(law(e, e - e(n-1)))                p11_controller_tick
+//! f = guard(pulse(law(e, e - e(n-1))))         p11_controller_tick
 //! reported f: f(n-1) = f, in the guard too     p11_controller_told
 //! resumed: memory new, B' = min(B, C')         p7_controller_resumes
 //! built: law, guard if switched on, f = 0      p8_controller_made
@@ -16,7 +16,7 @@ use crate::source::{Source, one_with};
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
 use crate::{assume, cover, replaced_property};
-use touchstone_control::law::{Law, Sample, Spring, SpringState};
+use touchstone_control::law::{Impact, Law, Sample, Spring, SpringState};
 use touchstone_control::{
     AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Number, Settings, Si, States,
     StatesKind, Stiffness,
@@ -81,9 +81,21 @@ pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState
     core::mem::swap(&mut state.force, &mut state.older);
 }
 
-/// A controller with any spring, any last sample, any guard or none, and any last force.
+/// A pulse at the touch with any memory.
+fn any_pulse<S: Source>(s: &mut S) -> Impact<N> {
+    Impact {
+        brake: N::any_stiffness(s),
+        limit: N::any_force(s),
+        apart: s.bits(2) as u16,
+        left: N::any_force(s),
+        outside: s.bits(2) as u16,
+    }
+}
+
+/// A controller with any spring, any pulse at the touch or none, any last sample, any guard or none, and any last force.
 fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
     let mut wall = plain::<N>();
+    wall.impact = s.bool().then(|| any_pulse(s));
     let law = one_with(s, <Spring<N> as Valid<N>>::any, Spring::valid);
     wall.law = AnyLaw::Spring(law, <Spring<N> as Valid<N>>::any_state(s));
     wall.commanded(N::any_force(s));
@@ -97,10 +109,10 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
 }
 
 controller_property! {
-    /// P11 (refinement): a tick runs the law on the penetration and its change, and then the guard on what was measured and on the
-    /// force that the law requests.
-    equation "f = guard(e, at_change, law(e, e - e(n-1)))"
-    over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
+    /// P11 (refinement): a tick is the law, with the penetration and its change, then the pulse at the touch, and then the guard, with
+    /// what was measured and the force that law and pulse request.
+    equation "f = guard(e, at_change, pulse(law(e, e - e(n-1))))"
+    over "spring, pulse or none, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
     by minisat fn p11_controller_tick(s) {
         let before = any_wall(s);
         assume!(s, cfg!(kani) || before.guard.as_ref().is_none_or(stage_holds), "Guard::new; invariant, kept by p1_account_stays, p4_overspeed and p9_no_way_uncounted");
@@ -114,7 +126,12 @@ controller_property! {
             None => wall.tick(e),
             Some(_) => wall.tick_with_change(e, at_change),
         };
-        let wanted = law.tick(&mut state, Sample { e, moved: e - last });
+        let sample = Sample { e, moved: e - last };
+        let mut wanted = law.tick(&mut state, sample);
+        let mut impact = before.impact;
+        if let Some(impact) = &mut impact {
+            wanted = impact.with_pulse(sample, wanted);
+        }
         let mut guard = before.guard;
         let force = match &mut guard {
             Some(guard) => guard.tick(e, at_change, wanted),
@@ -123,6 +140,7 @@ controller_property! {
         assert!(shown == force && wall.last_commanded() == force);
         assert!(wall.law == AnyLaw::Spring(law, state) && wall.view() == law.view(&state));
         assert!(wall.guard == guard && wall.states == States::Measured { last: e });
+        assert!(wall.impact == impact);
         assert!(wall.tripped() == guard.is_some_and(|guard| guard.tripped));
         cover!(s, guard.is_some() && force != Force::zero(), "a force, guarded");
         cover!(s, guard.is_none() && force != Force::zero(), "a force, not guarded");
@@ -145,7 +163,7 @@ controller_property! {
         let before = wall;
         wall.commanded(told);
         assert!(wall.last_commanded() == told && wall.guard == guard);
-        assert!(wall.law == before.law && wall.states == before.states);
+        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact);
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
@@ -163,7 +181,7 @@ controller_property! {
         let before = wall;
         wall.switched_off();
         assert!(wall.last_commanded() == Force::zero() && wall.guard == guard);
-        assert!(wall.law == before.law && wall.states == before.states);
+        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact);
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
@@ -238,9 +256,9 @@ pub fn guard_made<N: Number>(
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8 (settings): with measured positions, a new controller consists of the law of its settings and, if switched on, the guard
-    /// of its settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
-    equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
+    /// P8 (settings): with measured states, a controller consists of the law, the pulse and, if switched on, the guard of its
+    /// settings, and commands no force. It is refused if one of them is refused, and for no other reason.
+    equation "Controller(s) = (law(s), pulse(s), guard(s) where on, f = 0)"
     over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
     by cadical fn p8_controller_made(s) {
         let mut settings = Settings {
@@ -257,11 +275,12 @@ replaced_property! {
         let law = AnyLaw::<Fixed32>::new(&settings);
         let guard = Guard::<Fixed32>::new(&settings.guard, &settings.guarded_device());
         let guard = settings.guard.on.then_some(guard).transpose();
-        assert!(found.is_err() == (law.is_err() || guard.is_err()));
+        let impact = Impact::<Fixed32>::pulse_of(&settings);
+        assert!(found.is_err() == (law.is_err() || guard.is_err() || impact.is_err()));
         cover!(s, law.is_err(), "no law");
         cover!(s, guard.is_err(), "no guard");
-        if let (Ok(found), Ok(law), Ok(guard)) = (found, law, guard) {
-            assert!(found.law == law && found.guard == guard.map(Guarded::new));
+        if let (Ok(found), Ok(law), Ok(guard), Ok(impact)) = (found, law, guard, impact) {
+            assert!(found.impact == impact && found.law == law && found.guard == guard.map(Guarded::new));
             assert!(found.states == States::default() && found.last_commanded() == Force::zero());
             cover!(s, found.guard.is_some(), "with a guard");
             cover!(s, found.guard.is_none(), "without one");

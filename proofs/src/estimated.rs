@@ -3,8 +3,8 @@
 //!
 //! Each product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
 //! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the
-//! weights that settings give. `x`, `d`, `g` are position, displacement per tick and push, `f` the commands, `e` the measured
-//! position.
+//! weights that settings give. `x`, `d`, `g` are position, displacement per tick and the hand's push (an acceleration), `f` the
+//! commands, `e` the measured position.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead

@@ -55,8 +55,9 @@ fn times(weight: i32, limit: i64) -> i64 {
     i64::from(weight) * limit
 }
 
-/// Whether a prediction over up to `ticks` ticks is bounded: its weights of displacement and push are at most the time, and damping
-/// takes at most all of the motion. All commands at the limit together change position or displacement by less than 2 rad per tick.
+/// Whether a prediction over up to `ticks` ticks is bounded: its weights of the displacement and of the hand's push are at most the
+/// time, and damping takes at most all of the motion. All commands at the limit together change position or displacement by less
+/// than 2 rad per tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
     let most = 2 * RAD * i64::from(ticks);
@@ -115,7 +116,8 @@ pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     }
 }
 
-/// The invariant of an estimated motion: position within 136 rad, displacement below 4 rad per tick, push below 4 rad per tick².
+/// The invariant of an estimated motion: position within 136 rad, displacement below 4 rad per tick, the hand's push (an
+/// acceleration) below 4 rad per tick².
 pub fn holds(motion: &EstimatedMotion<N>) -> bool {
     motion.position.0.unsigned_abs() <= 136 * RAD.unsigned_abs()
         && motion.moved.within(2)
@@ -194,8 +196,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P2 (rounding): at rest the state does not change, and the result is the measured position. At rest means: measured as
-    /// expected, and no push or command.
+    /// P2 (rounding): at rest the state does not change, and the result is the measured position. At rest means: the measured
+    /// position equals the predicted one, the hand does not push, and no force is commanded.
     equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
     over "weights as settings give them, measured position"
     by minisat fn p2_rest_stays32(s) {

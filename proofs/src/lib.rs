@@ -49,6 +49,7 @@ pub mod format;
 pub mod functions;
 pub mod guard;
 pub mod heart;
+pub mod impact;
 pub mod multiplied;
 pub mod objects;
 pub mod offset;

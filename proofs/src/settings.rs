@@ -10,7 +10,7 @@ use crate::format::Format;
 use crate::valid::Valid;
 use crate::{cover, property};
 use touchstone_control::law::{EnhancedState, FbaState, SfaState, SpringState, TdpaState};
-use touchstone_control::{AnyLaw, Controller, Fixed32, Number, Si};
+use touchstone_control::{AnyLaw, Controller, Fixed32, Force, Number, Si, Stiffness};
 
 property! {
     /// P8 (settings): the absolute value of a setting's bits is shifted to the format, which rounds towards zero, and its sign is kept. A
@@ -67,6 +67,10 @@ pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
     if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {
         return false;
     }
+    let pulse = controller.impact.as_ref();
+    if pulse.is_some_and(|it| it.brake < Stiffness::zero() || it.limit < Force::zero()) {
+        return false;
+    }
     match &controller.law {
         AnyLaw::Spring(law, state) => law.valid() && law.holds(state),
         AnyLaw::Damped(law, state) => law.spring.valid() && law.spring.holds(&state.spring),
@@ -95,8 +99,9 @@ mod tests {
     use crate::source::{Sampler, Source, sample};
     use touchstone_control::{
         ChangeOfForce, Choice as _, EstimatorSettings, Field, FilterSettings, FirstContact, Fixed8,
-        Fixed16, GuardSettings, IdealStep, LawKind, ObserverForm, OffsetUpdate, PositionSettings,
-        Regulate, Settings, SettingsError, States, StatesKind, VelocityKind, VelocitySettings,
+        Fixed16, GuardSettings, IdealStep, ImpactSettings, LawKind, ObserverForm, OffsetUpdate,
+        PositionSettings, Regulate, Settings, SettingsError, States, StatesKind, VelocityKind,
+        VelocitySettings,
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
@@ -172,6 +177,9 @@ mod tests {
                 from: VelocityKind::ALL[s.bits(3) as usize % VelocityKind::ALL.len()],
                 bandwidth_hz: pick(s, base.velocity.bandwidth_hz),
                 window_s: pick(s, base.velocity.window_s),
+            },
+            impact: ImpactSettings {
+                momentum: pick(s, Si::ONE),
             },
             position: PositionSettings::of_counts_per_rev(s.u32() >> s.bits(5)),
         }

@@ -4,7 +4,7 @@ use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. It rises with each change that an older desktop or device would misread.
-pub const PROTOCOL_VERSION: u16 = 8;
+pub const PROTOCOL_VERSION: u16 = 9;
 
 /// A request with a number that its answer repeats.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,13 +2,11 @@
 //!
 //! ```text
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
-//! layout version u16 | postcard of DeviceSettings | postcard of Surround | CRC-32 of all before
-//! layout version u16 | postcard of DeviceSettings | postcard of Surround | postcard of KeptStart | CRC-32 of all before
-//! layout version u16 | the same | postcard of the cogging map, if one is stored | CRC-32 of all before
+//! layout version u16 | postcard of DeviceSettings, Surround, KeptStart and the cogging map, if one is stored | CRC-32 of all before
 //! ```
 //!
-//! Boards with room for an environment (more walls, end stops, detents) write the last form. They also read the other forms; what
-//! such a form leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
+//! Boards with room for an environment (more walls, end stops, detents) write the second form. They also read the first; what it
+//! leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
 //!
 //! `flash.rs` decides where the image lies and how it survives a cut of power. An image is refused if it is incomplete, of an
 //! unknown layout, or not valid. The device then uses the defaults and latches `SettingsInvalid`. An image is never used in part.
@@ -18,29 +16,20 @@ use crate::frame::{PAYLOAD_MAX, crc_of};
 #[cfg(feature = "large")]
 use crate::settings::cogging::KeptCogging;
 #[cfg(feature = "large")]
-use crate::settings::environment::{Surround, WithoutProfile};
+use crate::settings::environment::Surround;
 #[cfg(feature = "large")]
 use crate::settings::kept::KeptStart;
 use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout. It must rise when the fields of [`DeviceSettings`], their order or their meaning change.
 pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
-    8
+    10
 } else {
     WALL_ALONE
 };
 
 /// Layout version without an environment (further walls, end stops, detents), which boards without room for one write.
-const WALL_ALONE: u16 = 4;
-
-/// Older layout version with an environment (further walls, end stops, detents) but no data for the next start.
-const NOTHING_KEPT: u16 = 5;
-
-/// Older layout version with data for the next start but no map of the motor's cogging.
-const NO_MAP: u16 = 6;
-
-/// Older layout version with a cogging map, whose environment has no torque profile.
-const NO_PROFILE: u16 = 7;
+const WALL_ALONE: u16 = 9;
 
 /// Longest image of the settings in flash, in bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
@@ -151,9 +140,7 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
 
 /// Whether this program can read an image with this layout version.
 pub(crate) const fn is_readable(version: u16) -> bool {
-    version == LAYOUT_VERSION
-        || version == WALL_ALONE
-        || (cfg!(feature = "large") && matches!(version, NOTHING_KEPT | NO_MAP | NO_PROFILE))
+    version == LAYOUT_VERSION || version == WALL_ALONE
 }
 
 /// Checks the CRC of an image and returns its layout version and its content.
@@ -177,17 +164,11 @@ fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
 pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
     use crate::frame::message;
     let (version, content) = content(image)?;
-    let (none, wall) = (KeptStart::default(), Surround::default());
     type Read = (DeviceSettings, Surround, KeptStart, Option<KeptCogging>);
     let read: Option<Read> = match version {
-        WALL_ALONE => message(content).map(|it| (it, wall, none, None)),
-        NOTHING_KEPT => message(content)
-            .map(|(it, around): (_, WithoutProfile)| (it, around.into(), none, None)),
-        NO_MAP => message(content)
-            .map(|(it, around, kept): (_, WithoutProfile, _)| (it, around.into(), kept, None)),
-        NO_PROFILE => message(content).map(|(it, around, kept, map): (_, WithoutProfile, _, _)| {
-            (it, around.into(), kept, map)
-        }),
+        WALL_ALONE => {
+            message(content).map(|it| (it, Surround::default(), KeptStart::default(), None))
+        }
         _ => message(content),
     };
     let (settings, environment, kept, cogging) = read.ok_or(Refused::Damaged)?;

@@ -179,49 +179,18 @@ fn sealed(content: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn the_layouts_before_are_read_with_nothing_kept() {
+fn the_layout_of_a_board_without_an_environment_is_read_with_nothing_kept() {
     let mut buffer = [0; IMAGE_MAX];
-    let around = Surround {
-        first_wall: false,
-        ..Surround::default()
-    };
-    // An environment as it was before it could have a profile.
-    let before = (
-        around.first_wall,
-        around.further,
-        around.endstops,
-        around.detents,
-        around.change_n_m_per_s,
-    );
-    let (of_4, of_5) = (settings(4), (settings(5), before));
-    let of_6 = (settings(6), before, kept(6));
-    let of_7 = (settings(7), before, kept(7), None::<KeptCogging>);
-    for (layout, content, settings, around) in [
-        (
-            4_u16,
-            postcard(&of_4, &mut buffer),
-            of_4.clone(),
-            Surround::default(),
-        ),
-        (5, postcard(&of_5, &mut buffer), of_5.0.clone(), around),
-        (6, postcard(&of_6, &mut buffer), of_6.0.clone(), around),
-        (7, postcard(&of_7, &mut buffer), of_7.0.clone(), around),
-    ] {
-        let image = sealed(&[&layout.to_le_bytes()[..], &content].concat());
-        let mut flash = Flash::erased(PAGES);
-        let pages = flash.range();
-        flash::save(&mut flash, pages, &image).expect("room");
-        let start = load(&mut flash);
-        assert_eq!(start.refused, None, "layout {layout}");
-        assert_eq!(start.settings, settings);
-        assert_eq!(start.environment, around);
-        let expected = match layout {
-            6 => of_6.2,
-            7 => of_7.2,
-            _ => KeptStart::default(),
-        };
-        assert_eq!((start.kept, start.cogging), (expected, None));
-    }
+    let content = postcard(&settings(4), &mut buffer);
+    let image = sealed(&[&9_u16.to_le_bytes()[..], &content].concat());
+    let mut flash = Flash::erased(PAGES);
+    let pages = flash.range();
+    flash::save(&mut flash, pages, &image).expect("room");
+    let start = load(&mut flash);
+    assert_eq!(start.refused, None);
+    assert_eq!(start.settings, settings(4));
+    assert_eq!(start.environment, Surround::default());
+    assert_eq!((start.kept, start.cogging), (KeptStart::default(), None));
 }
 
 /// Checks that the longest possible environment (all walls and detents, each number as long as it can be) fits the room of

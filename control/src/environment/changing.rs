@@ -83,7 +83,7 @@ impl<N: Number> Environment<N> {
     ) {
         let mut places = self.walls.iter_mut().flatten();
         if let Some(place) = places.find(|place| place.wall == *wall) {
-            (place.states, place.law) = (before.states, before.law);
+            (place.states, place.law, place.impact) = (before.states, before.law, before.impact);
         }
         self.guard = before.guard;
         self.last = Some(at.on_steps(self.step));

@@ -34,12 +34,11 @@ pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
 pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 
+use crate::coefficients::largest_force;
 use crate::controller::Controller;
 use crate::guard::quantum;
-use crate::law::{Contact, View};
-use crate::{
-    AnyLaw, Field, Force, Guard, Guarded, Number, Position, Settings, SettingsError, Si, States,
-};
+use crate::law::{Contact, Impact, View};
+use crate::{AnyLaw, Force, Guard, Guarded, Number, Position, Settings, Si, States};
 
 /// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
@@ -65,6 +64,7 @@ struct Walled<N: Number> {
     reached: Reached,
     states: States<N>,
     law: AnyLaw<N>,
+    impact: Option<Impact<N>>,
 }
 
 impl<N: Number> Walled<N> {
@@ -73,6 +73,9 @@ impl<N: Number> Walled<N> {
     fn forget(&mut self) {
         self.states.forget();
         self.law.forget();
+        if let Some(impact) = &mut self.impact {
+            impact.forget_touch();
+        }
     }
 }
 
@@ -121,13 +124,7 @@ impl<N: Number> Environment<N> {
             walls: [None; MOST_WALLS],
             detents: None,
             profile: None,
-            limit: Force(N::signal(settings.force_limit).ok_or(Refused::Law(
-                SettingsError::OutOfFormat {
-                    field: Field::ForceLimit,
-                    value: settings.force_limit,
-                    format: N::NAME,
-                },
-            ))?),
+            limit: largest_force(settings).map_err(Refused::Law)?,
             guard: None,
             step: quantum::<N>(),
             last: None,
@@ -143,6 +140,7 @@ impl<N: Number> Environment<N> {
             environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
         }
         let slots = environment.walls.iter_mut();
+        let pulse = Impact::pulse_of(settings).map_err(Refused::Law)?;
         // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
         // from the last one.
         let mut last: Option<Walled<N>> = None;
@@ -166,6 +164,7 @@ impl<N: Number> Environment<N> {
                 reached: wall.face.reached(),
                 states,
                 law,
+                impact: pulse,
             });
             *slot = last;
         }
@@ -224,11 +223,19 @@ impl<N: Number> Environment<N> {
                 continue;
             }
             let Walled {
-                wall, states, law, ..
+                wall,
+                states,
+                law,
+                impact,
+                ..
             } = wall;
             let side = wall.face.side;
             states.commanded(side.seen(commanded));
-            let force = law.tick(states.sample(e));
+            let sample = states.sample(e);
+            let mut force = law.tick(sample);
+            if let Some(impact) = impact {
+                force = impact.with_pulse(sample, force);
+            }
             wanted = wanted + side.seen(force);
         }
         if self.carried.is_some() {

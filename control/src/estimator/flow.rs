@@ -1,5 +1,5 @@
-//! The motion of the modelled device over a time span. It is a weighted sum of the position, velocity and push at the start and of
-//! the commanded torques.
+//! The motion of the modelled device over a time span. It is a weighted sum of the position, velocity and the hand's push (an
+//! acceleration) at the start, and of the commanded torques.
 
 use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;

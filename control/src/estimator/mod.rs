@@ -38,7 +38,8 @@ use crate::law::Sample;
 use crate::number::{Exact, Wide as _};
 use crate::{Force, Number, Position};
 
-/// The leading digits of an estimator's state (position, velocity or push): a short number that can be multiplied fast.
+/// The leading digits of an estimator's state (position, velocity, or the hand's push as an acceleration): a short number that can
+/// be multiplied fast.
 pub type Part<N> = <<N as Number>::Wide as crate::number::Wide>::Part;
 /// The type of the coefficients with which the leading digits of an estimator's state are multiplied.
 pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
@@ -50,13 +51,14 @@ pub struct Estimator<N: Number> {
     pub tick: Flow<N, TAPS>,
     /// The modelled motion from a sample to the time at which the command that follows it begins to act.
     pub ahead: Flow<N, UNDER_WAY>,
-    /// Gains by which the error of the expected position corrects position, displacement per tick, and push (`α`, `β`, `γ`).
+    /// Gains `α`, `β`, `γ` of the difference between measured and predicted position. They correct the estimates of position,
+    /// displacement per tick, and the hand's push (as an acceleration).
     pub correction: [Weight<N>; 3],
     /// Largest force that the estimator accepts as a command; a larger one is limited to it.
     pub limit: Force<N>,
 }
 
-/// Estimated position, velocity and push of the hand, each with more digits than a position has elsewhere.
+/// Estimated position, velocity and acceleration by the hand's push, each with more digits than a position has elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatedMotion<N: Number> {
     /// Estimated penetration, rad.

@@ -138,8 +138,9 @@ impl EstimatorSettings {
 }
 
 impl DeviceInTicks {
-    /// The gains `α`, `β`, `γ` for position, displacement per tick and push that put all three poles of the estimator's error at
-    /// `exp(-angle)`. `None` where one gain does not fit its format.
+    /// The gains `α`, `β`, `γ` with which the difference of measured and predicted position corrects position, displacement per
+    /// tick and the hand's push. They put all three poles of the estimator's error at `exp(-angle)`. `None` where one gain does not
+    /// fit its format.
     pub fn correction<N: Number>(&self, angle: Exact) -> Option<[Weight<N>; 3]> {
         let fast = approach(angle);
         let pole = Exact::ONE.saturating_sub(fast);

@@ -7,6 +7,7 @@
 mod damped;
 mod enhanced;
 mod fba;
+mod impact;
 mod sfa;
 mod spring;
 mod tdpa;
@@ -14,6 +15,7 @@ mod tdpa;
 pub use damped::{Damped, DampedState};
 pub use enhanced::{Augmentation, Augmented, EnhancedSfa, EnhancedState};
 pub use fba::{Fba, FbaState};
+pub use impact::Impact;
 pub use sfa::{Sfa, SfaState};
 pub use spring::{Spring, SpringState};
 pub use tdpa::{Tdpa, TdpaState};

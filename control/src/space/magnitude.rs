@@ -10,12 +10,15 @@ use super::scalar::Along;
 use super::touch::{Touch, Track};
 use super::vector::Vector;
 use crate::Force;
+use crate::law::Impact;
 
 /// A law of one degree of freedom that acts along the surface's normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitude<N: Spatial, L> {
     /// The law with its memory.
     pub law: L,
+    /// The pulse that is added to the law's force at the touch; `None` for none.
+    pub impact: Option<Impact<N>>,
     track: Track<N>,
 }
 
@@ -24,14 +27,25 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
     pub fn new(law: L) -> Self {
         Self {
             law,
+            impact: None,
             track: Track::default(),
         }
+    }
+
+    /// This law with a pulse at the touch.
+    #[must_use]
+    pub fn with_impact(self, impact: Option<Impact<N>>) -> Self {
+        Self { impact, ..self }
     }
 
     /// Runs one control period; returns the force on the hand's point (HIP).
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
-        let force = self.law.tick(self.track.sample(touch));
+        let sample = self.track.sample(touch);
+        let mut force = self.law.tick(sample);
+        if let Some(impact) = &mut self.impact {
+            force = impact.with_pulse(sample, force);
+        }
         self.track.keep(touch);
         touch.normal.times_force(force)
     }

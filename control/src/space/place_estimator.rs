@@ -2,9 +2,10 @@
 //! each Cartesian axis.
 //!
 //! It works along the axes of space and not along the normal, because the model is linear there: `M dv/dt = F - b v + M h` (mass,
-//! velocity, force, damping, push of the hand) holds for any object. Along a normal that turns with radius `R`, depth and velocity
-//! would change without any force, by `v²/R`, and the commands that are not yet in effect would have to be turned too. When the HIP
-//! goes from one face to another, the state would change its coordinate. `docs/three-axes.md` compares the two choices.
+//! velocity, force, damping, the hand's push as an acceleration) holds for any object. Along a normal that turns with radius `R`,
+//! depth and velocity would change without any force, by `v²/R`, and the commands that are not yet in effect would have to be
+//! turned too. When the HIP goes from one face to another, the state would change its coordinate. `docs/three-axes.md` compares the
+//! two choices.
 //!
 //! Each axis uses [`crate::Estimator`] unchanged, with `-x` for its penetration, so that a force along `x` pushes out. So on a
 //! plane across an axis through the origin, a wall of three axes on estimated states is the wall of one axis, bit for bit.

@@ -11,6 +11,7 @@
 
 use super::number::Spatial;
 use super::place_estimator::PlaceEstimator;
+use crate::law::Impact;
 use crate::settings::{FilterSettings, Settings, Si};
 use crate::{
     AnyLaw, EstimatorSettings, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind,
@@ -98,6 +99,21 @@ impl LengthUnit {
         }
         .validate()?;
         AnyLaw::new(&unit)
+    }
+
+    /// Makes the pulse at the touch from settings in SI units; `None` if the settings have none.
+    ///
+    /// # Errors
+    /// The pulse's coefficient does not fit the number format in this unit.
+    pub fn impact<N: Number>(self, si: &Settings) -> Result<Option<Impact<N>>, SettingsError> {
+        let estimator = EstimatorSettings {
+            inertia: self.per_length(si.estimator.inertia),
+            ..si.estimator
+        };
+        Impact::pulse_of(&Settings {
+            estimator,
+            ..self.settings(si)
+        })
     }
 
     /// Makes a state estimator for each axis, from settings in SI units.

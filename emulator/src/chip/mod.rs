@@ -215,7 +215,8 @@ impl Chip {
         }
     }
 
-    /// Takes the program's store of a word to flash, so that the flash controller can carry it out or undo it.
+    /// Handles a store instruction of the processor to a word in flash. `before` is the word's value before the instruction,
+    /// `value` the stored one. The flash controller later carries the write out or undoes it.
     pub fn store_to_flash(&mut self, address: u32, before: u32, value: u32) {
         let now = self.core.now;
         self.flash.store(address, value, now);

@@ -99,7 +99,7 @@ impl Flash {
         self.busy_until
     }
 
-    /// Handles the store of a word to the flash by the program.
+    /// Handles a store instruction by which the processor writes the word `value` to the flash, at the time `now` in cycles.
     pub fn store(&mut self, address: u32, value: u32, now: u64) {
         if self.control & (LOCK | PG) != PG {
             self.status |= PGSERR;

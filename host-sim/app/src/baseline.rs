@@ -71,6 +71,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         wanted: format!("{what} {wanted}").trim_end().to_owned(),
         came,
         met,
+        not_judged: run.not_judged.clone(),
     };
     let Some(before) = before.iter().find(|before| {
         let same = |field: &str| before[field] == now[field];
@@ -78,7 +79,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         SAME.iter().all(|field| same(field) || unnamed(field))
     }) else {
         let came = "none of this scene, law, stiffness, grip, encoder and rate".to_owned();
-        return vec![check("a run to compare with,", String::new(), came, false)];
+        return vec![check("a run to compare with", String::new(), came, false)];
     };
     let verdict = |value: &Value| value["verdict"].as_str().unwrap_or("none").to_owned();
     let mut checks = vec![check(

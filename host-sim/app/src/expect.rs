@@ -1,8 +1,8 @@
 //! Demands on a simulation run, for scripts: its verdict, depth, stiffness and energy. The results are an exit code, lines of text,
 //! and a JUnit file.
 
-use super::check::{Check, name};
-use super::out::{json, shown};
+use super::check::{Check, Subject};
+use super::out::{json, note};
 use super::whole::{Named, is_of_same_command};
 use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -10,8 +10,9 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::harmless::one_line;
 use touchstone_sim::run::record::Summary;
-use touchstone_sim::run::verdict::{NO_CONTACT, WORDS};
+use touchstone_sim::run::verdict::{NO_CONTACT, NOT_JUDGED, WORDS};
 use touchstone_sim::scene::list;
 
 /// Exit code if a run was simulated to its end but does not meet a demand.
@@ -58,6 +59,17 @@ impl Expectations {
         let first = given.into_iter().find(|(_, given)| *given);
         first.map(|(option, _)| option)
     }
+
+    /// The name of the first option given by the user that has a meaning only in one axis: in rad, or of an earlier run in one axis.
+    pub fn first_of_one_axis(&self) -> Option<&'static str> {
+        let given = [
+            ("--max-penetration", self.max_penetration.is_some()),
+            ("--min-stiffness", self.min_stiffness.is_some()),
+            ("--baseline", self.baseline.is_some()),
+        ];
+        let first = given.into_iter().find(|(_, given)| *given);
+        first.map(|(option, _)| option)
+    }
 }
 
 /// The possible verdicts on a run with their meanings, for the help and for completions.
@@ -95,9 +107,9 @@ impl Expectations {
     }
 
     /// Checks runs against the demands. `strict`: also demands that no run gives the hand more energy than it took.
-    pub fn check<'a>(&self, strict: bool, runs: impl Iterator<Item = &'a Summary>) -> Checked {
+    pub fn check(&self, strict: bool, runs: impl Iterator<Item = Subject>) -> Checked {
         Checked {
-            checks: runs.flat_map(|run| self.on(run, strict)).collect(),
+            checks: runs.flat_map(|run| self.on(&run, strict)).collect(),
             junit: self.junit.clone(),
         }
     }
@@ -119,11 +131,11 @@ impl Expectations {
         Ok(())
     }
 
-    fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
+    fn on(&self, run: &Subject, strict: bool) -> Vec<Check> {
         let mut checks = Vec::new();
         // A run without contact says nothing about the wall: it meets no demand, unless no contact is the demanded verdict.
         let touched =
-            run.verdict_name() != NO_CONTACT || self.expect.iter().any(|word| word == NO_CONTACT);
+            run.verdict != NO_CONTACT || self.expect.iter().any(|word| word == NO_CONTACT);
         let mut add = |option, met: bool, wanted: String, came: String| {
             let (met, came) = match touched || option == "--expect" {
                 true => (met, came),
@@ -133,16 +145,17 @@ impl Expectations {
                 ),
             };
             checks.push(Check {
-                run: name(run),
+                run: run.name.clone(),
                 option,
                 wanted,
                 came,
                 met,
+                not_judged: run.not_judged.clone(),
             });
         };
         if !self.expect.is_empty() {
             let words: Vec<&str> = self.expect.iter().map(String::as_str).collect();
-            let came = run.verdict_name();
+            let came = run.verdict;
             add(
                 "--expect",
                 words.contains(&came),
@@ -152,8 +165,7 @@ impl Expectations {
         }
         let out = run.energy_out;
         // NaN fails each of these comparisons, so that it meets no demand.
-        if let Some(most) = self.max_penetration {
-            let came = run.penetration_max;
+        if let (Some(most), Some(came)) = (self.max_penetration, run.penetration_max) {
             add(
                 "--max-penetration",
                 came <= most,
@@ -207,35 +219,42 @@ impl Checked {
         (!self.checks.is_empty()).then(|| self.checks.iter().map(entry).collect())
     }
 
-    /// Writes the JUnit file, prints the demands that are not met, and returns the exit code.
+    /// Writes the JUnit file, prints the demands that are not met, and returns the exit code. Also prints which runs meet demands but
+    /// were not judged.
     pub fn conclude(&self) -> Result<ExitCode> {
         if let Some(file) = &self.junit {
             self.write(file)?;
         }
         let mut code = ExitCode::SUCCESS;
-        for check in self.checks.iter().filter(|check| !check.met) {
-            let (wanted, came) = (&check.wanted, &check.came);
-            let line = format!(
-                "not met: {}: wanted {wanted}, came {came} ({})",
-                check.option, check.run
-            );
-            eprintln!("{}", shown(&line));
-            code = ExitCode::from(NOT_MET);
+        for checks in self.of_each_run() {
+            for check in checks.iter().filter(|check| !check.met) {
+                let (wanted, came) = (&check.wanted, &check.came);
+                let line = format!(
+                    "not met: {}: wanted {wanted}, came {came} ({})",
+                    check.option, check.run
+                );
+                eprintln!("{}", one_line(&line));
+                code = ExitCode::from(NOT_MET);
+            }
+            if let (Some(why), true) = (unsaid(checks), checks.iter().any(|check| check.met)) {
+                note!(
+                    "note: not judged, so that what is met says nothing of the wall's rest: {why} ({})",
+                    checks[0].run
+                );
+            }
         }
         Ok(code)
     }
 
+    /// The checks of each run, in their order.
+    fn of_each_run(&self) -> impl Iterator<Item = &[Check]> {
+        self.checks.chunk_by(|one, next| one.run == next.run)
+    }
+
     fn write(&self, file: &Path) -> Result<()> {
         let mut report = Report::new("touchstone");
-        let mut rest = &self.checks[..];
-        while let Some(first) = rest.first() {
-            let (suite, others) = rest.split_at(
-                rest.iter()
-                    .take_while(|check| check.run == first.run)
-                    .count(),
-            );
-            rest = others;
-            report.add_test_suite(suite_of(suite, &first.run));
+        for checks in self.of_each_run() {
+            report.add_test_suite(suite_of(checks));
         }
         let place = junit_file(file);
         let text = report
@@ -258,8 +277,26 @@ fn junit_file(path: &Path) -> Named<'_> {
     }
 }
 
-fn suite_of(checks: &[Check], run: &str) -> TestSuite {
+/// Why a run was not judged, unless a demand on its verdict says so already.
+fn unsaid(checks: &[Check]) -> Option<&str> {
+    let of_verdict = |check: &Check| matches!(check.option, "--expect" | "--baseline");
+    let why = checks.first()?.not_judged.as_deref();
+    why.filter(|_| !checks.iter().any(of_verdict))
+}
+
+/// The tests of one run. A run that was not judged also has a skipped test with the reason, unless a test of its verdict has it, and
+/// its met demands say what they came to: a list of nothing but passed tests would read as a wall that rests.
+fn suite_of(checks: &[Check]) -> TestSuite {
+    let run = &checks[0].run;
     let mut suite = TestSuite::new(run);
+    let mut add = |name: String, status: TestCaseStatus, said: Option<String>| {
+        let mut test = TestCase::new(name, status);
+        test.set_classname(run);
+        if let Some(said) = said {
+            test.set_system_out(said);
+        }
+        suite.add_test_case(test);
+    };
     for check in checks {
         let status = if check.met {
             TestCaseStatus::success()
@@ -268,19 +305,31 @@ fn suite_of(checks: &[Check], run: &str) -> TestSuite {
             status.set_message(format!("wanted {}, came {}", check.wanted, check.came));
             status
         };
-        let mut test = TestCase::new(format!("{} {}", check.option, check.wanted), status);
-        test.set_classname(run);
-        suite.add_test_case(test);
+        let why = check.not_judged.as_ref().filter(|_| check.met);
+        let said = why.map(|why| match check.option {
+            "--expect" => format!("came {}", check.came),
+            _ => format!("came {}; the run is {NOT_JUDGED}: {why}", check.came),
+        });
+        add(format!("{} {}", check.option, check.wanted), status, said);
+    }
+    if let Some(why) = unsaid(checks) {
+        let mut status = TestCaseStatus::skipped();
+        status.set_message(format!("{NOT_JUDGED}: {why}"));
+        add("whether the wall rests".to_owned(), status, None);
     }
     suite
 }
 
-/// The results of runs and of the demands on the runs, as one JSON value.
+/// The results of runs with the results of the demands on them.
+pub fn with_demands(mut results: serde_json::Value, checked: &Checked) -> serde_json::Value {
+    if let Some(checks) = checked.to_json() {
+        results["expectations"] = checks;
+    }
+    results
+}
+
+/// The results of runs, given as JSON text, with the results of the demands on them.
 pub fn results(text: &str, checked: &Checked) -> serde_json::Value {
     debug_assert!(json());
-    let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
-    if let Some(checks) = checked.to_json() {
-        value["expectations"] = checks;
-    }
-    value
+    with_demands(serde_json::from_str(text).unwrap_or_default(), checked)
 }

@@ -8,7 +8,7 @@ mod means;
 
 use super::interrupt;
 use super::log::Log;
-use super::out::{say, tell};
+use super::out::{path_line, say, tell};
 use clap::ValueEnum;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -185,7 +185,7 @@ pub fn main(options: &Options) -> Result<()> {
         job.is_this_boards()?;
     }
     if options.dry_run {
-        say!("{} into {}", job.elf.display(), job.chip());
+        say!("{} into {}", path_line(&job.elf), job.chip());
         means::rehearse(&job)?;
         say!("nothing was written");
         return Ok(());
@@ -211,7 +211,7 @@ pub fn write(board: BoardName) -> Result<()> {
 }
 
 fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
-    tell!("{} into {}", job.elf.display(), job.chip());
+    tell!("{} into {}", path_line(&job.elf), job.chip());
     means::write(job, log)
 }
 

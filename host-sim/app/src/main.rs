@@ -52,6 +52,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use out::{say, tell};
 use scene_options::SceneOptions;
 use shell::command_line;
+use std::io::Write as _;
 use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
@@ -186,7 +187,13 @@ fn main() -> ExitCode {
                 .collect();
             return match complain::usage(&error, &commands) {
                 Some(line) => complain(&line, 2),
-                None => error.exit(),
+                None => {
+                    let printed = error.print().and_then(|()| std::io::stdout().flush());
+                    match out::put_out(printed) {
+                        Ok(()) => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
+                        Err(full) => complain(&full.to_string(), 2),
+                    }
+                }
             };
         }
     };
@@ -212,7 +219,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
     let done = match command {
         Command::Thesis(options) => return thesis::main(options),
         Command::Run(options) => return run::main(options),
-        Command::Doctor(options) => return Ok(doctor::main(options)),
+        Command::Doctor(options) => return doctor::main(options),
         Command::Hard(options) => return hard::main(options),
         Command::Compare(options) => return compare::main(options),
         Command::Live(options) => live::main(options),

@@ -4,7 +4,7 @@ use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::harmless::is_harmful;
+use touchstone_sim::harmless::{is_harmful, one_line};
 
 /// True after the reader of standard output has closed the pipe.
 static CLOSED: AtomicBool = AtomicBool::new(false);
@@ -51,7 +51,12 @@ pub fn print_over(line: &str, ends: bool) -> Result<()> {
 
 fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    put_out(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// The outcome of writing to standard output: a pipe that its reader closed is no error.
+pub fn put_out(written: std::io::Result<()>) -> Result<()> {
+    match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Io {
             path: "standard output".into(),
             problem: error.to_string(),
@@ -90,6 +95,11 @@ pub fn json_text(value: &serde_json::Value) -> String {
     text
 }
 
+/// The path of an input as one line: a name may hold line ends, and could begin a line that a CI service obeys.
+pub fn path_line(path: &std::path::Path) -> String {
+    one_line(&path.display().to_string())
+}
+
 /// Replaces control characters, except line ends and tabs, by U+FFFD. Texts from files, boards and services may have control
 /// characters, which a terminal would execute.
 pub fn shown(text: &str) -> String {
@@ -109,9 +119,9 @@ macro_rules! say {
 macro_rules! tell {
     ($($text:tt)*) => { if !$crate::out::json() && !$crate::out::quiet() { $crate::out::say!($($text)*) } };
 }
-/// Prints a note or a warning on standard error.
+/// Prints a note or a warning on standard error, as one line: names from files could otherwise begin a line that a CI service obeys.
 macro_rules! note {
-    ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", $crate::out::shown(&format!($($text)*))) } };
+    ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", touchstone_sim::harmless::one_line(&format!($($text)*))) } };
 }
 pub(crate) use {note, say, tell};
 

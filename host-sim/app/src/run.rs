@@ -1,5 +1,6 @@
 //! `touchstone run`: simulates one scene.
 
+use super::check::Subject;
 use super::expect::{self, Expectations};
 use super::out::{json, note, print, say, tell};
 use super::report_options::{ReportOptions, program};
@@ -98,7 +99,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         None => None,
     };
     let summaries = || runs.iter().map(|run| &run.summary);
-    let mut checked = options.expectations.check(strict, summaries());
+    let mut checked = options
+        .expectations
+        .check(strict, summaries().map(Subject::from));
     options.expectations.compare(&mut checked, summaries())?;
     if json() {
         let results = expect::results(&report::json::render(&input), &checked);

@@ -1,13 +1,14 @@
 //! `touchstone run` for a scene with three axes.
 
-use super::expect::Expectations;
+use super::check::Subject;
+use super::expect::{self, Expectations};
 use super::out::{self, json, note, say};
 use super::report_options::{ReportOptions, program};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_lab::report::{self, space as page};
 use touchstone_lab::thesis::space::scene::SpaceScene;
-use touchstone_lab::thesis::space::{self};
+use touchstone_lab::thesis::space::{self, Record};
 use touchstone_sim::error::{Error, Result};
 
 /// Name, description and TOML text of the three-axis scene that comes with the program.
@@ -27,10 +28,12 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
         Err(_) if file == SHIPPED.0 => SHIPPED.2.to_owned(),
         Err(_) => return Ok(None),
     };
-    match text.parse::<toml::Table>() {
-        Ok(table) if table.contains_key("dof") => {}
-        _ => return Ok(None),
-    }
+    let Ok(Some(dof)) = text
+        .parse::<toml::Table>()
+        .map(|mut table| table.remove("dof"))
+    else {
+        return Ok(None);
+    };
     let fix = "docs/schema/space-scene.schema.json has every field";
     let wrong = |line: usize, field: &str, problem: String| Error::File {
         file: PathBuf::from(path),
@@ -40,6 +43,10 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
         fix: fix.to_owned(),
     };
     let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
+    if !dof.is_integer() {
+        let problem = format!("must be 3, is {dof}");
+        return Err(wrong(line(text.find("dof").unwrap_or(0)), "dof", problem));
+    }
     let scene: SpaceScene = toml::from_str(&text).map_err(|error| {
         let at = error.span().map_or(0, |span| span.start);
         let problem = error.message().replace('\n', " ");
@@ -63,7 +70,7 @@ pub struct RunOfSpace<'a> {
 
 /// Runs `touchstone run` for a three-axis scene.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
-    if let Some(option) = asked.lost.or(asked.expectations.first_given()) {
+    if let Some(option) = asked.lost.or(asked.expectations.first_of_one_axis()) {
         return Err(Error::Option {
             option: option.to_owned(),
             problem: "has no meaning in a scene of three axes".to_owned(),
@@ -83,6 +90,7 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
         )
         .map(|()| ExitCode::SUCCESS);
     }
+    asked.expectations.validate(false)?;
     let command = super::command_line();
     let files = asked.report.files();
     if let Some(folder) = asked.out {
@@ -110,8 +118,11 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
         .out
         .map(|folder| page::write(&input, folder))
         .transpose()?;
+    let (verdict, why) = runs[0].judged();
+    let subject = subject(scene, &runs[0]);
+    let checked = asked.expectations.check(false, std::iter::once(subject));
     out::result(
-        || page::results(&input),
+        || expect::with_demands(page::results(&input), &checked),
         || {
             let cell = scene.cell();
             say!(
@@ -122,8 +133,15 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
                 cell.k_desired_n_per_mm,
                 cell.mechanism.about()
             );
+            say!("{:<38}{:>14}", "verdict", verdict.name());
+            if let Some(why) = why {
+                say!("not judged: {why}");
+            }
             for (name, number) in page::numbers(&runs[0]) {
-                say!("{name:<38}{number:>14.6}");
+                match number.is_finite() {
+                    true => say!("{name:<38}{number:>14.6}"),
+                    false => say!("{name:<38}{:>14}", "none"),
+                }
             }
             Ok(())
         },
@@ -133,12 +151,33 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     {
         note!("report  {}", written.page.display());
     }
+    let code = checked.conclude()?;
     match runs[0].stopped {
-        false => Ok(ExitCode::SUCCESS),
+        false => Ok(code),
         true => Err(Error::device(
             scene.mechanism.kind.about(),
             "came to a place that its arms do not have",
             "ask for a softer wall, or another object",
         )),
+    }
+}
+
+/// The run, as demands are made on it.
+fn subject(scene: &SpaceScene, run: &Record) -> Subject {
+    let (cell, (verdict, why)) = (scene.cell(), run.judged());
+    Subject {
+        name: format!(
+            "{}: {}, {}, {} N/mm, {}",
+            scene.name,
+            cell.object.name(),
+            cell.approach.name(),
+            cell.k_desired_n_per_mm,
+            cell.mechanism.word()
+        ),
+        verdict: verdict.name(),
+        not_judged: why.map(|why| why.to_string()),
+        penetration_max: None,
+        k_displayed: None,
+        energy_out: run.energy.out_j(),
     }
 }

@@ -1,5 +1,6 @@
 //! `touchstone thesis`: the thesis' comparison of control laws, and the program's default command.
 
+use super::check::Subject;
 use super::expect::{self, Expectations};
 use super::out::{json, print, quiet, tell};
 use super::report_options::{ReportOptions, program};
@@ -117,7 +118,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let enhanced = runs
         .iter()
         .map(|run| &run.summary)
-        .filter(|run| run.law == LawKind::EnhancedSfa);
+        .filter(|run| run.law == LawKind::EnhancedSfa)
+        .map(Subject::from);
     let mut checked = options.expectations.check(options.strict_passive, enhanced);
     let runs = [runs, ships].concat();
     let plotted: Vec<Run> = runs

@@ -100,6 +100,64 @@ fn a_scene_of_three_axes_is_run_and_printed_with_its_defaults() {
     assert!(folder.join("page/index.html").exists());
 }
 
+/// Demands on a scene of three axes: verdict and energy, in table, JSON, JUnit file and exit code.
+#[test]
+fn a_scene_of_three_axes_has_a_verdict_that_can_be_asked_for() {
+    let folder = common::folder("space-verdict");
+    let scene = |name: &str, approach: &str, stiffness: f64| {
+        let text = format!(
+            "dof = 3\n[law]\napproach = \"{approach}\"\nk_desired_n_per_mm = {stiffness}\n"
+        );
+        std::fs::write(folder.join(name), text).unwrap();
+    };
+    scene("soft.toml", "spring-damper", 1.0);
+    scene("stiff.toml", "spring", 25.0);
+    let run = |scene: &str, more: &[&str]| run_in(&folder, [&["run", scene], more].concat());
+    for (name, verdict) in [("soft.toml", "passive"), ("stiff.toml", "unstable")] {
+        let out = run(name, &[]);
+        let table = said(&out.stdout);
+        let line = table.lines().find(|line| line.starts_with("verdict"));
+        assert!(line.is_some_and(|line| line.ends_with(verdict)), "{table}");
+        let results = json(&run(name, &["--json"]).stdout);
+        assert_eq!(results["runs"][0]["verdict"], verdict);
+        assert!(results["runs"][0]["not_judged"].is_null());
+        assert!(results.get("expectations").is_none());
+        let met = run(name, &["--expect", verdict, "-q"]);
+        assert_eq!(
+            (met.status.code(), said(&met.stderr).as_str()),
+            (Some(0), "")
+        );
+        let other = run(name, &["--expect", "active", "--junit", "wall.xml"]);
+        assert_eq!(other.status.code(), Some(3));
+        let not_met = format!("not met: --expect: wanted active, came {verdict} (three axes: ");
+        assert!(
+            said(&other.stderr).starts_with(&not_met),
+            "{}",
+            said(&other.stderr)
+        );
+        let junit = std::fs::read_to_string(folder.join("wall.xml")).unwrap();
+        assert!(
+            junit.contains(&format!("wanted active, came {verdict}")),
+            "{junit}"
+        );
+    }
+    // The spring that rings throws energy at the hand; the soft damped one takes it.
+    let energy = |scene: &str| {
+        let out = run(scene, &["--json", "--max-energy-out", "0.001"]);
+        let results = json(&out.stdout);
+        (out.status.code(), results["expectations"][0]["met"].clone())
+    };
+    assert_eq!(energy("soft.toml"), (Some(0), true.into()));
+    assert_eq!(energy("stiff.toml"), (Some(3), false.into()));
+    for option in ["--max-penetration", "--min-stiffness"] {
+        let out = run("soft.toml", &[option, "1"]);
+        let err = said(&out.stderr);
+        assert!(err.contains(option) && err.contains("three axes"), "{err}");
+    }
+    let none = run("soft.toml", &["--junit", "none.xml"]);
+    assert_eq!(none.status.code(), Some(2), "nothing is asked");
+}
+
 #[test]
 fn what_is_wrong_with_it_is_one_line() {
     let folder = common::folder("space-scene-wrong");

@@ -62,12 +62,13 @@ impl From<SerialPortInfo> for Port {
                 name: info.port_name,
                 // The product number identifies an ST-LINK; ST's other virtual serial ports have the same vendor number.
                 st_link: usb.vid == VENDOR_ST && is_st_link(usb.pid),
-                about: format!(
+                // The device itself names its product.
+                about: touchstone_sim::harmless::one_line(&format!(
                     "USB {:04x}:{:04x} {}",
                     usb.vid,
                     usb.pid,
                     usb.product.unwrap_or_default()
-                ),
+                )),
             },
             _ => Port {
                 name: info.port_name,

@@ -92,7 +92,7 @@ impl Omega3 {
                 "nothing is known here of its limits: docs/devices.md#other-devices-of-the-maker",
             ));
         }
-        self.sheet.name = model.to_string();
+        self.sheet.name = touchstone_sim::harmless::one_line(&model.to_string());
         let status = self.library.status(id)?;
         if status.power() == Some(false) {
             return Err(unusable(format!("{model} has no supply"), "switch it on"));

@@ -171,7 +171,7 @@ impl Survey {
                 problem: error.to_string(),
                 fix: "give a file of `touchstone device survey`".into(),
             })?;
-        toml::from_str(&text).map_err(|error| {
+        let mut survey: Self = toml::from_str(&text).map_err(|error| {
             let before = error.span().map_or(0, |span| span.start).min(text.len());
             Error::File {
                 file: path.to_owned(),
@@ -180,7 +180,10 @@ impl Survey {
                 problem: error.message().to_owned(),
                 fix: "give a file of `touchstone device survey`".into(),
             }
-        })
+        })?;
+        // The name is printed, and the file may be anybody's.
+        survey.device = touchstone_sim::harmless::one_line(&survey.device);
+        Ok(survey)
     }
 
     /// A simulated copy of the device: masses and damping from the survey, all other values those of an omega.3.

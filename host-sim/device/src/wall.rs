@@ -112,7 +112,10 @@ impl<'m> DeviceWall<'m> {
         let law = UNIT.law::<N>(&settings.law)?;
         let shell = match settings.per_axis {
             true => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
-            false => Shell::Magnitude(Magnitude::new(law)),
+            false => {
+                let impact = UNIT.impact(&settings.law)?;
+                Shell::Magnitude(Magnitude::new(law).with_impact(impact))
+            }
         };
         let limit = Force::from_f64(settings.law.force_limit.to_num());
         let point = SurfacePoint::new(Rule::Closest);

@@ -268,8 +268,8 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
     assert!((last[0] - 7.2).abs() < 1e-9 && (last[2] - 9.6).abs() < 1e-9);
 }
 
-/// Lets the hand carry the device out of its workspace. Checks that the force fades out, and that far outside the loop ends with a
-/// fault.
+/// Lets the hand carry the device out of its workspace. Checks that the force fades out, and that the control loop stops with a
+/// fault when the device is far outside the workspace.
 #[test]
 fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
     let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];

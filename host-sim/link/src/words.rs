@@ -22,7 +22,7 @@ pub fn described(identity: &Identity) -> String {
     format!(
         "{}, firmware {} ({:016x}), protocol {}, settings {}, number {number}",
         identity.board.name(),
-        identity.firmware_version,
+        touchstone_sim::harmless::one_line(&identity.firmware_version),
         identity.build_hash,
         identity.protocol_version,
         identity.settings_version,

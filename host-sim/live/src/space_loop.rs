@@ -282,7 +282,10 @@ impl SpaceLoop {
         let law = UNIT.law::<N>(&choice.law).map_err(|why| refused(&why))?;
         let shell = match choice.per_axis {
             true => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
-            false => Shell::Magnitude(Magnitude::new(law)),
+            false => {
+                let impact = UNIT.impact(&choice.law).map_err(|why| refused(&why))?;
+                Shell::Magnitude(Magnitude::new(law).with_impact(impact))
+            }
         };
         let limit = Force(N::signal_from_f64(choice.law.force_limit.to_num()));
         let point = SurfacePoint::new(Rule::Closest);

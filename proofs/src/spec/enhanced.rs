@@ -37,12 +37,14 @@ pub struct Enhanced {
     pub inertia: Int,
     /// Stiffness of the coupling between hand's point (HIP) and virtual mass, in the number format of stiffnesses.
     pub coupling: Int,
-    /// Damping of the coupling over the control period, in the number format of stiffnesses.
+    /// Damping of the damper between hand's point (HIP) and virtual mass, divided by the control period, in the number format of
+    /// stiffnesses.
     pub damping: Int,
     /// Sum of the virtual mass' inertia, coupling stiffness, coupling damping and ground damping per tick, in the number format of
     /// stiffnesses. The driving force divided by it is the mass' displacement.
     pub total: Int,
-    /// Sum of coupling stiffness and soft stiffness, in the number format of stiffnesses.
+    /// Sum of the stiffness that couples hand's point and virtual mass and of the soft spring's stiffness, in the number format of
+    /// stiffnesses.
     pub series: Int,
     /// Energy lent to each contact, in steps of the energy format.
     pub credit: Int,

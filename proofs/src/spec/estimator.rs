@@ -22,7 +22,7 @@ pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part
 }
 
-/// The estimated motion: position `x`, displacement per tick `d`, and the hand's push `g`.
+/// The estimated motion: position `x`, displacement per tick `d`, and the hand's push `g` as an acceleration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Motion {
     /// Estimated position.
@@ -33,7 +33,7 @@ pub struct Motion {
     pub g: Int,
 }
 
-/// How a motion evolves over a time, as weights of displacement, push and commands.
+/// How a motion evolves over a time, as weights of the displacement, the hand's push and the commanded forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flow<const COMMANDS: usize> {
     /// Weight of the displacement per tick in the position at the end of the time.
@@ -71,7 +71,8 @@ pub struct Estimator {
     pub tick: Flow<REMEMBERED>,
     /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Correction gains of position, displacement and push: change of each per difference of measured and expected position.
+    /// Gains of the difference between measured and predicted position. They correct the estimates of position, displacement and
+    /// the hand's push.
     pub correction: [Int; 3],
     /// Largest command, in steps of the force format.
     pub limit: Int,
@@ -104,8 +105,8 @@ pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
 }
 
-/// The motion after a measured position `e`. Position `x`, displacement `d` and push `g` are corrected by the difference of
-/// measured and expected position times their gains. `None` if no device can move like that.
+/// The motion after a measured position `e`. Position `x`, displacement `d` and the hand's push `g` are corrected by the difference
+/// of measured and predicted position times their gains. `None` if no device can move like that.
 #[must_use]
 pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<Motion> {
     let r = state(e) - x;

@@ -40,9 +40,9 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// How far a device moves in a time `t` by a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and by a push, `X = Σ (-β)^k
-/// t^(k+2)/(k+2)!`. `β` is the fraction of the velocity that damping takes per tick. When the model checker runs,
-/// [`crate::reckoned`] replaces both.
+/// How far a device moves in a time `t` by a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and by a push of the hand (an
+/// acceleration), `X = Σ (-β)^k t^(k+2)/(k+2)!`. `β` is the fraction of the velocity that damping takes per tick. When the model
+/// checker runs, [`crate::reckoned`] replaces both.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -125,8 +125,9 @@ impl Device {
         }
     }
 
-    /// The gains that correct position, displacement and push, for three equal poles at `z = exp(-angle)`. `None` if one does not
-    /// fit a word. When the model checker runs, [`crate::reckoned`] replaces them.
+    /// The gains by which the difference of measured and predicted position corrects position, displacement and the hand's push,
+    /// for three equal poles at `z = exp(-angle)`. `None` if one does not fit a word. When the model checker runs,
+    /// [`crate::reckoned`] replaces them.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);

@@ -97,7 +97,7 @@ pub struct Derived {
     pub critical: Int,
     /// Inertia of the virtual mass over the control period squared.
     pub inertia: Int,
-    /// Damping of the coupling over the control period.
+    /// Damping of the damper between hand's point and virtual mass, divided by the control period.
     pub filter_damping: Int,
     /// Damping between virtual mass and ground over the control period.
     pub ground_damping: Int,

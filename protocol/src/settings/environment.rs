@@ -36,36 +36,6 @@ pub struct Surround {
     pub profile: Option<ProfileBeside>,
 }
 
-/// The environment ([`Surround`]) as it was stored before torque profiles existed, to read old flash images.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct WithoutProfile {
-    first_wall: bool,
-    further: [Option<WallBeside>; 3],
-    endstops: Option<TravelEnds>,
-    detents: Option<(u16, Decimal, Decimal)>,
-    change_n_m_per_s: Decimal,
-}
-
-impl From<WithoutProfile> for Surround {
-    fn from(it: WithoutProfile) -> Self {
-        Self {
-            first_wall: it.first_wall,
-            further: it.further,
-            endstops: it.endstops,
-            detents: it
-                .detents
-                .map(|(per_rev, strength_n_m, centre_rad)| DetentsBeside {
-                    per_rev,
-                    pitch_rad: Decimal(Si::ZERO),
-                    strength_n_m,
-                    centre_rad,
-                }),
-            change_n_m_per_s: it.change_n_m_per_s,
-            profile: None,
-        }
-    }
-}
-
 /// A further wall, beside the one in the device's settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WallBeside {

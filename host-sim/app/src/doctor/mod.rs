@@ -17,7 +17,7 @@ use touchstone_link::guard;
 use touchstone_link::words::described;
 use touchstone_protocol::PROTOCOL_VERSION;
 use touchstone_protocol::stored::LAYOUT_VERSION;
-use touchstone_sim::error::Error;
+use touchstone_sim::error::{Error, Result};
 
 /// Rust target of the boards' processor, a Cortex-M4 with its floating-point unit.
 const TARGET: &str = "thumbv7em-none-eabihf";
@@ -70,13 +70,14 @@ fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
 }
 
 /// Runs the command `touchstone doctor`. Exit code 1 if something is missing for the use that the user named, else 0.
-#[must_use]
-pub fn main(options: &Options) -> ExitCode {
+pub fn main(options: &Options) -> Result<ExitCode> {
     let needs = options
         .needs
         .or(options.port.is_some().then_some(Needs::Board));
     let mut lacks = 0;
     let mut things = Vec::new();
+    // The first error of the output, such as a full disk. All is examined nevertheless.
+    let mut printed = Ok(());
     let mut tell = |what: &str, found: Found| {
         let (state, text, fix) = match &found {
             There(text) => ("there", text, None),
@@ -90,8 +91,7 @@ pub fn main(options: &Options) -> ExitCode {
             );
             return;
         }
-        // If the reader of the output is gone, the exit code still tells the result.
-        let _ = match (fix, out::quiet()) {
+        let line = match (fix, out::quiet()) {
             (Some(fix), _) => {
                 let fix = fix.replace('\n', &format!("\n{:24}", ""));
                 print(format_args!("MISSING  {what:<14} {text}\n{:24}{fix}\n", ""))
@@ -102,6 +102,9 @@ pub fn main(options: &Options) -> ExitCode {
                 print(format_args!("{mark:<8} {what:<14} {text}\n"))
             }
         };
+        if printed.is_ok() {
+            printed = line;
+        }
     };
     tell(
         "touchstone",
@@ -116,7 +119,8 @@ pub fn main(options: &Options) -> ExitCode {
         board(options, &mut tell);
         omega3(false, &mut tell);
     }
-    let _ = match lacks {
+    printed?;
+    match lacks {
         _ if out::json() => print(format_args!(
             "{:#}\n",
             serde_json::json!({ "all_there": lacks == 0, "things": things })
@@ -128,8 +132,8 @@ pub fn main(options: &Options) -> ExitCode {
         )),
         1 => print(format_args!("1 thing is missing\n")),
         _ => print(format_args!("{lacks} things are missing\n")),
-    };
-    ExitCode::from(u8::from(lacks > 0 && needs.is_some()))
+    }?;
+    Ok(ExitCode::from(u8::from(lacks > 0 && needs.is_some())))
 }
 
 /// Checks everything that a board needs, and reports each finding to `tell`.

@@ -6,6 +6,7 @@ use std::fs::{self, OpenOptions};
 use std::io::ErrorKind;
 use std::path::Path;
 use touchstone_device::is_st_link;
+use touchstone_sim::harmless::one_line;
 
 /// USB vendor number of STMicroelectronics, as in the kernel's file `idVendor`.
 const VENDOR_ST: &str = "0483";
@@ -44,7 +45,7 @@ pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
         probes += 1;
         let name = file("product").unwrap_or_else(|_| "ST-LINK".into());
         let serial = file("serial").unwrap_or_default();
-        let about = format!("{name} {vendor}:{product} {serial}");
+        let about = one_line(&format!("{name} {vendor}:{product} {serial}"));
         tell("probe", There(about.trim().to_owned()));
         let place = file("busnum").and_then(|bus| Ok((bus, file("devnum")?)));
         tell(

@@ -2,7 +2,7 @@
 
 use super::{Job, written};
 use crate::log::Log;
-use crate::out::{note, say, tell};
+use crate::out::{note, path_line, say, tell};
 use crate::progress;
 use indicatif::ProgressBar;
 use touchstone_probe::{
@@ -78,7 +78,7 @@ pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     let elf = read(job)?;
     let (image, words) = (image(job, &elf)?, words(job, &elf)?);
     let mut attached = attached(job)?;
-    tell!("{}", job.elf.display());
+    tell!("{}", path_line(&job.elf));
     shown(&mut attached, &image, &words, log)
 }
 

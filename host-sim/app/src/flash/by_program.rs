@@ -2,7 +2,7 @@
 
 use super::{Job, written};
 use crate::log::Log;
-use crate::out::{say, tell};
+use crate::out::{path_line, say, tell};
 use std::ffi::OsStr;
 use std::io::{Error as IoError, ErrorKind};
 use std::process::{Command, Output};
@@ -63,7 +63,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
 
 /// Shows the log of the firmware that runs on the board.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
-    tell!("{}; Ctrl-C ends it", job.elf.display());
+    tell!("{}; Ctrl-C ends it", path_line(&job.elf));
     let mut child = command("attach", job)
         .arg(&job.elf)
         .spawn()

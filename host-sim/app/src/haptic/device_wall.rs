@@ -1,6 +1,7 @@
 //! Chooses the wall that `touchstone device run` renders: tuned for the device, with the thesis' settings, or from a file.
 
 use crate::number;
+use crate::out::path_line;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
@@ -235,7 +236,7 @@ fn from_file(file: &std::path::Path, lever_mm: f64, rate_hz: u32) -> Result<Chos
     Ok(ChosenLaw {
         law: lever.settings(&knob),
         estimator: estimated.then(|| [lever.estimator(&knob.estimator); 3]),
-        source: file.display().to_string(),
+        source: path_line(file),
         caution: None,
     })
 }

@@ -5,7 +5,7 @@ use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use super::device_wall::{ChosenWall, WallOptions};
 use super::scorecard::{self, HandProgramme, PressedGrip};
 use super::trace::DeviceTrace;
-use crate::out::{note, tell};
+use crate::out::{note, path_line, tell};
 use crate::whole::Named;
 use crate::{interrupt, number};
 use std::fmt;
@@ -120,7 +120,7 @@ impl fmt::Display for Scenery {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Known(name, _) => f.write_str(name),
-            Self::Mesh(path) => write!(f, "{}", path.display()),
+            Self::Mesh(path) => f.write_str(&path_line(path)),
         }
     }
 }

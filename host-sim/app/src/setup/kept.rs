@@ -11,13 +11,15 @@ use touchstone_sim::output;
 
 /// Name of the progress file.
 const NAME: &str = "setup.json";
-/// Files that a setup writes in addition to its progress file.
-const FILES: [&str; 3] = [super::BEFORE, "knob.toml", "law.toml"];
+/// Files, and a folder, that a setup writes in addition to its progress file.
+const FILES: [&str; 4] = [super::BEFORE, "knob.toml", "law.toml", super::REPORT];
 
 /// The finished steps of a setup, with their results.
 pub struct Kept {
     file: PathBuf,
     done: Map<String, Value>,
+    /// Whether the folder has no results yet.
+    is_new: bool,
 }
 
 /// Names of the values of a measured motor in the progress file.
@@ -84,7 +86,13 @@ impl Kept {
             }
             Err(error) => return Err(io(&file, &error)),
         };
-        Ok(Self { file, done })
+        let is_new = done.keys().all(|key| key == "device");
+        Ok(Self { file, done, is_new })
+    }
+
+    /// Whether the setup had no results when it was opened: the board then has the settings of before.
+    pub fn is_new(&self) -> bool {
+        self.is_new
     }
 
     /// Serial number of the device that is set up.
@@ -92,10 +100,21 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// Records the serial number of the device that is set up.
+    /// Records the serial number of the device that is set up. This is the first file of a setup, so that after an interruption the
+    /// others are known to be its own.
+    ///
+    /// # Errors
+    /// Another setup began in this folder meanwhile, or the file cannot be written.
     pub fn begin(&mut self, device: &str) -> Result<()> {
         self.done.insert("device".into(), device.into());
-        self.write()
+        output::write_new(&self.file, self.text()).map_err(|error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists => Error::Io {
+                path: self.file.clone(),
+                problem: "is there already: another setup has begun in this folder".into(),
+                fix: "choose another folder with --out".into(),
+            },
+            _ => io(&self.file, &error),
+        })
     }
 
     /// Discards the results of all steps, but keeps the device's serial number.
@@ -157,8 +176,11 @@ impl Kept {
 
     /// Writes the progress file in one step: after a power cut, the file has the earlier state.
     fn write(&self) -> Result<()> {
-        let text = format!("{:#}\n", Value::Object(self.done.clone()));
-        output::write(&self.file, text).map_err(|error| io(&self.file, &error))
+        output::write(&self.file, self.text()).map_err(|error| io(&self.file, &error))
+    }
+
+    fn text(&self) -> String {
+        format!("{:#}\n", Value::Object(self.done.clone()))
     }
 }
 

@@ -11,7 +11,7 @@ use super::device::{calibrated, cogging, eccentricity, start, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
-use super::out::{self, note, say, tell};
+use super::out::{self, note, path_line, say, tell};
 use super::port::PortOption;
 use super::progress;
 use kept::{Kept, io};
@@ -162,7 +162,7 @@ fn stepped(options: &Options) -> Result<()> {
 
     let law_file = options.out.join("law.toml");
     if let Some(given) = &options.law {
-        tell!("5/6 wall       as given: {}", given.display());
+        tell!("5/6 wall       as given: {}", path_line(given));
         let law = touchstone_sim::input::text(given, touchstone_sim::input::MOST_OF_SETTINGS)
             .map_err(|error| io(given, &error))?;
         toml_file::read(&law, given, &settings)?;
@@ -194,7 +194,7 @@ fn stepped(options: &Options) -> Result<()> {
         &with_encoder,
         &all,
         &who,
-        &options.out.join("report"),
+        &options.out.join(REPORT),
     )?;
     out::result(
         || {
@@ -248,6 +248,9 @@ fn uncogged(
 /// Name of the file with the board's settings before the setup. `touchstone config import` restores them from this file.
 const BEFORE: &str = "before.toml";
 
+/// Name of the folder with the page on the measured knob.
+const REPORT: &str = "report";
+
 fn write(file: &Path, text: &str) -> Result<()> {
     output::write(file, text).map_err(|error| io(file, &error))
 }
@@ -300,9 +303,15 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
         client.tell(&Request::Command(DeviceCommand::Stop))?;
     }
     if kept.device().is_none() {
-        let text = toml_file::write(&client.settings()?, client.identity());
-        write(&folder.join(BEFORE), &text)?;
         kept.begin(&number)?;
+    }
+    // An interruption may have come before they were written.
+    let before = folder.join(BEFORE);
+    if kept.is_new() && !before.is_file() {
+        write(
+            &before,
+            &toml_file::write(&client.settings()?, client.identity()),
+        )?;
     }
     Ok(())
 }

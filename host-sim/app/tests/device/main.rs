@@ -21,6 +21,8 @@ mod json;
 mod lifecycle;
 mod monitor;
 mod setup;
+#[cfg(target_os = "linux")]
+mod setup_outputs;
 #[cfg(unix)]
 mod silence;
 mod spun;

@@ -117,6 +117,11 @@ impl Spun {
         super::run(&[arguments, &["--port", &self.address]].concat())
     }
 
+    /// Address of the device's port.
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
     /// Locks and returns the device's session and board state.
     pub fn world(&self) -> MutexGuard<'_, (Session, Spinning)> {
         self.both.lock().unwrap()

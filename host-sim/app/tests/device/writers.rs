@@ -15,7 +15,7 @@ use touchstone_protocol::FaultCode;
 /// earlier file without `--force`.
 struct Output(&'static str, &'static str, bool, bool);
 
-const FILES: [Output; 9] = [
+const FILES: [Output; 10] = [
     Output(
         "run --junit",
         "run tap -q --expect active --expect passive --junit OUT",
@@ -56,6 +56,12 @@ const FILES: [Output; 9] = [
         "monitor --csv",
         "monitor --seconds 0.3 -q --csv OUT",
         true,
+        false,
+    ),
+    Output(
+        "device survey --out",
+        "device survey --seconds 0.3 -q --out OUT",
+        false,
         false,
     ),
     Output("device ring --out", "device ring -q --out OUT", true, false),
@@ -112,6 +118,13 @@ const SLOW: [Output; 5] = [
     ),
 ];
 
+/// A command in whose environment a mock is in place of the omega.3's driver library.
+fn with_mock(program: &str) -> Command {
+    let mut command = Command::new(program);
+    command.env("TOUCHSTONE_DHD", touchstone_mock_dhd::door::built());
+    command
+}
+
 impl Output {
     fn words(&self, board: &Fake, out: &str) -> Vec<String> {
         let mut words: Vec<String> = self
@@ -126,7 +139,7 @@ impl Output {
     }
 
     fn command(&self, here: &Path, board: &Fake) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
+        let mut command = with_mock(env!("CARGO_BIN_EXE_touchstone"));
         command.args(self.words(board, "out")).current_dir(here);
         command
     }
@@ -324,7 +337,7 @@ fn a_full_disk_is_said_and_nothing_is_left() {
         let script =
             "mount -t tmpfs -o size=16k none disk && cat /dev/zero > disk/filler 2>/dev/null
             \"$0\" \"$@\" >said 2>&1; echo $? >code; ls -A disk >left";
-        let mut command = Command::new("unshare");
+        let mut command = with_mock("unshare");
         command.args(["-rm", "sh", "-c", script, env!("CARGO_BIN_EXE_touchstone")]);
         command
             .args(output.words(&board, "disk/out"))
@@ -363,14 +376,14 @@ fn a_folder_that_may_not_be_written_is_said() {
         let words = output.words(&board, "out");
         let mut command = match is_root {
             true => {
-                let mut command = Command::new("setpriv");
+                let mut command = with_mock("setpriv");
                 command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]);
                 command.arg(env!("CARGO_BIN_EXE_touchstone"));
                 command
             }
             false => {
                 std::fs::set_permissions(&here, PermissionsExt::from_mode(0o555)).unwrap();
-                Command::new(env!("CARGO_BIN_EXE_touchstone"))
+                with_mock(env!("CARGO_BIN_EXE_touchstone"))
             }
         };
         let Ok(ended) = command.args(&words).current_dir(&here).output() else {

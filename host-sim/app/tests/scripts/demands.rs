@@ -349,3 +349,78 @@ fn what_cannot_be_judged_is_said_with_why() {
     );
     taps(&["--expect", "not-judged"]).ended(0);
 }
+
+/// A run that is not judged, and demands that are met: the JUnit file must not read as a wall that rests, nor as one that failed.
+#[test]
+fn what_is_met_by_a_run_that_is_not_judged_is_no_verdict() {
+    let here = folder("not-judged-met");
+    let short = |options: &[&str], code: i32| {
+        let first = [
+            "run",
+            "low-stiffness",
+            "--set",
+            "motion.hold_s=0.04",
+            "--junit",
+            "short.xml",
+        ];
+        let said = run_in(&here, &[&first[..], options].concat()).ended(code);
+        let text = std::fs::read_to_string(here.join("short.xml")).unwrap();
+        (said.err, text)
+    };
+    let why = "not-judged: only 10.0 ms of rest are seen, 20 ms are the least";
+    // Nothing is asked of the verdict: a skipped test says that there is none.
+    let met = ["--max-penetration", "10", "--max-energy-out", "10"];
+    let (err, text) = short(&met, 0);
+    let count = |part: &str| text.matches(part).count();
+    assert_eq!((count("<testcase "), count("<failure")), (3, 0), "{text}");
+    assert_eq!(count("<skipped "), 1, "{text}");
+    assert!(
+        text.contains("skipped=\"1\"") || text.contains("disabled"),
+        "{text}"
+    );
+    assert!(
+        text.contains(&format!("<skipped message=\"{why}\"")),
+        "{text}"
+    );
+    assert_eq!(
+        count(&format!("; the run is {why}</system-out>")),
+        2,
+        "{text}"
+    );
+    assert!(
+        err.starts_with("note: not judged") && err.lines().count() == 1,
+        "{err}"
+    );
+    // A demand that fails is a failure, and the others are still no verdict.
+    let (err, text) = short(&["--max-penetration", "0", "--max-energy-out", "10"], 3);
+    let count = |part: &str| text.matches(part).count();
+    assert_eq!((count("<failure "), count("<skipped ")), (1, 1), "{text}");
+    assert!(err.starts_with("not met: --max-penetration"), "{err}");
+    // The demanded verdict says it itself.
+    let (err, text) = short(&["--expect", "not-judged", "--max-penetration", "10"], 0);
+    let count = |part: &str| text.matches(part).count();
+    assert_eq!((count("<testcase "), count("<skipped ")), (2, 0), "{text}");
+    assert!(
+        text.contains(&format!("<system-out>came {why}</system-out>")),
+        "{text}"
+    );
+    assert_eq!(err, "");
+    // A run that is judged has none of this.
+    run_in(
+        &here,
+        &[
+            "run",
+            "low-stiffness",
+            "--max-penetration",
+            "10",
+            "--junit",
+            "short.xml",
+        ],
+    )
+    .ended(0);
+    let text = std::fs::read_to_string(here.join("short.xml")).unwrap();
+    assert!(
+        !text.contains("skipped ") && !text.contains("system-out"),
+        "{text}"
+    );
+}

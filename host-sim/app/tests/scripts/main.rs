@@ -3,6 +3,7 @@
 mod answers;
 mod cases;
 mod demands;
+mod full_output;
 #[cfg(unix)]
 mod interrupt;
 mod motion;
@@ -13,7 +14,7 @@ mod tuning;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 /// The output and exit code of the program.
 pub struct Said {
@@ -23,6 +24,16 @@ pub struct Said {
     pub out: String,
     /// Standard error.
     pub err: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        Said {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
 }
 
 impl Said {
@@ -74,12 +85,7 @@ pub fn run_in(folder: &Path, arguments: &[&str]) -> Said {
 /// Runs the program with arguments that need not be valid UTF-8.
 pub fn run_words<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Said {
     let mut command = program(folder, &[]);
-    let output = command.args(words).output().unwrap();
-    Said {
-        code: output.status.code(),
-        out: String::from_utf8(output.stdout).unwrap(),
-        err: String::from_utf8(output.stderr).unwrap(),
-    }
+    command.args(words).output().unwrap().into()
 }
 
 /// Runs a command that writes no files.

@@ -119,7 +119,7 @@ pub struct BoundaryCell {
     /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
     /// Requested stiffness `k_de`, N·m/rad.
-    pub k_desired: f64,
+    pub k_desired_n_m_per_rad: f64,
     /// Requested stiffness divided by the largest stiffness that the device's own damping makes passive, `b/(T/2 + t_d)`. `b` is
     /// the damping, `T` the control period, `t_d` the delay.
     pub times_critical: f64,
@@ -267,7 +267,7 @@ impl BoundaryPlan {
             damping_per_tick: place.damping_per_tick,
             stiffness_per_tick: place.stiffness_per_tick,
             damping_n_m_s_per_rad: b,
-            k_desired,
+            k_desired_n_m_per_rad: k_desired,
             times_critical: k_desired * late_s / b,
             ended: outcome
                 .as_ref()
@@ -294,7 +294,8 @@ impl BoundaryPlan {
             self.seed,
             env!("CARGO_PKG_VERSION")
         );
-        sha256(of.as_bytes())[..12].to_owned()
+        // Without the letter, some digests would be numbers for the programs that read the table: 150000000000, 12e345678901.
+        format!("plan-{}", &sha256(of.as_bytes())[..12])
     }
 
     /// Computes every cell that the file does not contain yet, and appends it to the file. Calls `told` with the number of finished

@@ -80,6 +80,8 @@ fn the_drawing_has_every_cell_once_and_a_panel_a_delay() {
     plan.delays = vec![0.0, 1.0];
     plan.ticks = 1.0;
     let cells = computed(&plan);
+    // No program that reads the table may take a digest for a number.
+    assert!(cells.iter().all(|cell| cell.plan.starts_with("plan-")));
     let figures = figures(&plan, &cells);
     assert_eq!(figures.len(), 2);
     for figure in &figures {

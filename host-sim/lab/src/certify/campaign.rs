@@ -4,9 +4,9 @@
 //! Devices are those of [`crate::random_device`], each in three simulated grips (light, medium, firm). The stiffness is 0.3 to 30
 //! times the largest one that sampling allows without delay. It is at most `J/T²` (inertia `J`, control period `T`), and soft
 //! enough that 1 N·m goes 20 encoder counts deep. The law is random too: a spring, a spring-damper, or enhanced successive force
-//! augmentation. The last has the shipped settings in proportion to the device, or a stiff coupling. Its energy loan (energy that
-//! it may give out beyond what it took) is 4 to 32 times the energy in its coupling under the press. The laws TDPA, FBA and
-//! original augmentation are not drawn.
+//! augmentation. The last has the shipped settings in proportion to the device, or a stiff coupling spring between the hand's point
+//! and its virtual mass. Its energy loan (energy that it may give out beyond what it took) is 4 to 32 times the energy in this
+//! spring under the press. The laws TDPA, FBA and original augmentation are not drawn.
 //!
 //! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. These seeds were not used when the
 //! limits of the certificate were set. The verdict is that for each run's own hand; other seeds are in `docs/tuning.md`.
@@ -28,7 +28,9 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
 use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scene};
 
-/// Least stiffness of the soft spring that the settings of enhanced successive force augmentation accept, N·m/rad.
+/// Least stiffness of the soft spring that the settings of the law enhanced successive force augmentation accept, N·m/rad. The
+/// law's virtual mass presses on this spring, whose deformation the law increases until the force is that of the requested
+/// stiffness.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
 /// Makes a random scene from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ in
@@ -166,8 +168,8 @@ pub struct Row {
     pub index: u64,
     /// Name of the control law.
     pub law: String,
-    /// Whether the coupling of the enhanced law (virtual mass behind a spring) is stiffer than the largest stiffness that sampling
-    /// allows.
+    /// Whether the coupling spring of the enhanced law, between the hand's point and the law's virtual mass, is stiffer than the
+    /// largest stiffness that sampling allows.
     pub stiff_coupling: bool,
     /// Name of the grip.
     pub grip: String,

@@ -95,8 +95,7 @@ impl Lever {
         text
     }
 
-    /// Converts a knob's law settings to the axis. Energy guard and state estimator are not converted; for the estimator see
-    /// [`Lever::estimator`].
+    /// Converts a knob's law settings to the axis. The energy guard is not converted.
     #[must_use]
     pub fn settings(&self, knob: &Settings) -> Settings {
         let filter = &knob.filter;
@@ -112,6 +111,8 @@ impl Lever {
                 damping: self.linear(filter.damping),
                 ground_damping: self.linear(filter.ground_damping),
             },
+            // Its inertia is that of the pulse at the touch.
+            estimator: self.estimator(&knob.estimator),
             ..*knob
         }
     }

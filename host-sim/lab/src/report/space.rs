@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use touchstone_sim::error::Result;
+use touchstone_sim::run::verdict::Verdict;
 
 use super::html::table;
 pub use super::space_results::{numbers, results};
 use super::staging::{Staging, io_error};
 use super::svg::{self, Size, escape};
 use super::write::Written;
-use super::{FileOptions, ProgramVersion, previous, space_picture};
+use super::{FileOptions, ProgramVersion, label, previous, space_picture};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
-use crate::thesis::space::claims::AT_REST_MM;
 use crate::thesis::space::held_out::HeldOut;
 use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
@@ -216,6 +216,15 @@ const ABOUT_ALL: &str = "Each object is probed, held, slid along and let go. The
     \"Shipped\" is the wall that touchstone device run plays on such a device: tuned for it, on estimated states, behind the energy guard.";
 const ABOUT_ONE: &str = "The object is probed, held, slid along and let go.";
 
+/// A displayed stiffness in N/mm as text, or in its place why the run has none.
+fn displayed(run: &Record, stiffness: f64) -> String {
+    match run.judged().0 {
+        Verdict::Unstable | Verdict::LimitCycle => "rings".to_owned(),
+        none @ (Verdict::NotJudged | Verdict::NoContact) => label::verdict(none).to_owned(),
+        Verdict::Passive | Verdict::Active => format!("{stiffness:.2}"),
+    }
+}
+
 /// Displayed stiffness at rest as text for a terminal: one row per law and stiffness, one column per object.
 #[must_use]
 pub fn runs_text(runs: &[Record]) -> String {
@@ -233,12 +242,7 @@ pub fn runs_text(runs: &[Record]) -> String {
         let same =
             |run: &&Record| run.cell.approach == approach && run.cell.k_desired_n_per_mm == k;
         for run in runs.iter().filter(same) {
-            let hold = run.late(Phase::Hold, 0.25);
-            let shown = if run.ripple_mm(hold.clone()) < AT_REST_MM {
-                format!("{:.2}", run.displayed_n_per_mm(hold))
-            } else {
-                "rings".to_owned()
-            };
+            let shown = displayed(run, run.displayed_n_per_mm(run.late(Phase::Hold, 0.25)));
             let _ = write!(text, " {shown:>17}");
         }
     }
@@ -255,6 +259,7 @@ fn runs_section(page: &mut String, runs: &[Record]) {
             "Object",
             "Approach",
             "k_de (N/mm)",
+            "Verdict",
             "At rest (N/mm)",
             "Ripple (mm)",
             "Sliding (N/mm)",
@@ -263,22 +268,17 @@ fn runs_section(page: &mut String, runs: &[Record]) {
             "Its largest step",
         ],
         runs.iter().map(|run| {
-            let [rest, ripple, sliding, speed, tangential, step, _] = numbers(run).map(|n| n.1);
-            let rests = ripple < AT_REST_MM;
-            let displayed = |stiffness: f64| {
-                if rests {
-                    format!("{stiffness:.2}")
-                } else {
-                    "rings".to_owned()
-                }
-            };
+            let [rest, ripple, sliding, speed, tangential, step, ..] = numbers(run).map(|n| n.1);
+            let (verdict, why) = run.judged();
+            let why = why.map_or(String::new(), |why| format!(": {why}"));
             [
                 run.cell.object.name().to_owned(),
                 run.cell.approach.name().to_owned(),
                 format!("{}", run.cell.k_desired_n_per_mm),
-                displayed(rest),
+                format!("{}{why}", label::verdict(verdict)),
+                displayed(run, rest),
                 format!("{ripple:.4}"),
-                displayed(sliding),
+                displayed(run, sliding),
                 format!("{speed:.1}"),
                 format!("{tangential:.4}"),
                 format!("{step:.4}"),

@@ -4,9 +4,9 @@
 use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
 use super::quantity::plain;
 use super::svg::{self, escape};
-use crate::thesis::space::claims::AT_REST_MM;
 use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
+use touchstone_sim::run::verdict::Verdict;
 
 /// CSS class of the lines for an approach (way to compute the force): the class of the same law on the page for one axis.
 fn class(approach: Approach) -> &'static str {
@@ -74,13 +74,18 @@ fn displayed(runs: &[&Record]) -> Figure {
             let middle = 0.5 * (Approach::ALL.len() as f64 - 1.0);
             let place = object.unwrap_or(0) as f64 + (column as f64 - middle) * width;
             let hold = run.late(Phase::Hold, 0.25);
-            let rests = run.ripple_mm(hold.clone()) < AT_REST_MM;
+            let verdict = run.judged().0;
+            let rests = matches!(verdict, Verdict::Passive | Verdict::Active);
             let share = 100.0 * run.displayed_n_per_mm(hold) / run.cell.k_desired_n_per_mm;
             near += usize::from(rests && (share - 100.0).abs() <= 5.0);
             // A wall that does not come to rest has no mean stiffness.
             let height = if rests { share.clamp(0.0, 135.0) } else { 0.0 };
             stems.push(vec![(place, 0.0), (place, height)]);
-            let sign = if rests { Sign::Dot } else { Sign::Waves };
+            let sign = match verdict {
+                Verdict::NotJudged | Verdict::NoContact => Sign::Ring,
+                _ if rests => Sign::Dot,
+                _ => Sign::Waves,
+            };
             signs.push((place, height, sign));
         }
         figure.line(class(approach), approach.name(), Shape::Path(stems));

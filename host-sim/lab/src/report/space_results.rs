@@ -8,7 +8,7 @@ use crate::thesis::space::{Phase, Record};
 
 /// The numbers of a run with their names, which include the units.
 #[must_use]
-pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
+pub fn numbers(run: &Record) -> [(&'static str, f64); 8] {
     let hold = run.late(Phase::Hold, 0.25);
     let slide = run.late(Phase::Slide, 0.9);
     [
@@ -30,6 +30,7 @@ pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
             "largest_tangential_step_over_normal",
             run.largest_jump(slide),
         ),
+        ("energy_out_j", run.energy.out_j()),
         ("books_off_j", run.audit_j),
     ]
 }
@@ -41,7 +42,10 @@ pub fn results(input: &Input) -> serde_json::Value {
         .runs
         .iter()
         .map(|run| {
+            let (verdict, why) = run.judged();
             let mut value = serde_json::json!({
+                "verdict": verdict.name(),
+                "not_judged": why.map(|why| why.to_string()),
                 "object": run.cell.object.name(),
                 "approach": run.cell.approach.name(),
                 "k_desired_n_per_mm": run.cell.k_desired_n_per_mm,

@@ -97,11 +97,13 @@ pub fn comparison() -> Value {
                 "the law, and how it is applied to three axes",
             ),
             ("k_desired_n_per_mm", "number", "desired stiffness; N/mm"),
+            ("verdict", "string", "how it ended, as of one axis"),
             (
-                "stopped",
-                "boolean",
-                "whether the guard or the mechanism ended it",
+                "not_judged",
+                "string?",
+                "why it could not be judged; null: it was",
             ),
+            ("stopped", "boolean", "whether the mechanism ended it early"),
             (
                 "displayed_at_rest_n_per_mm",
                 "number?",
@@ -123,6 +125,11 @@ pub fn comparison() -> Value {
                 "largest_tangential_step_over_normal",
                 "number?",
                 "its largest change in a tick",
+            ),
+            (
+                "energy_out_j",
+                "number",
+                "most energy that the hand got beyond what it gave; J",
             ),
             (
                 "books_off_j",

@@ -142,6 +142,7 @@ fn ideal(scene: &Scene, programme: &Programme, grip: Grip, ratio: f64) -> Result
     law.velocity.from = VelocityKind::Told;
     law.virtual_damping_n_m_s_per_rad = ratio * critical;
     law.number = Number::F64;
+    law.impact.share_of_momentum = 0.0;
     law.guard.on = false;
     let mut pressed = programme.scene(&wall, grip, Deed::Press);
     if let MotionSpec::TouchAndPress(press) = &mut pressed.operator.motion {

@@ -165,9 +165,10 @@ impl Recorder for Watch {
         self.figures.raise(Measure::EnergyOutJ, -hand_j);
         self.beside.energy_out_wall_j = self.beside.energy_out_wall_j.max(-self.wall_j);
         let entered = tick.angle_rad - self.terms.surface_rad;
-        self.hardness.record(entered, tick.motor_force_n_m);
-        self.rise
-            .record(entered, tick.velocity_rad_per_s, tick.motor_force_n_m);
+        let (touches, force) = (self.terms.touches(tick), tick.motor_force_n_m);
+        self.hardness
+            .record(entered, if touches { force } else { 0.0 });
+        self.rise.record(touches, tick.velocity_rad_per_s, force);
         if let Some((press, figures)) = self.press {
             self.pressed(press, figures, tick, x);
         }

@@ -45,6 +45,12 @@ macro_rules! parameter {
 /// fifth.
 const FASTEST_BANDWIDTH: f64 = 0.19;
 
+/// Share of the device's momentum that the pulse at the touch takes away. The wall's damper and the hand take the rest. With more, a
+/// device of half the inertia would bounce back faster than from an ideal wall.
+pub(crate) const PULSE: f64 = 0.7;
+/// Largest setting of the pulse: the end of its range.
+const MOST_MOMENTUM: f64 = 2.0;
+
 /// The settings that are tuned for a law on the device and wall of a scene.
 #[must_use]
 pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
@@ -204,6 +210,12 @@ pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     for (axis, x) in axes.iter().zip(point) {
         let value = (axis.start * x.exp()).clamp(axis.least, axis.most);
         *(axis.parameter.of)(&mut scene.law) = rounded(value);
+    }
+    let (j, law) = (scene.device.inertia_kg_m2, &mut scene.law);
+    // A scene without a pulse stays without one.
+    if law.impact.share_of_momentum > 0.0 {
+        let share = PULSE * j / law.estimator.inertia_kg_m2;
+        law.impact.share_of_momentum = rounded(share.min(MOST_MOMENTUM));
     }
     scene
 }

@@ -115,10 +115,9 @@ impl Felt {
             release.record(tick.index, e, tick.velocity_rad_per_s);
         }
         self.ripple.record(tick.index, force);
-        // The torque of a detent outside the wall is not a contact with the wall.
-        let is_walls = e > 0.0 || !terms.has_more;
-        self.hardness.record(e, if is_walls { force } else { 0.0 });
-        self.rise.record(e, tick.velocity_rad_per_s, force);
+        let touches = terms.touches(tick);
+        self.hardness.record(e, if touches { force } else { 0.0 });
+        self.rise.record(touches, tick.velocity_rad_per_s, force);
         let kinetic_j = |velocity: f64| 0.5 * terms.inertia_kg_m2 * velocity * velocity;
         let start_j = *self
             .kinetic_start_j

@@ -5,10 +5,8 @@
 
 use super::terms::Terms;
 use super::tick::Tick;
-use super::verdict::NotJudged;
+use super::verdict::{LEAST_REST_S, NotJudged};
 
-/// Least time for which the device must be examined, s: one period of 50 Hz. Most limit cycles are faster.
-const LEAST_S: f64 = 0.02;
 /// Shortest span in which a recorded hand counts as still, s. Only its last quarter is examined, so that earlier motion can die
 /// away.
 const LEAST_STILL_S: f64 = 0.8;
@@ -256,12 +254,12 @@ impl Rest {
             .last()
             .map_or(0.0, |window| window.ticks as f64 * terms.period_s);
         // One control period of tolerance, because times are rounded to ticks.
-        if seen_s + terms.period_s < LEAST_S {
+        if seen_s + terms.period_s < LEAST_REST_S {
             // A motion over such a short time need not continue.
             rested.oscillates = false;
             rested.not_judged = Some(NotJudged::TooShort {
                 seen_s,
-                least_s: LEAST_S,
+                least_s: LEAST_REST_S,
             });
         }
         rested

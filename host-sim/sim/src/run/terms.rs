@@ -1,6 +1,7 @@
 //! Criteria by which a run is judged, such as the threshold of a limit cycle. They follow from the scene before the first tick.
 
 use super::measure::Wiggle;
+use super::tick::Tick;
 use crate::scene::{MotionSpec, Scene};
 
 /// Largest motion of the device during a hold that still counts as a limit cycle, rad. With a larger motion the run counts as
@@ -61,7 +62,14 @@ pub struct Press {
 }
 
 impl Terms {
-    /// Computes the criteria of a scene.
+    /// Whether the wall is touched in a tick: the device is inside the wall, or the wall pushes already. A law that predicts the
+    /// position pushes up to a control period before the device is inside. Detents before the wall do not count.
+    #[must_use]
+    pub fn touches(&self, tick: &Tick) -> bool {
+        tick.angle_rad > self.surface_rad || (tick.force_n_m > 0.0 && !self.has_more)
+    }
+
+    /// Computes the criteria for a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let rate = f64::from(scene.timing.rate_hz);

@@ -21,6 +21,9 @@ pub enum Verdict {
     NoContact,
 }
 
+/// Least time for which a device is examined for rest, s: one period of 50 Hz. Most limit cycles are faster.
+pub const LEAST_REST_S: f64 = 0.02;
+
 /// Name of the verdict on a run in which the wall never pushed.
 pub const NO_CONTACT: &str = "no-contact";
 

@@ -49,6 +49,7 @@ pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Time, "s", "s", 1.0),
     unit(Dimension::Time, "ms", "ms", 1e-3),
     unit(Dimension::Time, "us", "µs", 1e-6),
+    unit(Dimension::Time, "ns", "ns", 1e-9),
     unit(Dimension::Velocity, "rad_per_s", "rad/s", 1.0),
     unit(Dimension::Velocity, "mrad_per_s", "mrad/s", 1e-3),
     unit(Dimension::Velocity, "deg_per_s", "°/s", DEGREE),

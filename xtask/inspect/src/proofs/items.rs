@@ -54,7 +54,7 @@ pub enum Kind {
     Call,
 }
 
-/// Form in which code refers to a name.
+/// The way in which code uses a name: plainly, as a method or macro call, or at the end of a path.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum How {
     Plain,
@@ -409,8 +409,8 @@ impl Read {
     }
 }
 
-/// The name that the word at position `at` refers to, with its form; `None` if the word cannot refer to an item. `own` is the type
-/// of `Self`.
+/// The name that the word at position `at` refers to, with the way in which it is used (plain name, path, method or macro call);
+/// `None` if the word cannot refer to an item. `own` is the type of `Self`.
 fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String)> {
     let back = |by: usize| {
         at.checked_sub(by)

@@ -48,7 +48,8 @@ pub struct Ground<'i> {
 struct Reach<'g, 'i> {
     ground: &'g Ground<'i>,
     reached: BTreeSet<usize>,
-    /// Names used so far, each with its forms and the crate number of the item that uses it.
+    /// Names used so far. Each has the ways in which code uses it (plain name, path, method or macro call) and the crate number of
+    /// the item that uses it.
     names: HashMap<&'i str, BTreeSet<(usize, &'i How)>>,
     /// Types reached so far, each with the number of its crate.
     types: BTreeSet<(&'i str, usize)>,
@@ -241,7 +242,8 @@ impl<'i> Ground<'i> {
         files
     }
 
-    /// Whether a name in the item `from`, written in the form `how`, can refer to the item `to`.
+    /// Whether a name in the item `from`, used in the way `how` (plain name, path, method or macro call), can refer to the item
+    /// `to`.
     fn sees(
         &self,
         from: &Item,

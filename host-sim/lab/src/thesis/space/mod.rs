@@ -15,6 +15,7 @@ mod record;
 pub mod scene;
 pub mod tuned;
 pub mod tuned_wall;
+pub mod verdict;
 
 pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
@@ -356,6 +357,7 @@ fn played(
             hip_m.map(|x| x * 1e3),
             crossed.force_n,
         );
+        record.energy.add(crossed.motors_j, crossed.loss.device_j);
         loss += crossed.loss.total_j();
         work += jump + crossed.motors_j;
         let start = *record.start_energy_j.get_or_insert(before);

@@ -20,8 +20,10 @@ pub enum Phase {
 pub const SLIDE_MM_PER_S: f64 = 50.0;
 /// Force of the push, N, unless another one is set.
 const PUSH_N: f64 = 6.0;
-const PROBE_S: f64 = 1.2;
-const HOLD_S: f64 = 2.0;
+/// Time for which the hand moves in, out and in again, s.
+pub(super) const PROBE_S: f64 = 1.2;
+/// Time for which the hand holds still, s.
+pub(super) const HOLD_S: f64 = 2.0;
 const SLIDE_S: f64 = 1.6;
 const RELEASE_S: f64 = 0.6;
 

@@ -121,7 +121,7 @@ pub(super) fn guarded(
     let mut wall = SpaceWall::new(
         shape,
         SurfacePoint::new(Rule::Closest),
-        Shell::Magnitude(Magnitude::new(unit.law::<N>(law)?)),
+        Shell::Magnitude(Magnitude::new(unit.law::<N>(law)?).with_impact(unit.impact(law)?)),
         Force::from_f64(law.force_limit.to_num()),
     );
     if let Some(estimator) = estimator {

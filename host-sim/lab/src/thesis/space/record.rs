@@ -1,5 +1,6 @@
 //! The record of a run in three degrees of freedom, and values that are computed from it.
 
+use super::verdict::PortEnergy;
 use super::{Cell, Object, Phase, RADIUS_MM};
 
 /// The record of a run in three degrees of freedom, one entry per tick (control period).
@@ -19,6 +20,8 @@ pub struct Record {
     pub stopped: bool,
     /// Largest error of the energy balance of device and hand, J.
     pub audit_j: f64,
+    /// Energy through the ports of wall and user.
+    pub energy: PortEnergy,
     pub(super) start_energy_j: Option<f64>,
 }
 
@@ -44,6 +47,7 @@ impl Record {
             force_n: Vec::new(),
             stopped: false,
             audit_j: 0.0,
+            energy: PortEnergy::default(),
             start_energy_j: None,
         }
     }
@@ -116,9 +120,12 @@ impl Record {
             / Self::mean(ticks, |t| self.depth_mm(t))
     }
 
-    /// Ripple of the depth over some ticks, mm: root mean square deviation from a moving mean over 50 ticks.
+    /// Ripple of the depth over some ticks, mm: root mean square deviation from a moving mean over 50 ticks; NaN over no ticks.
     #[must_use]
     pub fn ripple_mm(&self, ticks: std::ops::Range<usize>) -> f64 {
+        if ticks.is_empty() {
+            return f64::NAN;
+        }
         let mut sum = 0.0;
         let mut count = 0.0_f64;
         for tick in ticks.clone() {
@@ -128,7 +135,7 @@ impl Record {
             sum += off * off;
             count += 1.0;
         }
-        (sum / count.max(1.0)).sqrt()
+        (sum / count).sqrt()
     }
 
     /// Mean speed of the effector over some ticks, mm/s.

@@ -4,6 +4,7 @@ use super::mechanism::Mechanism;
 use super::{Approach, Cell, Object, shipped_n_per_mm};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use touchstone_sim::harmless::one_line;
 
 /// A scene for three degrees of freedom. Fields that the file leaves out have default values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,6 +73,8 @@ impl SpaceScene {
     /// # Errors
     /// The field whose value is out of range, and its range.
     pub fn completed(mut self) -> Result<Self, (&'static str, String)> {
+        self.name = one_line(&self.name);
+        self.description = one_line(&self.description);
         if self.dof != 3 {
             return Err(("dof", "must be 3".to_owned()));
         }

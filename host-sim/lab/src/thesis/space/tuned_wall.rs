@@ -5,7 +5,8 @@
 //! range of rates. The scorecard's measures at these rates are in `docs/devices.md`.
 
 use super::Mechanism;
-use touchstone_control::settings::FilterSettings;
+use crate::tune::parameters::PULSE;
+use touchstone_control::settings::{FilterSettings, ImpactSettings};
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
@@ -24,7 +25,8 @@ pub struct TunedWall {
     pub damping_n_s_per_m: f64,
     /// Largest damping of an axis that may use the wall, N·s/m.
     pub most_damping_n_s_per_m: f64,
-    /// Stiffness of the soft spring of enhanced successive force augmentation, [`Settings::k_soft`], N/m.
+    /// Stiffness of the soft spring on which the virtual mass of enhanced successive force augmentation presses,
+    /// [`Settings::k_soft`], N/m.
     pub k_soft: f64,
     /// Fraction of the ideal step by which the law's offset moves per millisecond, [`Settings::step_of_ideal`].
     pub step_of_ideal: f64,
@@ -34,9 +36,9 @@ pub struct TunedWall {
     pub limit_of_penetration: f64,
     /// Virtual mass of enhanced successive force augmentation, [`FilterSettings::mass`], kg.
     pub filter_kg: f64,
-    /// Stiffness of the coupling between device and virtual mass, [`FilterSettings::stiffness`], N/m.
+    /// Stiffness of the spring that couples device and virtual mass, [`FilterSettings::stiffness`], N/m.
     pub filter_stiffness: f64,
-    /// Damping of the coupling between device and virtual mass, [`FilterSettings::damping`], N·s/m.
+    /// Damping of the damper that couples device and virtual mass, [`FilterSettings::damping`], N·s/m.
     pub filter_damping: f64,
     /// Damping from the virtual mass to ground, [`FilterSettings::ground_damping`], N·s/m.
     pub ground_damping: f64,
@@ -170,6 +172,11 @@ impl TunedWall {
                 ground_damping: si(self.ground_damping),
             },
             states: StatesKind::Estimated,
+            estimator: self.estimator(),
+            // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
+            impact: ImpactSettings {
+                momentum: si(PULSE * self.axis_kg / self.estimator_kg),
+            },
             ..Settings::default()
         }
     }

@@ -42,15 +42,15 @@ impl ContactRise {
         }
     }
 
-    /// Adds a tick: true penetration in rad and inward speed in rad/s at the sample, and the force in N·m held after the sample,
-    /// positive out of the wall.
-    pub fn record(&mut self, penetration_rad: f64, speed_rad_per_s: f64, force_n_m: f64) {
-        if self.over || (self.inside.is_none() && penetration_rad <= 0.0) {
+    /// Adds a tick: whether the wall is touched, the inward speed in rad/s at the tick's sample, and the force held over the tick in
+    /// N·m, positive out of the wall.
+    pub fn record(&mut self, touches: bool, speed_rad_per_s: f64, force_n_m: f64) {
+        if self.over || (self.inside.is_none() && !touches) {
             return;
         }
         let ticks = self.inside.map_or(0, |ticks| ticks + 1);
         let ended = ticks as f64 * self.period_s > LONGEST_S - 0.5 * self.period_s;
-        if ended || penetration_rad <= 0.0 {
+        if ended || !touches {
             self.over = true;
             return;
         }
@@ -87,11 +87,11 @@ mod tests {
     fn entered(period_s: f64, force: impl Fn(f64, f64) -> f64) -> ContactRise {
         let mut rise = ContactRise::new(period_s);
         let ticks = (0.012 / period_s) as i32;
-        rise.record(-1e-3, 2.0, 0.0);
+        rise.record(false, 2.0, 0.0);
         for tick in 0..ticks {
             let t = (f64::from(tick) + 1e-6) * period_s;
             let (x, v) = (2.0 * t - 100.0 * t * t, 2.0 - 200.0 * t);
-            rise.record(x, v, force(x, v));
+            rise.record(true, v, force(x, v));
         }
         rise
     }
@@ -122,17 +122,17 @@ mod tests {
     fn only_the_first_contact_counts() {
         let mut rise = ContactRise::new(1e-3);
         assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
-        rise.record(-1e-3, 1.0, 0.0);
+        rise.record(false, 1.0, 0.0);
         assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
-        rise.record(1e-3, 1.0, 5e-3);
-        rise.record(2e-3, 1.0, 10e-3);
-        // A force later than 5 ms does not count as the rise, but it counts for the hardness.
-        (3..=10).for_each(|i| rise.record(f64::from(i) * 1e-3, 1.0, f64::from(i) * 5e-3));
+        rise.record(true, 1.0, 5e-3);
+        rise.record(true, 1.0, 10e-3);
+        // What comes later than five milliseconds is no rise, but hardness.
+        (3..=10).for_each(|i| rise.record(true, 1.0, f64::from(i) * 5e-3));
         assert_eq!(rise.torque_n_m(), Some(25e-3));
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
-        // The device leaves the wall and enters once more, faster.
-        rise.record(-1e-3, -1.0, 0.0);
-        rise.record(1e-3, 9.0, 1.0);
+        // Out, and in once more with a blow.
+        rise.record(false, -1.0, 0.0);
+        rise.record(true, 9.0, 1.0);
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
     }
 }

@@ -48,7 +48,7 @@ const TIMES: [&str; 7] = [
 ];
 
 /// Units spelled as words in a CSV header, each with its short form as suffix.
-const WORDS: [(&str, &str); 15] = [
+const WORDS: [(&str, &str); 18] = [
     ("sec", "s"),
     ("secs", "s"),
     ("second", "s"),
@@ -59,6 +59,9 @@ const WORDS: [(&str, &str); 15] = [
     ("usec", "us"),
     ("micros", "us"),
     ("microseconds", "us"),
+    ("nsec", "ns"),
+    ("nanos", "ns"),
+    ("nanoseconds", "ns"),
     ("degree", "deg"),
     ("degrees", "deg"),
     ("radians", "rad"),

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 
 /// Speed above which a recording is reported as faster than any hand, rad/s. A wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
+/// Range of angles above which a recording is reported, rad: two turns. Slow motion in degrees is found by its range, not its speed.
+const WIDEST_RAD: f64 = 2.0 * TAU;
 /// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
 /// First time stamp of a recording above which the time column is taken for calendar time (seconds since an epoch), s: 11 days.
@@ -22,7 +24,7 @@ impl Recording {
             self.gap(),
             self.bursts(),
             self.wraps(),
-            self.speed(),
+            self.speed().or_else(|| self.range()),
         ]
         .into_iter()
         .flatten()
@@ -88,6 +90,20 @@ impl Recording {
             format!(
                 "{:.0} rad/s near {:.3} s is faster than a hand: is it one bad sample, or is {} in another unit, such as degrees?",
                 worst.0, worst.1, self.angle()
+            )
+        })
+    }
+
+    fn range(&self) -> Option<String> {
+        let angles = self.angles_rad();
+        let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let range = high - low;
+        (range > WIDEST_RAD).then(|| {
+            format!(
+                "a range of {range:.1} rad is {:.1} turns: is {} in another unit, such as degrees?",
+                range / TAU,
+                self.angle()
             )
         })
     }

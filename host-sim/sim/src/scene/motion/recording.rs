@@ -293,13 +293,13 @@ impl Recording {
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
         // Names of file and column are shown as the user wrote them.
         crate::harmless::one_line(&format!(
-            "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
+            "{}, {}: {} samples, {:.2} s at {} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
              from {:.3} to {:.3} rad, inside the wall {:.0} % of the time{odd}",
             self.file.display(),
             self.angle,
             self.times_s.len(),
             self.length_s(),
-            (self.times_s.len() - 1) as f64 / self.length_s(),
+            rate_shown((self.times_s.len() - 1) as f64 / self.length_s()),
             surface_rad,
             spec.offset_rad,
             spec.scale,
@@ -308,6 +308,14 @@ impl Recording {
             high,
             100.0 * curve.share_above(surface_rad),
         ))
+    }
+}
+
+/// A sampling rate in Hz for messages; a slow one with its decimals.
+fn rate_shown(rate_hz: f64) -> String {
+    match rate_hz >= 10.0 {
+        true => format!("{rate_hz:.0}"),
+        false => format!("{rate_hz:.3}"),
     }
 }
 
@@ -327,4 +335,13 @@ fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let skipped = |line: &&str| line.trim_end().is_empty() || line.starts_with('#');
     let rest = text.get(position.byte() as usize..).unwrap_or("");
     position.line() as usize + rest.lines().take_while(skipped).count()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_slow_recording_has_a_rate() {
+        let shown = [1000.4, 10.0, 1.0, 0.1].map(super::rate_shown);
+        assert_eq!(shown, ["1000", "10", "1.000", "0.100"]);
+    }
 }

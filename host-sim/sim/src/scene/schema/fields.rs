@@ -350,7 +350,7 @@ const COUNT: usize = {
     count
 };
 
-const JOINED: [Field; COUNT] = {
+static JOINED: [Field; COUNT] = {
     let mut all = [field("", "", Text, ""); COUNT];
     let (mut part, mut place) = (0, 0);
     while part < PARTS.len() {

@@ -100,7 +100,7 @@ fn bad_headers() {
     );
     refused(
         "time,angle_deg\n0,1\n1,2\n",
-        "m.csv:1: time: no column with a time unit among time, angle_deg; end the column's name in one of _s, _ms, _us",
+        "m.csv:1: time: no column with a time unit among time, angle_deg; end the column's name in one of _s, _ms, _us, _ns",
     );
     refused(
         "# made by hand\ntime_s,angle\n0,1\n1,2\n",

@@ -59,6 +59,11 @@ fn usual_headers_are_understood() {
         assert!(off.fold(0.0, f64::max) < 1e-12, "{header}");
         assert_eq!(found.odd(), Vec::<String>::new(), "{header}");
     }
+    for header in ["stamp [ns],angle [rad]", "elapsed nanoseconds,angle [rad]"] {
+        let found = read(&sine(header, |n, x| format!("{},{x}", n * 1_000_000))).unwrap();
+        assert!((found.length_s() - 0.999).abs() < 1e-12, "{header}");
+        assert_eq!(found.odd(), Vec::<String>::new(), "{header}");
+    }
     let error = read(&sine("omega [rad/s],angle [rad],x", seconds)).unwrap_err();
     assert!(
         error.starts_with("m.csv:1: time: no column with a time unit"),
@@ -178,6 +183,17 @@ fn what_is_odd_is_noted_by_its_number() {
         (
             sine(angle, |n, x| format!("{},{}", at(n), x.to_degrees())),
             "such as degrees?",
+        ),
+        // Too slow to be found by its speed.
+        (
+            sine(angle, |n, x| format!("{},{}", 10.0 * at(n), x.to_degrees())),
+            "a range of 34.4 rad is 5.5 turns: is angle_rad in another unit",
+        ),
+        (
+            sine("stamp_ns,angle_rad", |n, x| {
+                format!("{},{x}", 1_764_000_000_000_000_000 + n as u64 * 1_000_000)
+            }),
+            "times begin at 1764000000.000 s",
         ),
         (
             sine("time_ms,angle_rad", |n, x| {

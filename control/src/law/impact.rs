@@ -1,0 +1,56 @@
+//! A short torque at the touch (event-based haptics): it takes the device's momentum away in the first control periods inside a
+//! wall.
+//!
+//! A stiff spring alone needs a quarter of its period to stop a device, which feels like foam. People judge hardness by the first
+//! milliseconds of a tap (Kuchenbecker, Fiene and Niemeyer, IEEE TVCG 12(2) 219, 2006). A braking pulse at the entry stops the
+//! device in one or two control periods (Salcudean and Vlaar, J. Dyn. Sys. Meas. Control 119(1) 127, 1997).
+//!
+//! At the first control period inside the wall the pulse has the impulse `s J v`: a fraction `s` of the momentum of the inertia `J`
+//! at the speed `v`. Each period adds as much of it to the law's force as the force limit leaves. What is left is dropped when the
+//! motion turns and when the device leaves the wall. The energy guard stands behind the sum of both forces.
+
+use super::Sample;
+use crate::{Force, Number, Position, Stiffness};
+
+/// The pulse at the touch of one wall, with its memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact<N: Number> {
+    /// `s J/T²`: the force that takes the fraction `s` of the momentum away within one control period, per displacement in one.
+    pub brake: Stiffness<N>,
+    /// Largest sum of the law's force and the pulse.
+    pub limit: Force<N>,
+    /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are none.
+    pub apart: u16,
+    /// The part of the pulse's impulse that is not played yet, divided by the control period.
+    pub left: Force<N>,
+    /// Control periods since the device was inside the wall, at most [`Impact::apart`].
+    pub outside: u16,
+}
+
+impl<N: Number> Impact<N> {
+    /// Runs one control period: takes the law's input and the law's force, returns the force with the pulse.
+    #[inline(always)]
+    pub fn with_pulse(&mut self, sample: Sample<N>, force: Force<N>) -> Force<N> {
+        if sample.e <= Position::zero() {
+            self.outside = self.outside.saturating_add(1).min(self.apart);
+            self.left = Force::zero();
+            return force;
+        }
+        if self.outside == self.apart {
+            self.left = (self.brake * sample.moved).towards_zero();
+        }
+        self.outside = 0;
+        if sample.moved <= Position::zero() {
+            self.left = Force::zero();
+        }
+        let pulse = self.left.min(self.limit - force).max(Force::zero());
+        self.left = self.left - pulse;
+        force + pulse
+    }
+
+    /// Clears the memory, as long outside the wall.
+    pub fn forget_touch(&mut self) {
+        self.left = Force::zero();
+        self.outside = self.apart;
+    }
+}

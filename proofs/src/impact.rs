@@ -1,0 +1,117 @@
+//! The pulse at the touch of a wall at 32 bits, whatever law is before it: it never pulls, stays within the force limit, and takes no
+//! more than the momentum that it was given.
+//!
+//! ```text
+//! f <= pulse(f) <= max(f, limit)                                   p4_pulse_limited
+//! e <= 0: pulse(f) = f, l = 0                                      p4_pulse_limited
+//! l(n) + (pulse(f) - f) = l(n-1), or brake v at a touch            p9_pulse_impulse
+//! no touch within `apart` control periods of another               p9_pulse_apart
+//! ```
+
+use crate::format::Format;
+use crate::source::{Source, one_with};
+use crate::{assume, cover, property};
+use touchstone_control::law::{Impact, Sample};
+use touchstone_control::{Fixed32, Force, Position, Stiffness};
+
+type N = Fixed32;
+
+/// Any pulse, with any memory.
+fn any_pulse32<S: Source>(s: &mut S) -> Impact<N> {
+    one_with(
+        s,
+        |s| {
+            let apart = s.bits(16) as u16;
+            let outside = if s.bool() { apart } else { s.bits(16) as u16 };
+            Impact {
+                brake: N::any_stiffness(s),
+                limit: N::any_force(s),
+                apart,
+                left: N::any_force(s),
+                outside,
+            }
+        },
+        pulse_holds,
+    )
+}
+
+/// Whether the settings were accepted and the memory is one of a tick: see `Impact::pulse_of`.
+fn pulse_holds(it: &Impact<N>) -> bool {
+    it.brake >= Stiffness::zero()
+        && it.limit >= Force::zero()
+        && it.apart > 0
+        && it.left >= Force::zero()
+        && it.outside <= it.apart
+}
+
+fn any_sample32<S: Source>(s: &mut S) -> Sample<N> {
+    Sample {
+        e: N::any_position(s),
+        moved: N::any_position(s),
+    }
+}
+
+property! {
+    /// P4: with a force of the law within 0 and the limit, the pulse only adds to it, up to the limit, and leaves a memory within its
+    /// invariant. Outside the wall it changes nothing.
+    equation "f <= pulse(f) <= limit; e <= 0: pulse(f) = f"
+    over "momentum, limit, memory, sample, force of the law"
+    fn p4_pulse_limited(s) {
+        let mut impact = any_pulse32(s);
+        assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by this property");
+        let sample = any_sample32(s);
+        let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
+        assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
+        let force = impact.with_pulse(sample, wanted);
+        assert!(force >= wanted && force <= impact.limit);
+        assert!(pulse_holds(&impact));
+        let inside = sample.e > Position::zero();
+        assert!(inside || (force == wanted && impact.left == Force::zero()));
+        cover!(s, force > wanted && force < impact.limit, "a pulse within the limit");
+        cover!(s, force == impact.limit && impact.left > Force::zero(), "a pulse that goes on");
+    }
+}
+property! {
+    /// P9: what is played of the pulse is taken from what is left of it, exactly. A new impulse comes with a touch only, and is the
+    /// brake's product with the displacement.
+    equation "l(n) + (pulse(f) - f) = l(n-1); at a touch brake v"
+    over "momentum, limit, memory, sample, force of the law"
+    fn p9_pulse_impulse(s) {
+        let mut impact = any_pulse32(s);
+        assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
+        let sample = any_sample32(s);
+        let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
+        assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
+        let before = impact;
+        let force = impact.with_pulse(sample, wanted);
+        if sample.e <= Position::zero() || sample.moved <= Position::zero() {
+            assert!(force == wanted && impact.left == Force::zero());
+            return;
+        }
+        let touch = before.outside == before.apart;
+        let given = if touch { (before.brake * sample.moved).towards_zero() } else { before.left };
+        let played = N::of_signal(force.0) - N::of_signal(wanted.0);
+        assert!(N::of_signal(impact.left.0) + played == N::of_signal(given.0));
+        cover!(s, touch && played > 0, "a touch");
+        cover!(s, !touch && played > 0, "a pulse that went on");
+    }
+}
+property! {
+    /// P9: after a control period inside the wall no touch is counted before the device was outside for `apart` control periods.
+    equation "inside: o = 0; outside: o(n) = min(o(n-1) + 1, apart)"
+    over "momentum, limit, memory, sample, force of the law"
+    fn p9_pulse_apart(s) {
+        let mut impact = any_pulse32(s);
+        assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
+        let sample = any_sample32(s);
+        let before = impact;
+        let _ = impact.with_pulse(sample, N::any_force(s));
+        let inside = sample.e > Position::zero();
+        let counted = u32::from(before.outside) + 1;
+        let expected = if inside { 0 } else { counted.min(u32::from(before.apart)) };
+        assert!(u32::from(impact.outside) == expected);
+        assert!((impact.brake, impact.limit, impact.apart) == (before.brake, before.limit, before.apart));
+        cover!(s, !inside && impact.outside < impact.apart, "not long enough outside");
+        cover!(s, !inside && impact.outside == impact.apart, "long enough outside");
+    }
+}
