@@ -20,7 +20,7 @@ mod tamper;
 
 pub use bench::{Bench, Grip, Moment};
 pub use cell::{Cell, Row, run};
-pub use known::{KNOWN, Known, UNFOUND};
+pub use known::{KNOWN, Known, SPREAD, UNFOUND};
 pub use list::{FAULTS, Fault, Group, Same};
 pub use table::Table;
 pub use tamper::{Breaks, Broken};
