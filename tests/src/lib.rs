@@ -12,6 +12,7 @@ pub mod port;
 pub mod random;
 pub mod search;
 pub mod si;
+pub mod single_faults;
 pub mod space;
 pub mod space_port;
 pub mod surface_path;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
-use crate::{packages, shell};
+use crate::{marked, packages, shell};
 
 /// Numbers of ticks (control periods) of the short and of the long run. Events that happen once in a hundred ticks still happen
 /// often in 1000 ticks.
@@ -69,7 +69,7 @@ fn climb(write: bool) -> Result<Outcome, Outcome> {
         )?;
         let page = shell::root().join("docs/effects.md");
         let text = std::fs::read_to_string(&page).map_err(|error| failed(&page, &error))?;
-        let replaced = between(&text, &table).ok_or_else(|| {
+        let replaced = marked::between(&text, BEGIN, END, &table).ok_or_else(|| {
             Outcome::Failed(format!("{}: no place for the table", page.display()))
         })?;
         put(&page, &replaced)?;
@@ -87,13 +87,6 @@ fn failed(path: &Path, error: &std::io::Error) -> Outcome {
 
 fn put(path: &Path, text: &str) -> Result<(), Outcome> {
     std::fs::write(path, text).map_err(|error| failed(path, &error))
-}
-
-/// The text of a page with its table replaced by `table`; `None` if the page has no marks for a table.
-fn between(page: &str, table: &str) -> Option<String> {
-    let (before, rest) = page.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}{table}{END}{after}"))
 }
 
 /// Measures the instructions per tick of every configuration in `names`.
@@ -241,13 +234,5 @@ mod tests {
         let log = "==1== HEAP SUMMARY:\n==1==   total heap usage: 1,234 allocs, 1,230 frees, 9 bytes allocated\n";
         assert_eq!(allocations(log), Some(1234));
         assert_eq!(allocations("==1== nothing"), None);
-    }
-
-    #[test]
-    fn a_table_takes_the_place_of_the_last_one() {
-        let page = format!("before\n{BEGIN}old\n{END}after\n");
-        let replaced = between(&page, "new\n").unwrap();
-        assert_eq!(replaced, format!("before\n{BEGIN}new\n{END}after\n"));
-        assert_eq!(between("no place", "new"), None);
     }
 }

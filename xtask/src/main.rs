@@ -13,6 +13,7 @@ mod deny;
 mod dist;
 mod doc;
 mod emulator;
+mod faults;
 mod fil;
 mod firmware;
 mod float_free;
@@ -22,6 +23,7 @@ mod ladder;
 mod lint;
 mod live;
 mod machine;
+mod marked;
 mod memo;
 mod mutants;
 mod outcome;
@@ -163,6 +165,13 @@ const STEPS: &[Step] = &[
             full: fil::SAMPLED,
         },
         run: fil::run,
+    },
+    Step {
+        name: "faults",
+        about: "what a hand gets from a knob on the desktop in which one part breaks, on all boards: the tables of docs/faults.md are still \
+                right; `faults --write` writes them",
+        gates: Gates::FULL_ONLY,
+        run: faults::run,
     },
     Step {
         name: "traces",

@@ -87,6 +87,16 @@ impl SupervisorConfig {
         }
     }
 
+    /// The same limits without the comparison of the motor with its model, as on a chip that has no memory for it.
+    #[cfg(feature = "large")]
+    #[must_use]
+    pub const fn without_model(self) -> Self {
+        Self {
+            model: None,
+            ..self
+        }
+    }
+
     /// Whether a bus voltage is within its limits; always true for an external power stage.
     #[cfg(feature = "large")]
     #[must_use]

@@ -40,6 +40,14 @@ pub trait Tamper {
     fn bus_v(&mut self, _tick: u32) -> f64 {
         24.0
     }
+    /// Changes the state of the bridge in half a PWM period.
+    fn bridge(&mut self, _tick: u32, drive: Drive) -> Drive {
+        drive
+    }
+    /// The number of PWM periods by which the control tick comes late, and how often it runs.
+    fn when(&mut self, _tick: u32) -> (u32, u32) {
+        (0, 1)
+    }
 }
 
 /// The [`Tamper`] of a knob without faults: changes no reading.
@@ -59,6 +67,7 @@ pub struct EncoderError {
 }
 
 /// A simulated knob that runs the firmware's code. `T` falsifies readings, `S` simulates the mechanics.
+#[derive(Clone)]
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The firmware's control code, which runs once per control tick.
     pub device: Device,
@@ -89,6 +98,8 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     preloaded: Drive,
     command: Option<Command>,
     hardware_break: bool,
+    /// PWM periods until the control tick that is due, and how late it then is.
+    due: Option<(u32, u32)>,
 }
 
 fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
@@ -96,6 +107,16 @@ fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
         touchstone_drive::BridgeCommand::Off => Drive::Off,
         touchstone_drive::BridgeCommand::On(duties) => Drive::On(duties),
     }
+}
+
+/// The current sensors of a board. The parts of a real one differ from the constants in `drive`: offsets between two codes, and not
+/// those of the schematic.
+fn shunts(hardware: &Hardware) -> [Shunt; 2] {
+    if *hardware == IHM08M1 || !hardware.senses_current {
+        return [2_128.3, 2_099.8].map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset));
+    }
+    let amps_per_code: f64 = hardware.amps_per_code.to_num();
+    [6.3, -22.2].map(|off| Shunt::bits12(amps_per_code, f64::from(hardware.offset_code) + off))
 }
 
 /// Creates a knob without falsified readings, with a gimbal motor (0.25 N·m/A) on a bus of 24 V.
@@ -170,16 +191,27 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             record,
             output: None,
             settings: settings.clone(),
-            // The parts of a real shield differ from the constants in `drive`: offsets between two codes, and not those of the
-            // schematic.
-            shunts: [2_128.3, 2_099.8]
-                .map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset)),
+            shunts: shunts(hardware),
             mailbox: CurrentCommand::OFF,
             report: CurrentReport::default(),
             preloaded: Drive::Off,
             command: None,
             hardware_break: false,
+            due: None,
         }
+    }
+
+    /// Restarts the processor with this device: all that is not stored is forgotten, and the bridge is off.
+    pub fn restart(&mut self, device: Device) {
+        self.record = *device.record();
+        self.current = CurrentLoop::new(device.current_config());
+        self.device = device;
+        self.around = Around::new();
+        self.mailbox = CurrentCommand::OFF;
+        self.report = CurrentReport::default();
+        (self.acting, self.preloaded) = (Drive::Off, Drive::Off);
+        (self.output, self.command, self.due) = (None, None, None);
+        self.hardware_break = false;
     }
 
     /// Gives a command, such as "arm", to the next control tick.
@@ -238,16 +270,32 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
                 self.device.read_change(reading);
             }
         }
-        if out.pend_control {
-            self.control();
+        let runs = if out.pend_control {
+            let (late, runs) = self.tamper.when(next);
+            self.due = Some((late, late));
+            runs
+        } else {
+            1
+        };
+        match self.due {
+            Some((0, late)) => {
+                self.due = None;
+                for _ in 0..runs {
+                    self.control(late);
+                }
+            }
+            Some((left, late)) => self.due = Some((left - 1, late)),
+            None => {}
         }
-        self.rig.step(self.acting, self.rest_rad);
-        self.acting = self.preloaded;
-        self.rig.step(self.acting, self.rest_rad);
+        for _ in 0..2 {
+            let drive = self.tamper.bridge(next, self.acting);
+            self.rig.step(drive, self.rest_rad);
+            self.acting = self.preloaded;
+        }
         out.pend_control
     }
 
-    fn control(&mut self) {
+    fn control(&mut self, late_periods: u32) {
         let mut input = ControlInput {
             encoder: self.reading(),
             current: self.report,
@@ -257,7 +305,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             stop_button: false,
             host_heard: true,
             timing: TickTiming {
-                lateness: 40,
+                lateness: 40 + late_periods * (self.hardware.core_hz / self.hardware.pwm_hz),
                 duration: 2_500,
             },
         };

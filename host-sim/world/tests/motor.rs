@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 use touchstone_world::motor::{
-    Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt, Windings, as5047p_frame, count,
-    mt6701_frame,
+    Bridge, Drive, GIMBAL, KNOB, MotorParameters, Rig, Shunt, Windings, Wires, as5047p_frame,
+    count, mt6701_frame,
 };
 use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics, MEDIUM, Stepper};
 
@@ -198,4 +198,52 @@ fn the_same_inputs_give_the_same_bits() {
     let mut rig = Rig::new(GIMBAL, Bridge::ideal(24.0, TOP), plant, 0.5);
     assert_eq!(rig.state_mut().position(), 0.5);
     assert_eq!(rig.step(Drive::Off, 0.0).angle_rad, 0.5);
+}
+
+#[test]
+fn an_open_phase_leaves_two_in_series_and_exchanged_wires_turn_the_other_way() {
+    let held = touchstone_world::plant::Device {
+        inertia: 1e9,
+        ..KNOB
+    };
+    let stands = |wires: Wires, angle_rad: f64| {
+        let plant = BareLinear::new(&held, PERIOD_S).unwrap();
+        let mut rig = Rig::new(GIMBAL, Bridge::ideal(24.0, TOP), plant, angle_rad);
+        rig.wires = wires;
+        let mut now = rig.now();
+        for _ in 0..1_000 {
+            now = rig.step(Drive::On([2_800, 1_500, 2_125]), 0.0);
+        }
+        assert!(rig.given_j.abs() < 1e-6, "{}", rig.given_j);
+        now
+    };
+    let volts = |leg: f64| 24.0 * leg / f64::from(TOP);
+    // The phase of leg A, B or C is open: the difference of the other two drives their resistances in series.
+    for (open, [from, into]) in [(0, [1, 2]), (1, [2, 0]), (2, [0, 1])] {
+        let wires = Wires {
+            open: Some(open),
+            ..Wires::RIGHT
+        };
+        let now = stands(wires, 0.1);
+        let legs = [2_800.0, 1_500.0, 2_125.0];
+        let exact = (volts(legs[from]) - volts(legs[into])) / (2.0 * GIMBAL.resistance_ohm);
+        assert!(now.currents_a[open].abs() < 1e-12, "{now:?}");
+        assert!((now.currents_a[from] - exact).abs() < 1e-9, "{now:?}");
+        assert!((now.currents_a[into] + exact).abs() < 1e-9, "{now:?}");
+        // The torque of these currents: the flux of each phase is a cosine of its angle to the rotor.
+        let theta = 0.1 * 7.0;
+        let slope = |phase: usize| -(theta - TAU / 3.0 * phase as f64).sin();
+        let torque = 7.0 * GIMBAL.flux_linkage_wb * exact * (slope(from) - slope(into));
+        assert!((now.torque_n_m - torque).abs() < 1e-6, "{now:?} {torque}");
+    }
+    // Mirrored wires at a mirrored angle: the torque is mirrored, and each leg has the current of the other phase.
+    let mirrored = Wires {
+        order: [0, 2, 1],
+        ..Wires::RIGHT
+    };
+    let (right, wrong) = (stands(Wires::RIGHT, 0.1), stands(mirrored, -0.1));
+    assert!((right.torque_n_m + wrong.torque_n_m).abs() < 1e-12);
+    for leg in 0..3 {
+        assert!((right.currents_a[leg] - wrong.currents_a[leg]).abs() < 1e-12);
+    }
 }

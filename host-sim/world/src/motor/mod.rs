@@ -22,6 +22,6 @@ mod windings;
 
 pub use bridge::{Bridge, Drive};
 pub use encoder::{as5047p_frame, count, mt6701_frame};
-pub use rig::{KNOB, Reading, Rig};
+pub use rig::{KNOB, Reading, Rig, Wires};
 pub use shunt::Shunt;
 pub use windings::{GIMBAL, MotorParameters, Windings};

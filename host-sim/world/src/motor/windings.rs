@@ -126,6 +126,15 @@ impl Windings {
         }
     }
 
+    /// Windings of another motor with the same current, for intervals of `interval_s` seconds.
+    #[must_use]
+    pub fn of_motor(self, motor: MotorParameters, interval_s: f64) -> Self {
+        Self {
+            current: self.current,
+            ..Self::new(motor, interval_s)
+        }
+    }
+
     /// The motor's parameters.
     #[must_use]
     pub const fn motor(&self) -> &MotorParameters {
@@ -171,6 +180,29 @@ impl Windings {
             + before.conj()
                 * (constant * turning_integral(omega, t) + transient * (C::from(1.0) - end) / rate);
         self.torque(integral.im / t)
+    }
+
+    /// Takes the current from a phase that is not connected.
+    pub fn cut(&mut self, phase: usize) {
+        let axis = polar(1.0, std::f64::consts::TAU * phase as f64 / 3.0);
+        self.current -= axis * (self.current * axis.conj()).re;
+    }
+
+    /// Same as [`Windings::step`] with one phase that is not connected. In the stationary frame the current has one direction left,
+    /// in which the motor's equation is the same, so its current is exact. The mean torque is that of the two ends.
+    pub fn step_without(
+        &mut self,
+        open: usize,
+        phases_v: [f64; 3],
+        angle_rad: f64,
+        speed_rad_per_s: f64,
+    ) -> f64 {
+        self.cut(open);
+        let before = self.dq_a(angle_rad).1;
+        self.step(phases_v, angle_rad, speed_rad_per_s);
+        self.cut(open);
+        let after = self.dq_a(angle_rad + speed_rad_per_s * self.interval_s).1;
+        self.torque((before + after) / 2.0)
     }
 
     /// Advances by one interval with all switches open: the current continues through the diodes against the bus voltage until it

@@ -1,0 +1,182 @@
+//! One cell of the table: a fault, a moment and a grip on a board.
+
+use super::act::act;
+use super::bench::{AFTER_S, ARMS_AFTER_S, BEFORE_S, Bench, Grip, Moment, Played};
+use super::list::Fault;
+use super::tamper::Breaks;
+use touchstone_protocol::{Command, FaultCode, State};
+use touchstone_world::motor::Drive;
+
+/// Time after the fault was found in which the motor's current ends, ticks.
+const TAIL: u32 = 20;
+
+/// What happened in a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Most energy that the motor gave to hand and knob, beyond what it took, in any time that ends after the fault, until off, J.
+    pub most_j: f64,
+    /// Time from the fault to off for good, s; `None`: nothing was found.
+    pub off_s: Option<f64>,
+    /// Largest speed of the shaft until off, rad/s.
+    pub fastest_rad_per_s: f64,
+    /// The fault that the board found.
+    pub code: Option<FaultCode>,
+    /// A number made of shaft angle, bridge and what the device measured at every tick: equal only for equal courses.
+    pub course: u64,
+}
+
+/// A cell with its place in the table.
+#[derive(Clone, Copy)]
+pub struct Row<'b> {
+    /// Board, moment and grip.
+    pub bench: &'b Bench,
+    /// The fault.
+    pub fault: &'static Fault,
+    /// What happened.
+    pub cell: Cell,
+    /// Whether it went otherwise than on the healthy board.
+    pub differs: bool,
+}
+
+impl Row<'_> {
+    /// The cell's name: fault, moment, grip, quarter.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let Bench {
+            moment,
+            grip,
+            quarter,
+            ..
+        } = self.bench;
+        format!(
+            "{}, {}, {}, {quarter}",
+            self.fault.name,
+            moment.name(),
+            grip.name()
+        )
+    }
+
+    /// Moment, grip and quarter.
+    #[must_use]
+    pub const fn place(&self) -> (Moment, Grip, u8) {
+        (self.bench.moment, self.bench.grip, self.bench.quarter)
+    }
+
+    /// Whether nothing was found although the hand got more than the guard's bound.
+    #[must_use]
+    pub fn is_unfound(&self) -> bool {
+        self.cell.off_s.is_none() && self.cell.most_j > self.bench.promise_j()
+    }
+}
+
+/// Runs a cell.
+#[must_use]
+pub fn run<'b>(bench: &'b Bench, fault: &'static Fault) -> Row<'b> {
+    let cell = play(bench, fault.breaks);
+    let restarts = matches!(fault.breaks, Breaks::Memory(_));
+    let differs = cell.course != bench.healthy[usize::from(restarts)];
+    Row {
+        bench,
+        fault,
+        cell,
+        differs,
+    }
+}
+
+pub(super) fn play(bench: &Bench, breaks: Breaks) -> Cell {
+    let mut knob = bench.knob.clone();
+    knob.tamper.breaks = breaks;
+    let mut course = Course::new(bench, &knob);
+    if let Breaks::Memory(memory) = breaks {
+        memory.restart(bench, &mut knob);
+        course = Course::new(bench, &knob);
+        // What a calibration does is not bounded by the guard.
+        course.least_j = knob.rig.given_j;
+        course.zero_rad = knob.rig.now().angle_rad;
+        if bench.moment != Moment::Ready {
+            knob.ask(Command::Arm);
+        }
+        course.began_s = 0.05;
+    }
+    knob.tamper.is_broken = true;
+    let mut tail = 0;
+    for tick in 0..(AFTER_S * 1e3) as u32 {
+        let since_s = f64::from(tick) * 1e-3;
+        if bench.moment == Moment::Ready && tick == (ARMS_AFTER_S * 1e3) as u32 {
+            knob.ask(Command::Arm);
+        }
+        knob.rest_rad = bench.rest_rad(since_s, course.began_s, course.zero_rad);
+        act(bench, breaks, &mut knob, tick);
+        course.tick(&mut knob);
+        if course.off(&knob) {
+            course.found(&knob, since_s);
+            tail += 1;
+            if tail > TAIL {
+                break;
+            }
+        }
+    }
+    course.cell
+}
+
+/// What is seen of a knob while it is played.
+struct Course {
+    cell: Cell,
+    least_j: f64,
+    zero_rad: f64,
+    began_s: f64,
+}
+
+impl Course {
+    fn new(bench: &Bench, knob: &Played) -> Self {
+        Self {
+            cell: Cell {
+                most_j: 0.0,
+                off_s: None,
+                fastest_rad_per_s: 0.0,
+                code: None,
+                course: 0xcbf2_9ce4_8422_2325,
+            },
+            least_j: bench.least_j.min(knob.rig.given_j),
+            zero_rad: bench.zero_rad,
+            began_s: -BEFORE_S,
+        }
+    }
+
+    /// Runs the PWM periods of one control tick. A tick that is left out is one too.
+    fn tick(&mut self, knob: &mut Played) {
+        let mut is_due = false;
+        while !is_due {
+            is_due = knob.period();
+            let now = knob.rig.now();
+            let cell = &mut self.cell;
+            self.least_j = self.least_j.min(knob.rig.given_j);
+            cell.most_j = cell.most_j.max(knob.rig.given_j - self.least_j);
+            cell.fastest_rad_per_s = cell.fastest_rad_per_s.max(now.speed_rad_per_s.abs());
+        }
+        let on = u64::from(knob.acting != Drive::Off);
+        let angle = knob.rig.now().angle_rad.to_bits();
+        let record = &knob.record;
+        let read = record.count.cast_unsigned();
+        let second = u64::from(record.since_change.0.to_bits().cast_unsigned());
+        // FNV-1a.
+        for word in [angle, on, read, second] {
+            self.cell.course = (self.cell.course ^ word).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    /// Whether the device is off for good. A tick that hangs leaves the device armed, but its current loop off.
+    fn off(&self, knob: &Played) -> bool {
+        matches!(knob.device.state(), State::Fault(_))
+            || knob
+                .report
+                .trip
+                .is_some_and(|_| knob.acting == Drive::Off && knob.device.state() == State::Armed)
+    }
+
+    fn found(&mut self, knob: &Played, since_s: f64) {
+        self.cell.off_s.get_or_insert(since_s);
+        let tripped = knob.report.trip.map(|trip| trip.code);
+        self.cell.code = self.cell.code.or(knob.fault()).or(tripped);
+    }
+}

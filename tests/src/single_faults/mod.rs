@@ -1,0 +1,29 @@
+//! A table of single faults: one part of a running knob breaks, and what the hand gets until the device is off.
+//!
+//! ```text
+//! FAULTS (list.rs) x boards, moments, grips (bench.rs) -> Cell (cell.rs) -> table for the documentation (table.rs)
+//!                                                                        known.rs: what does not hold
+//!     breaks by: readings and bridge (tamper.rs), encoder (encoder.rs), motor, host, memory (act.rs)
+//! ```
+//!
+//! The model is the firmware's whole drive on the desktop, without pins: hardware break, watchdogs and their wiring are injected in
+//! the emulator instead (`cargo xtask fil`).
+
+mod act;
+mod bench;
+mod cell;
+mod encoder;
+mod known;
+mod list;
+mod table;
+mod tamper;
+
+pub use bench::{Bench, Grip, Moment};
+pub use cell::{Cell, Row, run};
+pub use known::{KNOWN, Known, SPREAD, UNFOUND};
+pub use list::{FAULTS, Fault, Group, Same};
+pub use table::Table;
+pub use tamper::{Breaks, Broken};
+
+/// Energy that a single fault may give a hand on a board that measures its currents, J.
+pub const MOST_J: f64 = 0.25;

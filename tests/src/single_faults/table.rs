@@ -1,0 +1,243 @@
+//! The table of all cells, for the documentation and as a file.
+
+use super::cell::{Cell, Row};
+use super::known::{KNOWN, SPREAD, UNFOUND};
+use super::list::{FAULTS, Group, Same};
+use super::{MOST_J, act::Memory, tamper::Breaks};
+use std::fmt::Write;
+use touchstone_protocol::{Board, FaultCode};
+
+/// The rows of all boards.
+pub struct Table<'b> {
+    /// The rows.
+    pub rows: Vec<Row<'b>>,
+}
+
+fn code(cell: &Cell) -> String {
+    cell.code.map_or_else(
+        || "-".into(),
+        |code| format!("{:02}", FaultCode::to_wire(code)),
+    )
+}
+
+fn milli(value: f64) -> f64 {
+    1e3 * value
+}
+
+impl Table<'_> {
+    /// All cells as a CSV file.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text =
+            "board,group,fault,moment,grip,quarter,most_j,off_s,fastest_rad_per_s,code,differs\n"
+                .to_owned();
+        for row in &self.rows {
+            let Row {
+                bench, fault, cell, ..
+            } = row;
+            let off = cell
+                .off_s
+                .map_or_else(String::new, |off_s| format!("{off_s:.3}"));
+            let _ = writeln!(
+                text,
+                "{},{:?},\"{}\",{},{},{},{:.6},{off},{:.3},{},{}",
+                bench.board.name(),
+                fault.group,
+                fault.name,
+                bench.moment.name(),
+                bench.grip.name(),
+                bench.quarter,
+                cell.most_j,
+                cell.fastest_rad_per_s,
+                code(cell),
+                row.differs,
+            );
+        }
+        text
+    }
+
+    /// All that is otherwise than it should be, a line each. Empty if every cell keeps what is promised or known of it.
+    #[must_use]
+    pub fn complaints(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for row in &self.rows {
+            let (board, cell) = (row.bench.board, &row.cell);
+            let mut complain = |what: String| {
+                let energy = milli(cell.most_j);
+                let (board, name) = (board.name(), row.name());
+                lines.push(format!("{board}: {name}: {energy:.1} mJ, {what}"));
+            };
+            let healthy = row.fault.group == Group::Control
+                || row.fault.breaks == Breaks::Memory(Memory::Right);
+            if healthy && (cell.off_s.is_some() || cell.most_j > row.bench.promise_j()) {
+                let bound = milli(row.bench.promise_j());
+                complain(format!(
+                    "fault {}, of a healthy board with a bound of {bound:.1} mJ",
+                    code(cell)
+                ));
+            }
+            if !row.differs && row.fault.same == Same::Nowhere {
+                complain("nothing differs from the healthy board".into());
+            }
+            let known = KNOWN
+                .iter()
+                .find(|known| known.board == board && known.fault == row.fault.name);
+            let most_mj = known.map_or(1e3 * MOST_J, |known| known.most_mj * (1.0 + SPREAD));
+            if board.senses_current() && milli(cell.most_j) > most_mj {
+                complain(format!("more than {most_mj:.0} mJ"));
+            }
+            let is_known = UNFOUND
+                .iter()
+                .any(|(on, names)| *on == board && names.contains(&row.fault.name));
+            if row.is_unfound() && !is_known {
+                complain("beyond the guard's bound, and not found".into());
+            }
+        }
+        lines
+    }
+
+    /// Known faults that give less than their figures. The table must have all cells of these faults.
+    #[must_use]
+    pub fn mended(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for known in KNOWN {
+            let rows = self
+                .of(known.board)
+                .filter(|row| row.fault.name == known.fault);
+            let most_mj = rows.map(|row| milli(row.cell.most_j)).fold(0.0, f64::max);
+            let least_mj = (known.most_mj * (1.0 - SPREAD)).max(1e3 * MOST_J);
+            if most_mj <= least_mj {
+                let (board, name, figure) = (known.board.name(), known.fault, known.most_mj);
+                lines.push(format!(
+                    "{board}: {name}: {most_mj:.1} mJ at worst, not {figure:.0}: name the new figure"
+                ));
+            }
+        }
+        lines
+    }
+
+    /// What only the table of all cells shows: known faults that no cell shows any more, and faults that differ from the healthy
+    /// board in no cell, or in one although they should in none.
+    #[must_use]
+    pub fn complaints_of_all(&self) -> Vec<String> {
+        let mut lines = self.mended();
+        for (board, names) in UNFOUND {
+            for name in *names {
+                let mut rows = self.of(*board).filter(|row| row.fault.name == *name);
+                if !rows.any(Row::is_unfound) {
+                    let board = board.name();
+                    lines.push(format!("{board}: {name}: it is found or harmless now"));
+                }
+            }
+        }
+        for board in Board::ALL {
+            for fault in FAULTS.iter().filter(|fault| fault.not_on(board).is_none()) {
+                let mut rows = self.of(board).filter(|row| row.fault == fault);
+                let differs = rows.any(|row| row.differs);
+                if differs == matches!(fault.same, Same::Everywhere(_)) {
+                    let (board, name) = (board.name(), fault.name);
+                    lines.push(format!(
+                        "{board}: {name}: it differs from the healthy board: {differs}"
+                    ));
+                }
+            }
+        }
+        lines
+    }
+
+    /// Worst and median of every board, and the ten worst faults.
+    #[must_use]
+    pub fn page(&self) -> String {
+        let mut text = "\n|board|cells|faults found|energy, mJ: median, worst|time to off, ms: median, worst|fastest, rad/s|\n|---|--:|--:|--:|--:|--:|\n"
+            .to_owned();
+        for board in Board::ALL {
+            let rows: Vec<_> = self.of(board).collect();
+            if rows.is_empty() {
+                continue;
+            }
+            let energy = sorted(rows.iter().map(|row| milli(row.cell.most_j)));
+            let off = sorted(rows.iter().filter_map(|row| row.cell.off_s).map(milli));
+            let fastest = sorted(rows.iter().map(|row| row.cell.fastest_rad_per_s));
+            let _ = writeln!(
+                text,
+                "|`{}`|{}|{}|{:.1}, {:.0}|{:.0}, {:.0}|{:.0}|",
+                board.name(),
+                rows.len(),
+                off.len(),
+                middle(&energy),
+                worst(&energy),
+                middle(&off),
+                worst(&off),
+                worst(&fastest),
+            );
+        }
+        text.push_str("\n|the worst ten|moment, grip, quarter|energy, mJ|off after, ms|rad/s|fault|\n|---|---|--:|--:|--:|---|\n");
+        for row in self.worst(10) {
+            let cell = &row.cell;
+            let off = cell
+                .off_s
+                .map_or_else(|| "never".into(), |off_s| format!("{:.0}", milli(off_s)));
+            let (moment, grip, quarter) = row.place();
+            let _ = writeln!(
+                text,
+                "|`{}`: {}|{}, {}, {quarter}|{:.0}|{off}|{:.0}|{}|",
+                row.bench.board.name(),
+                row.fault.name,
+                moment.name(),
+                grip.name(),
+                milli(cell.most_j),
+                cell.fastest_rad_per_s,
+                code(cell),
+            );
+        }
+        text.push('\n');
+        text
+    }
+
+    /// For each board and fault the worst cell, the most energy first.
+    fn worst(&self, number: usize) -> Vec<&Row<'_>> {
+        let mut rows: Vec<_> = self.rows.iter().collect();
+        rows.sort_by(|a, b| b.cell.most_j.total_cmp(&a.cell.most_j));
+        let mut seen = Vec::new();
+        rows.retain(|row| {
+            let place = (row.bench.board, row.fault.name);
+            let is_new = !seen.contains(&place);
+            seen.push(place);
+            is_new
+        });
+        rows.truncate(number);
+        rows
+    }
+
+    /// Faults of which a board finds nothing in at least one cell, each with the number of such cells and their most energy, J.
+    #[must_use]
+    pub fn not_found(&self, board: Board) -> Vec<(&'static str, usize, f64)> {
+        let mut found: Vec<(&'static str, usize, f64)> = Vec::new();
+        for row in self.of(board).filter(|row| row.cell.off_s.is_none()) {
+            let name = row.fault.name;
+            match found.iter_mut().find(|it| it.0 == name) {
+                Some(it) => (it.1, it.2) = (it.1 + 1, it.2.max(row.cell.most_j)),
+                None => found.push((name, 1, row.cell.most_j)),
+            }
+        }
+        found
+    }
+
+    fn of(&self, board: Board) -> impl Iterator<Item = &Row<'_>> {
+        self.rows.iter().filter(move |row| row.bench.board == board)
+    }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn middle(sorted: &[f64]) -> f64 {
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn worst(sorted: &[f64]) -> f64 {
+    sorted.last().copied().unwrap_or(f64::NAN)
+}
