@@ -3,9 +3,9 @@
 
 use touchstone_protocol::Board;
 
-/// By how much the energy of a known fault may be other than the figure, as a share: a knob that runs away takes another course after
-/// any change of a law.
-pub const SPREAD: f64 = 0.2;
+/// By how much the energy of a known fault may differ from the figure, as a share of it. A knob that runs away takes another course
+/// after any change of a law: then the figures have to be measured anew.
+pub const SPREAD: f64 = 0.05;
 
 /// A fault that gives a hand more than the limit.
 #[derive(Debug, Clone, Copy)]
@@ -28,64 +28,66 @@ const fn known(board: Board, fault: &'static str, most_mj: f64) -> Known {
 
 /// All of them.
 pub const KNOWN: &[Known] = &[
-    known(Board::BG431bEsc1, "phases one on", 4978.0),
+    known(Board::BG431bEsc1, "phases one on", 4973.1),
     known(
         Board::BG431bEsc1,
         "magnet slips by 120 degrees in 0.2 s",
-        4964.0,
+        4969.8,
     ),
     known(
         Board::BG431bEsc1,
         "magnet slips by 180 degrees in 0.2 s",
-        3433.0,
+        3433.2,
     ),
     known(
         Board::BG431bEsc1,
         "electrical angle wrong by 180 degrees",
-        3246.0,
+        3249.7,
     ),
     known(
         Board::BG431bEsc1,
         "magnet slips by -120 degrees in 0.2 s",
-        2066.0,
+        2066.5,
     ),
     known(
         Board::BG431bEsc1,
         "magnet slips by 360 degrees in 1 s",
-        1812.0,
+        1812.3,
     ),
-    known(Board::BG431bEsc1, "encoder 10 ticks late", 1170.0),
-    known(Board::BG431bEsc1, "magnet creeps, a count in 4 ms", 1353.0),
+    known(Board::BG431bEsc1, "magnet creeps, a count in 4 ms", 1352.6),
+    known(Board::BG431bEsc1, "encoder 10 ticks late", 1170.4),
     known(
         Board::BG431bEsc1,
         "electrical angle wrong by 120 degrees",
-        1065.0,
+        1066.4,
     ),
-    known(Board::BG431bEsc1, "sensor B stays at rest", 503.0),
-    known(Board::BG431bEsc1, "sensor B frozen", 442.0),
-    known(Board::BG431bEsc1, "encoder 3 ticks late", 391.0),
-    known(Board::BG431bEsc1, "magnet loose by 10 degrees", 363.0),
+    known(Board::BG431bEsc1, "sensor B stays at rest", 502.7),
+    known(Board::BG431bEsc1, "sensor B frozen", 441.8),
+    known(Board::BG431bEsc1, "encoder 3 ticks late", 391.9),
+    known(Board::BG431bEsc1, "sensor A stays at rest", 357.1),
+    known(Board::BG431bEsc1, "sensor A frozen", 357.1),
+    known(Board::BG431bEsc1, "magnet loose by 10 degrees", 333.5),
     known(
         Board::NucleoG474reIhm16m1,
         "magnet slips by 360 degrees in 1 s",
         411.0,
     ),
-    known(Board::NucleoG474reIhm16m1, "encoder 10 ticks late", 306.0),
+    known(Board::NucleoG474reIhm16m1, "encoder 10 ticks late", 305.7),
     known(
         Board::NucleoG431rbIhm16m1,
         "electrical angle wrong by 120 degrees",
-        582.0,
+        580.7,
     ),
-    known(Board::NucleoG431rbIhm16m1, "phases one on", 567.0),
+    known(Board::NucleoG431rbIhm16m1, "phases one on", 565.7),
     known(
         Board::NucleoG431rbIhm16m1,
         "magnet slips by 180 degrees in 0.2 s",
-        482.0,
+        481.5,
     ),
     known(
         Board::NucleoG431rbIhm16m1,
         "magnet slips by 120 degrees in 0.2 s",
-        464.0,
+        463.3,
     ),
     known(
         Board::NucleoG431rbIhm16m1,
@@ -97,19 +99,15 @@ pub const KNOWN: &[Known] = &[
         "magnet slips by -120 degrees in 0.2 s",
         393.0,
     ),
-    known(Board::NucleoG431rbIhm16m1, "encoder 10 ticks late", 306.0),
+    known(Board::NucleoG431rbIhm16m1, "encoder 10 ticks late", 305.7),
 ];
 
 /// Faults that a board does not find in at least one cell in which the hand gets more than the guard's bound.
 pub const UNFOUND: &[(Board, &[&str])] = &[
-    (
-        Board::NucleoG474re,
-        &["encoder 3 ticks late", "magnet loose by 1 degree"],
-    ),
+    (Board::NucleoG474re, &["magnet loose by 1 degree"]),
     (
         Board::BG431bEsc1,
         &[
-            "phases one on",
             "magnet creeps, a count in 4 ms",
             "sensor B stays at rest",
             "sensor B frozen",
