@@ -10,7 +10,9 @@
 
 use crate::format::Format;
 use crate::source::{Source, one_with};
-use crate::{assume, cover, property};
+use crate::{assume, cover, property, replaced_property};
+#[cfg(kani)]
+use touchstone_control::Number;
 use touchstone_control::law::{Impact, Sample};
 use touchstone_control::{Fixed32, Force, Position, Stiffness};
 
@@ -21,8 +23,8 @@ fn any_pulse32<S: Source>(s: &mut S) -> Impact<N> {
     one_with(
         s,
         |s| {
-            let apart = s.bits(16) as u16;
-            let outside = if s.bool() { apart } else { s.bits(16) as u16 };
+            let apart = s.u16();
+            let outside = if s.bool() { apart } else { s.u16() };
             Impact {
                 brake: N::any_stiffness(s),
                 limit: N::any_force(s),
@@ -71,12 +73,20 @@ property! {
         cover!(s, force == impact.limit && impact.left > Force::zero(), "a pulse that goes on");
     }
 }
-property! {
+/// Replaces the product of a gain and a signal of `Fixed32`. The result depends on every digit of both factors and lies above the
+/// rounding by a gain's fractional bits.
+#[cfg(kani)]
+pub fn impulse_product(k: <N as Number>::Gain, x: <N as Number>::Signal) -> i64 {
+    (i64::from(k.to_bits()) ^ i64::from(x.to_bits())) << 12
+}
+
+replaced_property! {
+    [(<touchstone_control::Fixed32 as touchstone_control::Number>::product, crate::impact::impulse_product)]
     /// P9: what is played of the pulse is taken from what is left of it, exactly. A new impulse comes with a touch only, and is the
     /// brake's product with the displacement.
     equation "l(n) + (pulse(f) - f) = l(n-1); at a touch brake v"
-    over "momentum, limit, memory, sample, force of the law"
-    fn p9_pulse_impulse(s) {
+    over "momentum, limit, memory, sample, force of the law; under the checker something in the place of the brake's product"
+    by minisat fn p9_pulse_impulse(s) {
         let mut impact = any_pulse32(s);
         assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
         let sample = any_sample32(s);
@@ -95,8 +105,8 @@ property! {
         assert!(N::of_signal(impact.left.0) + played == N::of_signal(given.0));
         assert!(comes || (force == wanted && impact.left == Force::zero()));
         cover!(s, !comes && before.left > Force::zero(), "what is left is dropped");
-        cover!(s, comes && touch && played > 0, "a touch");
-        cover!(s, comes && !touch && played > 0, "a pulse that went on");
+        cover!(s, touch & (played > 0), "a touch");
+        cover!(s, !touch & (played > 0), "a pulse that went on");
     }
 }
 property! {
@@ -114,7 +124,7 @@ property! {
         let expected = if inside { 0 } else { counted.min(u32::from(before.apart)) };
         assert!(u32::from(impact.outside) == expected);
         assert!((impact.brake, impact.limit, impact.apart) == (before.brake, before.limit, before.apart));
-        cover!(s, !inside && impact.outside < impact.apart, "not long enough outside");
+        cover!(s, impact.outside > 0 && impact.outside < impact.apart, "not long enough outside");
         cover!(s, !inside && impact.outside == impact.apart, "long enough outside");
     }
 }
