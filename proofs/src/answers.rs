@@ -328,8 +328,8 @@ pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// Replaces [`DeviceInTicks::correction`] when the model checker runs: any gains. Torques and delays are no part of the arguments,
-/// as the gains do not depend on them.
+/// Replaces [`DeviceInTicks::correction`] when the model checker runs: any gains, the same for an equal loss and angle. The
+/// gains do not depend on torques and delays.
 pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
     let told = [device.loss.to_bits(), angle.to_bits(), 0];
     corrections::ask(told).map(|words| {

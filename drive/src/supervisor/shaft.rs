@@ -192,7 +192,7 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The encoder count of a reading between two control periods, if the reading is good and no jump. The memory stays unchanged.
+    /// The encoder count of a reading between two control periods, if the reading is good and no jump. The stored last count stays.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {

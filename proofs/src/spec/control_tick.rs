@@ -63,7 +63,7 @@ pub trait Parts {
     fn since_change(&mut self, until: i32, from: i32) -> i32;
     /// Restarts the law, as when the outputs are switched on (arming).
     fn resume(&mut self);
-    /// The law's force at the penetration `e`; `at_change` is the penetration when the force changed, if it was measured.
+    /// The law's force at the penetration `e`; `at_change` is the penetration at which the motor's force changed, if measured.
     fn law(&mut self, e: i32, at_change: Option<i32>) -> i32;
     /// The law's internal values, for telemetry.
     fn view(&mut self) -> View<Fixed32>;

@@ -163,7 +163,7 @@ impl Reference {
         }
     }
 
-    /// Advances the state by one tick of `period_s` with constant torque and rest point.
+    /// Advances the state by one tick of `period_s` with a constant motor torque and hand's rest point (`held`).
     pub fn tick(&mut self, z: &mut Entries, held: [f64; 2], period_s: f64) {
         let mut mode = self.mode(z, held[0]);
         let whole = period_s / f64::from(self.steps);

@@ -156,7 +156,7 @@ impl HeldCoulomb {
         piece
     }
 
-    /// Energy dissipated from the start of a piece of the interval up to its fraction `until`.
+    /// Energy dissipated from the start of a piece of the interval up to the fraction `until` (0 to 1) of that piece.
     fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let friction = match mode {
