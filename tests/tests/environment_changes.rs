@@ -250,3 +250,32 @@ fn many_changes_have_one_account() {
         "{worst} J, limited {limited}"
     );
 }
+
+/// Checks that a wall that appears around a moving hand gives it no pulse at the touch: the forces are those of the same wall without
+/// a pulse. The estimator of a new wall starts at rest, and the hand has to leave the wall before its next touch.
+#[test]
+fn a_wall_that_appears_around_a_moving_hand_gives_no_pulse() {
+    let mut without = Settings::default();
+    without.guard.on = false;
+    without.impact.momentum = Si::ZERO;
+    let mut with = without;
+    with.impact.momentum = si("2");
+    let forces = |settings: &Settings| {
+        let all = environments(settings);
+        let mut running = all[0];
+        running.begin(None);
+        // 2.4 rad/s, past the surface at 0.05 rad.
+        let mut count = 0;
+        let mut step = |environment: &mut Environment<Fixed32>| {
+            count += 15;
+            environment.tick(&at(count), None)
+        };
+        (0..40).for_each(|_| assert_eq!(step(&mut running), Force::zero()));
+        let mut new = all[1];
+        new.begin(None);
+        new.take_over(&running, per_tick());
+        (0..30).map(|_| step(&mut new)).collect::<Vec<_>>()
+    };
+    assert_eq!(forces(&with), forces(&without));
+    assert!(forces(&with).iter().any(|force| *force > Force::zero()));
+}

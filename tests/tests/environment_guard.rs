@@ -9,6 +9,20 @@ use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wal
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
+/// A spring of 5 N·m/rad behind a guard with 20 mJ that relies on no damping.
+fn guarded_spring() -> Settings {
+    let mut settings = Settings {
+        law: LawKind::Spring,
+        states: StatesKind::Measured,
+        k_desired: si("5"),
+        ..Settings::thesis()
+    };
+    settings.guard.on = true;
+    settings.guard.capacity = si("0.02");
+    settings.guard.share_of_damping = si("0");
+    settings
+}
+
 /// Adds up the energy in J that a hand has got out of the motor, from the true positions.
 struct Audit {
     force: f64,
@@ -44,15 +58,7 @@ impl Audit {
 /// another wall. On each way out, a wall without a guard gives more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
-    let mut settings = Settings {
-        law: LawKind::Spring,
-        states: StatesKind::Measured,
-        k_desired: si("5"),
-        ..Settings::thesis()
-    };
-    settings.guard.on = true;
-    settings.guard.capacity = si("0.02");
-    settings.guard.share_of_damping = si("0");
+    let settings = guarded_spring();
     let capacity = 0.02;
     let refill = 0.0005 / 1000.0;
     // Half a count at each end of a window, under the largest force that the account can cover.
@@ -221,15 +227,7 @@ fn a_knob_turns_on_without_end() {
 /// field would.
 #[test]
 fn one_account_answers_for_hostile_profiles() {
-    let mut settings = Settings {
-        law: LawKind::Spring,
-        states: StatesKind::Measured,
-        k_desired: si("5"),
-        ..Settings::thesis()
-    };
-    settings.guard.on = true;
-    settings.guard.capacity = si("0.02");
-    settings.guard.share_of_damping = si("0");
+    let settings = guarded_spring();
     let (capacity, refill) = (0.02, 0.0005 / 1000.0);
     let rounding = settings.force_limit.to_num::<f64>() * COUNT_RAD;
     let walls = [wall("0.2", Side::Above), wall("-0.2", Side::Below)];

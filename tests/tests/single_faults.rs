@@ -1,6 +1,6 @@
-//! Single faults of a running knob: what a hand gets until the device is off. `cargo xtask faults` runs all cells; here every fault
-//! is played once on every board, in a moment, a grip and a place that a seed chooses, and every known exception in all its cells.
-//! `TOUCHSTONE_SEED` chooses others.
+//! Single faults of a running knob: the energy that a hand gets until the device is off. Every fault is played once on every board, in
+//! a moment, a grip and a place that a seed chooses; `TOUCHSTONE_SEED` chooses others. Known exceptions are played in all their cells.
+//! `cargo xtask faults` plays all cells of all faults.
 
 use rayon::prelude::*;
 use touchstone_protocol::Board;
