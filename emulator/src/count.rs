@@ -72,7 +72,7 @@ const CASES: &[Case] = &[
         },
         hand: FIRM,
         torque_n_m: 0.3,
-        ramp_s: 0.2,
+        ramp_s: 0.4,
     },
     Case {
         name: "press, nothing lent",

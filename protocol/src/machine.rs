@@ -75,11 +75,15 @@ pub enum FaultCode {
     /// The motor's response to its voltage differs from that of the configured motor: the encoder's alignment slipped or a current
     /// reading is wrong. Value: mV beyond the allowed difference.
     MotorModel = 25,
+    /// The shaft swings to and fro faster than a hand can move it: the control loop is unstable. Value: frequency, mHz.
+    Oscillation = 26,
+    /// The shaft turned fast against the motor's torque and did not slow down. Value: the current that opposed it, mA.
+    Runaway = 27,
 }
 
 impl FaultCode {
     /// All fault codes, in the order of their numbers.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 27] = [
         Self::OverCurrent,
         Self::OverVoltage,
         Self::UnderVoltage,
@@ -105,6 +109,8 @@ impl FaultCode {
         Self::StopButton,
         Self::EncoderUnsteady,
         Self::MotorModel,
+        Self::Oscillation,
+        Self::Runaway,
     ];
 
     /// The fault with this number on the serial link; `None` for an unknown number.

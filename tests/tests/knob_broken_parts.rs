@@ -5,7 +5,7 @@ use touchstone_drive::encoder::Frames;
 use touchstone_drive::{ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si};
 use touchstone_protocol::{Board, Command, FaultCode, State};
 use touchstone_tests::knob::{Knob, Tamper};
-use touchstone_world::motor::{GIMBAL, MotorParameters, as5047p_frame};
+use touchstone_world::motor::{GIMBAL, as5047p_frame};
 
 fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
@@ -279,76 +279,4 @@ fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
         calibrated(|s| core::mem::swap(&mut s.phase_a, &mut s.phase_b)),
         &[Reason::NoCurrent],
     );
-}
-
-/// A good device, which nevertheless loses one in a thousand of its readings of each sort. Holds the state of the random numbers.
-struct Good(u32);
-impl Good {
-    fn is_bad(&mut self) -> bool {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        self.0 >> 16 < 65
-    }
-}
-impl Tamper for Good {
-    fn input(&mut self, _: u32, input: &mut ControlInput) -> bool {
-        if self.is_bad() {
-            input.encoder = EncoderReading::Silent;
-        }
-        true
-    }
-    fn change(&mut self, _: u32, reading: EncoderReading) -> Option<EncoderReading> {
-        (!self.is_bad()).then_some(reading)
-    }
-}
-
-/// Simulates a fast hand on a good device for this many control ticks; asserts that no fault is raised.
-fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
-    let mut knob = Knob::new(&settings(), motor, 0.0, Good(ticks));
-    knob.rig.bridge.dead_share = dead_share;
-    let mut knob = knob.armed();
-    let mut touched = 0;
-    for tick in 0..ticks {
-        let phase = f64::from(tick) * hertz * std::f64::consts::TAU / 1_000.0;
-        // No two strokes are alike, and now and then there is a rest deep in the wall.
-        let deep = (phase / 17.0).sin();
-        knob.rest_rad = 0.2 + 0.5 * deep + 0.4 * phase.sin() + 0.1 * (phase * 2.7).sin();
-        knob.tick();
-        touched += u32::from(knob.record.force.0 != 0);
-        assert_eq!(
-            knob.device.fault(),
-            None,
-            "{motor:?} {hertz} Hz, tick {tick}"
-        );
-    }
-    assert!(touched > ticks / 50, "{touched} of {ticks}");
-}
-
-/// Checks that good devices raise no fault. `TOUCHSTONE_TICKS` sets the control ticks per device; the default is 10,000, which is
-/// 10 s.
-#[test]
-fn good_devices_raise_no_alarm() {
-    let ticks =
-        std::env::var("TOUCHSTONE_TICKS").map_or(10_000, |text| text.parse().expect("ticks"));
-    for (ohms, flux, henries) in [
-        (1.0, 1.0, 1.0),
-        (1.3, 0.7, 1.3),
-        (0.7, 1.3, 0.7),
-        (1.3, 1.3, 1.3),
-        (0.7, 0.7, 0.7),
-    ] {
-        let motor = MotorParameters {
-            resistance_ohm: GIMBAL.resistance_ohm * ohms,
-            flux_linkage_wb: GIMBAL.flux_linkage_wb * flux,
-            inductance_h: GIMBAL.inductance_h * henries,
-            ..GIMBAL
-        };
-        for (dead_share, hertz) in [(0.0, 3.0), (0.01, 1.0), (0.01, 6.0)] {
-            good(motor, dead_share, ticks, hertz);
-        }
-    }
-    let reversed = MotorParameters {
-        reversed: true,
-        ..GIMBAL
-    };
-    good(reversed, 0.01, ticks, 3.0);
 }

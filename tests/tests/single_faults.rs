@@ -1,12 +1,12 @@
 //! Single faults of a running knob: the energy that a hand gets until the device is off. Every fault is played once on every board, in
-//! a moment, a grip and a place that a seed chooses; `TOUCHSTONE_SEED` chooses others. Known exceptions are played in all their cells.
+//! a moment, a grip and a place that a seed chooses; `TOUCHSTONE_SEED` chooses others.
 //! `cargo xtask faults` plays all cells of all faults.
 
 use rayon::prelude::*;
 use touchstone_protocol::Board;
 use touchstone_tests::random::Random;
 use touchstone_tests::single_faults::{
-    Bench, FAULTS, Fault, Grip, KNOWN, Moment, Row, Table, UNFOUND, run,
+    Bench, FAULTS, Fault, Grip, Moment, Row, Table, UNFOUND, run,
 };
 
 /// Number of places of which a board's faults are drawn.
@@ -59,26 +59,6 @@ fn a_single_fault_gives_a_hand_no_more_than_is_said() {
     // The sample is not of silent boards only.
     let found = table.rows.iter().filter(|row| row.cell.off_s.is_some());
     assert!(found.count() > table.rows.len() / 4);
-}
-
-#[test]
-fn what_is_known_not_to_hold_is_still_so() {
-    let boards = Board::ALL
-        .into_iter()
-        .filter(|board| KNOWN.iter().any(|known| known.board == *board));
-    let places = boards.flat_map(|board| Bench::places().map(move |place| (board, place)));
-    let benches = benches(places.collect());
-    let mut cells = Vec::new();
-    for bench in &benches {
-        for known in KNOWN.iter().filter(|known| known.board == bench.board) {
-            let fault = FAULTS.iter().find(|fault| fault.name == known.fault);
-            cells.push((bench, fault.expect(known.fault)));
-        }
-    }
-    let table = played(cells);
-    let mut complaints = table.complaints();
-    complaints.extend(table.mended());
-    assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
 #[test]

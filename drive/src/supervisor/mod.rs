@@ -12,6 +12,7 @@
 //! | [`shaft`] | encoder silent, parity and CRC, own error, jump, overspeed |
 //! | [`share`] | too many bad readings, in a row or not |
 //! | [`stuck`] | encoder stuck while armed |
+//! | [`motion`] | a fast oscillation, and a run of the shaft against the motor's torque |
 //! | [`model`] | a motor whose current does not match its voltage by the settings |
 //! | [`heat`] | a motor that is too hot by the model of its windings (with derating below the fault) |
 //! | [`asked`] | stop button, silence of the computer |
@@ -24,6 +25,7 @@
 pub mod asked;
 pub mod heat;
 pub mod model;
+pub mod motion;
 pub mod power;
 pub mod shaft;
 pub mod share;
@@ -37,15 +39,13 @@ use crate::timing::TickTiming;
 use asked::{Asked, AskedConfig};
 use heat::{Heat, HeatConfig};
 use model::{Model, ModelConfig};
+use motion::Motion;
 use power::{Power, PowerConfig};
 use shaft::{Seen, Shaft, ShaftConfig};
 use share::Share;
 use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
-
-/// Whether this build compares the motor's voltages with a model. The smaller chips have too little memory for it.
-const HAS_MODEL: bool = cfg!(feature = "large");
 
 /// A fault's code, and the number that the fault's context carries.
 pub type Found = (FaultCode, i32);
@@ -77,23 +77,13 @@ impl SupervisorConfig {
         Self {
             shaft: ShaftConfig::new(settings, hardware),
             motor: (settings.drive.kind == DriveKind::ThreePhase).then_some(motor),
-            model: if HAS_MODEL && settings.drive.kind == DriveKind::ThreePhase {
+            model: if settings.drive.kind == DriveKind::ThreePhase {
                 ModelConfig::new(settings, hardware)
             } else {
                 None
             },
             asked: AskedConfig::new(settings),
             period: hardware.core_hz / rate,
-        }
-    }
-
-    /// The same limits without the comparison of the motor with its model, as on a chip that has no memory for it.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn without_model(self) -> Self {
-        Self {
-            model: None,
-            ..self
         }
     }
 
@@ -117,6 +107,7 @@ pub struct Supervisor {
     shaft: Shaft,
     share: Share,
     stuck: Stuck,
+    motion: Motion,
     model: Model,
     heat: Heat,
     asked: Asked,
@@ -165,6 +156,7 @@ impl Supervisor {
             shaft: Shaft::new(),
             share: Share::new(),
             stuck: Stuck::new(),
+            motion: Motion::new(),
             model: Model::new(),
             heat: Heat::cold(),
             asked: Asked::new(),
@@ -186,6 +178,7 @@ impl Supervisor {
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
+        self.motion = Motion::new();
         self.share = Share::new();
         self.model = Model::new();
     }
@@ -237,8 +230,18 @@ impl Supervisor {
             self.share = Share::new();
             None
         };
+        let motion_fault = if driven {
+            self.shaft
+                .inspect(&config.shaft, &mut self.motion, report, against)
+        } else {
+            // A bad reading between two good ones ends neither an oscillation nor a runaway.
+            if !may_be_on {
+                self.motion = Motion::new();
+            }
+            None
+        };
         let model_fault = match &config.model {
-            Some(model) if driven && HAS_MODEL => {
+            Some(model) if driven => {
                 let speed = self.shaft.speed(&config.shaft);
                 let along = if against {
                     speed.saturating_neg()
@@ -283,7 +286,8 @@ impl Supervisor {
             .or(shaft_fault)
             .or(share_fault)
             .or(stuck_fault)
-            .or(model_fault);
+            .or(model_fault)
+            .or(motion_fault);
         Verdict {
             fault: fault.filter(|_| watched),
             count,

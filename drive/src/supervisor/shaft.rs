@@ -8,6 +8,9 @@
 //! code of the last. After a gap in the readings, the limits allow for the motion that the shaft may have made in each missing
 //! period.
 
+use super::Found;
+use super::motion::{Motion, MotionConfig};
+use crate::current::CurrentReport;
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;
@@ -43,6 +46,7 @@ pub struct ShaftConfig {
     fastest: i32,
     /// Speed in rad/s for each count that the shaft moves in the window over which the speed is averaged.
     speed_per_count: I16F16,
+    motion: MotionConfig,
     /// Change of the electrical angle in a PWM period for each count that the shaft moves in the speed window, in 2^-48 turns.
     advance_per_count: i64,
 }
@@ -86,6 +90,7 @@ impl ShaftConfig {
             window,
             fastest_in_tick: limit(fastest),
             fastest: limit(fastest.saturating_mul(window_ticks)),
+            motion: MotionConfig::new(settings, window),
             speed_per_count: narrow(speed),
             advance_per_count: advance.cast_signed(),
         }
@@ -250,6 +255,18 @@ impl Shaft {
         if self.at >= config.window {
             self.at = 0;
         }
+    }
+
+    /// Checks whether the shaft moves as no hand moves it. A current of positive sign drives the shaft towards rising counts, unless
+    /// `against` is true. Returns the fault, if there is one.
+    pub fn inspect(
+        &self,
+        config: &ShaftConfig,
+        motion: &mut Motion,
+        report: &CurrentReport,
+        against: bool,
+    ) -> Option<Found> {
+        motion.update(&config.motion, self.sum, report, against)
     }
 
     /// Mean speed of the shaft over the last 2 ms, rad/s, saturating.

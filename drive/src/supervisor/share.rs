@@ -33,7 +33,17 @@ impl Share {
 
     /// Counts a control period's readings: whether the first one was bad, and whether the second was, if one was due. Returns the
     /// fault, if there is one.
+    #[inline]
     pub fn update(&mut self, tick: bool, change: Option<bool>) -> Option<Found> {
+        // Nearly always nothing is bad, and nothing was.
+        if self.of == [0, 0] && !tick && change != Some(true) {
+            return None;
+        }
+        self.weigh(tick, change)
+    }
+
+    #[inline(never)]
+    fn weigh(&mut self, tick: bool, change: Option<bool>) -> Option<Found> {
         let mut fault = None;
         for ((left, bad), number) in self.of.iter_mut().zip([Some(tick), change]).zip(1..) {
             *left = match bad {

@@ -57,6 +57,8 @@ pub enum Fault {
     TrackJumps(i64),
     /// The shaft is turned from outside at this speed, rad/s.
     Turned(f64),
+    /// The shaft is turned from outside to and fro at this speed in rad/s, each way for this time in µs.
+    Shaken(f64, u64),
     /// A person turns the knob quickly, at this speed in rad/s for this time in µs, and then releases it.
     Flicked(f64, u64),
     /// Every instruction takes this many times its usual cycles.
@@ -159,6 +161,7 @@ impl Fault {
             }
             Self::TrackJumps(counts) => chip.board.wiring.encoder_moved = counts,
             Self::Turned(rad_per_s) | Self::Flicked(rad_per_s, _) => chip.world.force(rad_per_s),
+            Self::Shaken(rad_per_s, us) => chip.world.shake(rad_per_s, us * US),
             Self::Slow(times) => chip.core.stretch = 256 * times,
             Self::Storm(interrupt, cycles) => chip.storm = Some((interrupt, cycles, now)),
             Self::Lost(interrupt, us) => {
@@ -257,7 +260,7 @@ impl Fault {
         if matches!(self, Self::Flicked(..)) {
             chip.world.release();
         }
-        if matches!(self, Self::Turned(_)) {
+        if matches!(self, Self::Turned(_) | Self::Shaken(..)) {
             chip.world.force(0.0);
             chip.world.release();
         }

@@ -149,10 +149,12 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and speed.
+    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and speed, and after how many
+    /// mechanical steps the speed changes its sign, if it does: in all, and from now on.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
+        reverses: Option<(u64, u64)>,
     },
 }
 
@@ -253,6 +255,7 @@ impl World {
             Grip::Forced {
                 angle_rad,
                 rad_per_s,
+                ..
             } => (*angle_rad, *rad_per_s),
         }
     }
@@ -334,7 +337,17 @@ impl World {
         self.grip = Grip::Forced {
             angle_rad,
             rad_per_s,
+            reverses: None,
         };
+    }
+
+    /// Turns the shaft from outside to and fro at this speed, each way for this number of cycles.
+    pub fn shake(&mut self, rad_per_s: f64, cycles: u64) {
+        self.force(rad_per_s);
+        if let Grip::Forced { reverses, .. } = &mut self.grip {
+            let steps = cycles / STEP;
+            *reverses = Some((steps, steps));
+        }
     }
 
     /// Sets how the power bridge drives each phase from now on: a fraction (0 to 1) of the bus voltage, or `None` for off.
@@ -388,7 +401,15 @@ impl World {
             Grip::Forced {
                 angle_rad,
                 rad_per_s,
+                reverses,
             } => {
+                if let Some((steps, left)) = reverses {
+                    if *left == 0 {
+                        *rad_per_s = -*rad_per_s;
+                        *left = *steps;
+                    }
+                    *left -= 1;
+                }
                 *angle_rad += *rad_per_s * seconds(STEP);
                 Port::default()
             }

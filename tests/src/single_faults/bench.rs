@@ -2,11 +2,12 @@
 
 use super::act::Memory;
 use super::cell::play;
+use super::encoder::Encoder;
 use super::tamper::{Analogue, Breaks, Broken};
 use crate::knob::{Knob, PERIOD_S};
 use touchstone_drive::calibration::Alignment;
 use touchstone_drive::wire::{checked, hardware};
-use touchstone_drive::{Config, Device, DeviceSettings, Hardware, Si};
+use touchstone_drive::{Device, DeviceSettings, Hardware, Si};
 use touchstone_protocol::{Board, Command, State};
 use touchstone_world::motor::{GIMBAL, KNOB, MotorParameters};
 use touchstone_world::plant::{Device as Shaft, FIRM, Hand, HeldLinear, LIGHT};
@@ -131,6 +132,58 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
     }
 }
 
+/// A calibrated and armed board without a fault, with the noise and the rare bad readings that an encoder has. Resistance, torque
+/// constant and inductance of the motor and the inertia of the knob are these times what the settings say. Returns the wall's
+/// surface too, rad.
+///
+/// # Panics
+/// The board is not armed.
+#[must_use]
+pub fn good(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> (Played, f64) {
+    let (mut settings, motor, shaft, bus_v) = parts(board);
+    settings.wall.surface_rad = Si::lit("0.2");
+    let motor = MotorParameters {
+        resistance_ohm: motor.resistance_ohm * ohms,
+        flux_linkage_wb: motor.flux_linkage_wb * flux,
+        inductance_h: motor.inductance_h * henries,
+        ..motor
+    };
+    let shaft = Shaft {
+        inertia: shaft.inertia * inertia,
+        ..shaft
+    };
+    let mut knob = calibrated(board, &settings, motor, &shaft, hand, bus_v);
+    let surface_rad = knob.rig.now().angle_rad + 0.2;
+    knob.ask(Command::Arm);
+    knob.tick();
+    assert_eq!(
+        knob.device.state(),
+        State::Armed,
+        "{:?}",
+        knob.device.fault()
+    );
+    knob.tamper.breaks = Breaks::Encoder(Encoder::Usual);
+    knob.tamper.is_broken = true;
+    (knob, surface_rad)
+}
+
+fn calibrated(
+    board: Board,
+    settings: &DeviceSettings,
+    motor: MotorParameters,
+    shaft: &Shaft,
+    hand: &Hand,
+    bus_v: f64,
+) -> Played {
+    let plant = HeldLinear::new(shaft, hand, PERIOD_S / 2.0).expect("a plant");
+    let hardware = hardware(board);
+    let broken = Broken::new(analogue(board, hardware, settings, bus_v));
+    let mut knob = Knob::on(hardware, settings, motor, plant, 0.0, broken);
+    knob.restart(Device::new(settings, hardware).expect("settings"));
+    assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
+    knob
+}
+
 impl Bench {
     /// A board that is calibrated and, but for [`Moment::Ready`], armed and in the hand.
     ///
@@ -147,13 +200,7 @@ impl Bench {
             Grip::Light => LIGHT,
             Grip::Firm => FIRM,
         };
-        let plant = HeldLinear::new(&shaft, &hand, PERIOD_S / 2.0).expect("a plant");
-        let hardware = hardware(board);
-        let analogue = analogue(board, hardware, &settings, bus_v);
-        let broken = Broken::new(analogue);
-        let mut knob = Knob::on(hardware, &settings, motor, plant, 0.0, broken);
-        knob.restart(device(board, &settings));
-        assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
+        let knob = calibrated(board, &settings, motor, &shaft, &hand, bus_v);
         let zero_rad = knob.rig.now().angle_rad;
         let mut bench = Self {
             board,
@@ -207,7 +254,7 @@ impl Bench {
 
     /// The device with these settings, as the board's firmware has it.
     pub(super) fn device(&self, settings: &DeviceSettings) -> Device {
-        device(self.board, settings)
+        Device::new(settings, hardware(self.board)).expect("settings")
     }
 
     /// The plant with another shaft or hand, or with time that is longer by `factor`.
@@ -251,18 +298,6 @@ impl Bench {
         let there = outside + goes_in * (wanted - outside);
         there + goes_out * (outside - there)
     }
-}
-
-/// The device as the board's firmware has it: the smaller chips do not compare the motor with its model.
-fn device(board: Board, settings: &DeviceSettings) -> Device {
-    let hardware = hardware(board);
-    let fresh = Device::new(settings, hardware).expect("settings");
-    if board.is_large() {
-        return fresh;
-    }
-    let mut config = Config::new(settings, hardware).expect("settings");
-    config.supervisor = config.supervisor.without_model();
-    Device::of(config, *fresh.memory())
 }
 
 fn analogue(board: Board, hardware: &Hardware, settings: &DeviceSettings, bus_v: f64) -> Analogue {

@@ -14,6 +14,8 @@ pub const COUNTS: f64 = 16_384.0;
 pub enum Encoder {
     /// No answer.
     Silent,
+    /// No fault: noise of 0.7 counts rms, and one reading in a thousand without an answer.
+    Usual,
     /// No answer in one of this many ticks.
     SilentEvery(u32),
     /// A bit of the word is wrong on the wire.
@@ -83,6 +85,15 @@ impl Default for Memory {
     }
 }
 
+impl Memory {
+    /// A sample of noise with this root mean square.
+    fn noise(&mut self, counts: f64) -> i64 {
+        // Twelve uniform numbers: nearly a normal distribution, with a variance of four.
+        let sum: f64 = (0..12).map(|_| self.random.real()).sum();
+        (counts * sum / 2.0).round() as i64
+    }
+}
+
 /// Counts of an electrical angle in degrees of a motor with 7 pole pairs.
 fn of_electrical(degrees: f64) -> f64 {
     degrees / 360.0 / 7.0 * COUNTS
@@ -125,6 +136,9 @@ impl Encoder {
             (Self::Silent, false) => return Some(EncoderReading::Silent),
             (Self::SilentEvery(every), false) if n.is_multiple_of(every) => {
                 return Some(EncoderReading::Silent);
+            }
+            (Self::Usual, _) if memory.random.real() > 0.998 => {
+                return (!is_second).then_some(EncoderReading::Silent);
             }
             (Self::Damaged, _) => {
                 return Some(match reading {
@@ -170,11 +184,8 @@ impl Encoder {
             Self::Creep(ticks) => x + i64::from(n / ticks),
             Self::Mirrored => -x,
             Self::Half => x / 2,
-            Self::Noise(counts) => {
-                // Twelve uniform numbers: nearly a normal distribution, with a variance of four.
-                let sum: f64 = (0..12).map(|_| memory.random.real()).sum();
-                x + (counts * sum / 2.0).round() as i64
-            }
+            Self::Noise(counts) => x + memory.noise(counts),
+            Self::Usual => x + memory.noise(0.7),
             Self::Old(ticks) => old(ticks),
             Self::Loose(play) => {
                 memory.held = memory.held.clamp(x - play, x + play);

@@ -18,12 +18,12 @@ mod list;
 mod table;
 mod tamper;
 
-pub use bench::{Bench, Grip, Moment};
+pub use bench::{Bench, Grip, Moment, good};
 pub use cell::{Cell, Row, run};
-pub use known::{KNOWN, Known, SPREAD, UNFOUND};
+pub use known::UNFOUND;
 pub use list::{FAULTS, Fault, Group, Same};
 pub use table::Table;
 pub use tamper::{Breaks, Broken};
 
-/// Energy that a single fault may give a hand on a board that measures its currents, J.
+/// Energy that a single fault may give a hand on any board, J.
 pub const MOST_J: f64 = 0.25;

@@ -1,7 +1,7 @@
 //! The table of all cells, for the documentation and as a file.
 
 use super::cell::{Cell, Row};
-use super::known::{KNOWN, SPREAD, UNFOUND};
+use super::known::UNFOUND;
 use super::list::{FAULTS, Group, Same};
 use super::{MOST_J, act::Memory, tamper::Breaks};
 use std::fmt::Write;
@@ -79,12 +79,8 @@ impl Table<'_> {
             if !row.differs && row.fault.same == Same::Nowhere {
                 complain("nothing differs from the healthy board".into());
             }
-            let known = KNOWN
-                .iter()
-                .find(|known| known.board == board && known.fault == row.fault.name);
-            let most_mj = known.map_or(1e3 * MOST_J, |known| known.most_mj * (1.0 + SPREAD));
-            if board.senses_current() && milli(cell.most_j) > most_mj {
-                complain(format!("more than {most_mj:.0} mJ"));
+            if cell.most_j > MOST_J {
+                complain(format!("more than {:.0} mJ", milli(MOST_J)));
             }
             let is_known = UNFOUND
                 .iter()
@@ -96,31 +92,11 @@ impl Table<'_> {
         lines
     }
 
-    /// Known faults that give less than their figures. The table must have all cells of these faults.
-    #[must_use]
-    pub fn mended(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        for known in KNOWN {
-            let rows = self
-                .of(known.board)
-                .filter(|row| row.fault.name == known.fault);
-            let most_mj = rows.map(|row| milli(row.cell.most_j)).fold(0.0, f64::max);
-            let least_mj = (known.most_mj * (1.0 - SPREAD)).max(1e3 * MOST_J);
-            if most_mj <= least_mj {
-                let (board, name, figure) = (known.board.name(), known.fault, known.most_mj);
-                lines.push(format!(
-                    "{board}: {name}: {most_mj:.1} mJ at worst, not {figure:.0}: name the new figure"
-                ));
-            }
-        }
-        lines
-    }
-
     /// What only the table of all cells shows: known faults that no cell shows any more, and faults that differ from the healthy
     /// board in no cell, or in one although they should in none.
     #[must_use]
     pub fn complaints_of_all(&self) -> Vec<String> {
-        let mut lines = self.mended();
+        let mut lines = Vec::new();
         for (board, names) in UNFOUND {
             for name in *names {
                 let mut rows = self.of(*board).filter(|row| row.fault.name == *name);

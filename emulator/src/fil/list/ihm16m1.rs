@@ -3,10 +3,7 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Ready, Starting};
-use super::{
-    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_SHARE, TICK,
-    WINDOW_WATCHDOG, row,
-};
+use super::{FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
@@ -108,6 +105,20 @@ pub const ON_IHM16M1: &[Injection] = &[
         520,
         Fault::BusHangs,
         Off(OFF_AT_FIRST_BAD, &[EncoderSilent]),
+    ),
+    row(
+        "shaft shaken at 25 Hz",
+        Pressed,
+        410,
+        Fault::Shaken(14.0, 20_000),
+        Off(OFF_AT_OSCILLATION, &[Oscillation]),
+    ),
+    row(
+        "shaft turned through the wall at 30 rad/s",
+        Pressed,
+        455,
+        Fault::Turned(30.0),
+        Off(OFF_AT_RUNAWAY, &[Runaway]),
     ),
     row(
         "shaft turned at +150 rad/s",

@@ -142,6 +142,12 @@ const OFF_AT_FIRST_BAD: u64 = TICK;
 const OFF_AT_SHARE: u64 = 150_000;
 /// Time limit in µs for windings whose current does not match the voltage by the motor's model (`docs/faults/25-motor-model.md`).
 const OFF_AT_MODEL: u64 = 50_000;
+/// Time limit in µs for a shaft that is shaken at 25 Hz, from the first motion on: eight reversals at 20 ms each, and half as much
+/// again, as it moves one way when it is taken hold of.
+const OFF_AT_OSCILLATION: u64 = 240_000;
+/// Time limit in µs for a shaft that is turned through the wall at 30 rad/s: some 10 ms until the wall's force is a quarter of its
+/// largest, and the 10 ms of the check, twice.
+const OFF_AT_RUNAWAY: u64 = 40_000;
 /// Time limit in µs for a wrong field of the AS5047P's magnet, two control periods: one requests the register, the next gets the
 /// answer.
 const OFF_AT_BAD_FIELD: u64 = 2 * TICK;

@@ -1,0 +1,265 @@
+//! Detects two motions of the shaft that no hand makes: a fast oscillation, and a run against the motor's torque.
+//!
+//! The energy guard bounds what the motor gives to the positions that it is told. If these are not the shaft's positions, or the
+//! torque is not the commanded one, the guard cannot bound what the hand gets. Then the shaft moves in one of two ways.
+//!
+//! **Oscillation.** A hand moves a knob to and fro at most some ten times a second. A faster oscillation comes from the control
+//! loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the encoder's readings are late, or its
+//! magnet is loose. A swing is a reversal of the shaft's speed, with at least 6 rad/s and a few counts of jitter in each direction.
+//! Eight swings in a row, each at most 40 ms after the last, are the fault. That is an oscillation of at least 12.5 Hz, over four
+//! periods. With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. A knob that springs back from a wall or into a
+//! detent swings too, but no longer than two periods at such speeds.
+//!
+//! **Runaway.** The motor opposes the motion with at least a quarter of its largest current. Nevertheless the shaft turns at 25
+//! rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall slows down. A runaway
+//! comes from a motor that drives where it should brake: the electrical angle is wrong by half a turn.
+
+use super::Found;
+use crate::current::CurrentReport;
+use crate::units::{clamp_i32, milli, narrow};
+use fixed::types::I16F16;
+use touchstone_protocol::{DeviceSettings, FaultCode};
+
+/// Least speed of a swing in each direction, rad/s.
+const LEAST_SWING: u64 = 6;
+/// Number of swings in a row that are the fault.
+const MOST_SWINGS: u8 = 8;
+/// Longest time of a swing, as a fraction of a second: 40 ms.
+const SWINGS_PER_SECOND: u32 = 25;
+/// Least speed of a runaway, rad/s.
+const LEAST_RUN: u64 = 25;
+/// Encoder counts by which readings of a shaft at rest may differ, and one for rounding.
+const JITTER: i32 = 5;
+/// Time of a runaway until it is the fault, as a fraction of a second: 10 ms.
+const RUNS_PER_SECOND: u32 = 100;
+
+/// Coefficients of the checks of the shaft's motion.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionConfig {
+    /// Counts that the shaft moves at the least speed of a swing, in the window over which its speed is averaged.
+    swing: i32,
+    /// Counts in the same window at the least speed of a runaway.
+    run: i32,
+    /// Least current that opposes a runaway, A.
+    opposing: I16F16,
+    rate_hz: u32,
+}
+
+impl MotionConfig {
+    /// Computes the coefficients. `window` is the number of control periods over which the speed is averaged.
+    #[must_use]
+    #[inline]
+    pub fn new(settings: &DeviceSettings, window: usize) -> Self {
+        let rate_hz = settings.timing.rate_hz.max(1);
+        // Counts in the window for 1,000 rad/s, which are 159 turns a second. The product of 32, 5 and 8 bits fits into 64 bits.
+        let turn = u64::from(settings.encoder.counts_per_rev) * window as u64;
+        let per_1000 = turn * 159 / u64::from(rate_hz);
+        let counts = |speed_rad_per_s: u64| {
+            let whole = per_1000 * speed_rad_per_s / 1_000;
+            clamp_i32(whole.cast_signed()).saturating_add(JITTER)
+        };
+        Self {
+            swing: counts(LEAST_SWING),
+            run: counts(LEAST_RUN),
+            opposing: narrow(settings.motor.current_limit_a) >> 2,
+            rate_hz,
+        }
+    }
+}
+
+/// The latest swings, and the present runaway.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Motion {
+    /// Sign of the speed in the last swing; 0 before the first.
+    direction: i8,
+    /// Swings in a row.
+    swings: u8,
+    /// Control periods since the last swing began.
+    since: u32,
+    /// Counts in the speed's window when the present runaway began.
+    began: i32,
+    /// Control periods of the present runaway.
+    run: u32,
+}
+
+impl Motion {
+    /// A shaft at rest.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            direction: 0,
+            swings: 0,
+            since: 0,
+            began: 0,
+            run: 0,
+        }
+    }
+
+    /// Takes a control period's speed, as counts in the speed's window. A current of positive sign drives the shaft towards rising
+    /// counts, unless `against` is true. Returns the fault, if there is one.
+    #[inline]
+    pub fn update(
+        &mut self,
+        config: &MotionConfig,
+        counts: i32,
+        report: &CurrentReport,
+        against: bool,
+    ) -> Option<Found> {
+        self.since = self.since.saturating_add(1);
+        let speed = counts.saturating_abs();
+        if speed < config.run {
+            self.run = 0;
+        }
+        if speed < config.swing {
+            return None;
+        }
+        let direction = counts.signum() as i8;
+        let swing = (direction != self.direction).then(|| self.turned(config, direction));
+        let run = (speed >= config.run).then(|| {
+            let opposes = ((report.current.q < 0) == (counts < 0)) == against;
+            let current = report.current.q.saturating_abs();
+            self.ran(config, speed, if opposes { current } else { I16F16::ZERO })
+        });
+        swing.flatten().or(run.flatten())
+    }
+
+    /// Counts a swing.
+    #[inline(never)]
+    fn turned(&mut self, config: &MotionConfig, direction: i8) -> Option<Found> {
+        let ticks = self.since;
+        let is_fast = self.direction != 0 && ticks <= config.rate_hz / SWINGS_PER_SECOND;
+        self.swings = if is_fast {
+            self.swings.saturating_add(1)
+        } else {
+            0
+        };
+        self.direction = direction;
+        self.since = 0;
+        (self.swings >= MOST_SWINGS).then(|| {
+            // Two swings are a period of the oscillation; the value is in mHz.
+            let frequency = (u64::from(config.rate_hz) * 500).checked_div(u64::from(ticks));
+            let frequency = frequency.and_then(|value| i64::try_from(value).ok());
+            let value = clamp_i32(frequency.unwrap_or(i64::MAX));
+            (FaultCode::Oscillation, value)
+        })
+    }
+
+    /// Counts a control period of a runaway, or ends it. `opposing` is the current that opposes the motion, A.
+    #[inline(never)]
+    fn ran(&mut self, config: &MotionConfig, speed: i32, opposing: I16F16) -> Option<Found> {
+        let is_run = opposing >= config.opposing;
+        if !is_run || self.run == 0 || speed < self.began {
+            self.run = u32::from(is_run);
+            self.began = speed;
+            return None;
+        }
+        self.run = self.run.saturating_add(1);
+        let is_long = self.run > config.rate_hz / RUNS_PER_SECOND;
+        is_long.then(|| (FaultCode::Runaway, milli(opposing)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config(rate_hz: u32) -> MotionConfig {
+        let mut settings = DeviceSettings::default();
+        settings.timing.rate_hz = rate_hz;
+        settings.encoder.counts_per_rev = 16_384;
+        settings.motor.current_limit_a = touchstone_control::Si::lit("2");
+        MotionConfig::new(&settings, rate_hz as usize / 500)
+    }
+
+    fn report(current_a: f64) -> CurrentReport {
+        let mut report = CurrentReport::default();
+        report.current.q = I16F16::from_num(current_a);
+        report
+    }
+
+    /// Time in ms until the fault, and the fault's value, if the shaft swings with this frequency in Hz and this largest number of
+    /// counts in the window of 2 ms, at a control rate in Hz. A speed of 1 rad/s is 5.2 counts.
+    fn swung(rate_hz: u32, hz: f64, counts: f64, swings: f64) -> Option<(f64, i32)> {
+        let config = config(rate_hz);
+        let mut motion = Motion::new();
+        let rate = f64::from(rate_hz);
+        (0..2 * rate_hz).find_map(|tick| {
+            let time = f64::from(tick) / rate;
+            let goes_on = time * 2.0 * hz < swings;
+            let speed = counts * (std::f64::consts::TAU * hz * time).sin();
+            let counts = if goes_on { speed as i32 } else { 0 };
+            let found = motion.update(&config, counts, &report(0.0), false);
+            found.map(|(code, value)| {
+                assert_eq!(code, FaultCode::Oscillation);
+                (1e3 * time, value)
+            })
+        })
+    }
+
+    #[test]
+    fn eight_swings_faster_than_a_hand_are_the_fault_at_any_rate() {
+        for rate in [1_000, 2_000, 5_000, 10_000] {
+            for hz in [14.0, 30.0, 60.0] {
+                let (ms, value) = swung(rate, hz, 80.0, 1e9).expect("a fault");
+                // The first motion is no swing; the eighth reversal begins after eight half periods.
+                assert!(
+                    (ms - 4e3 / hz).abs() < 0.3e3 / hz + 2.0,
+                    "{rate}, {hz}: {ms} ms"
+                );
+                let off = f64::from(value) / (1e3 * hz);
+                assert!((0.9..1.1).contains(&off), "{rate}, {hz}: {value} mHz");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hand_a_bounce_and_jitter_are_no_oscillation() {
+        for rate in [1_000, 2_000, 5_000, 10_000] {
+            assert_eq!(swung(rate, 10.0, 400.0, 1e9), None, "a fast hand");
+            assert_eq!(swung(rate, 30.0, 29.0, 1e9), None, "small swings");
+            assert_eq!(swung(rate, 30.0, 400.0, 7.0), None, "a short ringing");
+        }
+    }
+
+    /// The control period of the fault, if the shaft turns at this speed in rad/s and the motor's current is this one in A.
+    fn ran(rate_hz: u32, speed: impl Fn(f64) -> f64, current_a: f64, against: bool) -> Option<f64> {
+        let config = config(rate_hz);
+        let mut motion = Motion::new();
+        (0..rate_hz).find_map(|tick| {
+            let ms = 1e3 * f64::from(tick) / f64::from(rate_hz);
+            let counts = (5.215 * speed(ms)) as i32;
+            let found = motion.update(&config, counts, &report(current_a), against);
+            found.map(|(code, _)| {
+                assert_eq!(code, FaultCode::Runaway);
+                ms
+            })
+        })
+    }
+
+    #[test]
+    fn a_shaft_that_runs_against_the_torque_is_found_after_10_ms_in_either_direction() {
+        for rate in [1_000, 2_000, 5_000, 10_000] {
+            for (sign, current, against) in [
+                (1.0, -0.6, false),
+                (-1.0, 0.6, false),
+                (1.0, 0.6, true),
+                (-1.0, -0.6, true),
+            ] {
+                // It reaches 25 rad/s after 25 ms.
+                let ms = ran(rate, |ms| sign * ms, current, against).expect("a fault");
+                assert!((34.9..36.6).contains(&ms), "{rate}: {ms} ms");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fast_hand_that_meets_a_wall_and_one_that_the_motor_helps_are_no_runaway() {
+        for rate in [1_000, 2_000, 5_000, 10_000] {
+            let slows = |ms: f64| 90.0 - ms;
+            assert_eq!(ran(rate, slows, -2.0, false), None, "it slows down");
+            assert_eq!(ran(rate, |ms| ms.min(24.0), -2.0, false), None, "slow");
+            assert_eq!(ran(rate, |ms| ms, 2.0, false), None, "the motor helps");
+            assert_eq!(ran(rate, |ms| ms, -0.4, false), None, "a light torque");
+        }
+    }
+}
