@@ -64,12 +64,12 @@ property! {
     fn p10_wire(s) {
         let byte = s.u8();
         let code = FaultCode::from_wire(byte);
-        assert!(code.is_some() == (1..=25).contains(&byte));
+        assert!(code.is_some() == (1..=27).contains(&byte));
         assert!(code.is_none_or(|code| code.to_wire() == byte));
         let machine = Machine::new();
         assert!(machine.state() == State::Boot && machine.outputs() == Outputs::Off);
         assert!(machine.fault().is_none());
-        cover!(s, code == Some(FaultCode::MotorModel), "the last");
+        cover!(s, code == Some(FaultCode::Runaway), "the last");
         cover!(s, byte == 0, "none");
     }
 }

@@ -84,6 +84,10 @@ impl Stuck {
         moved: i64,
         report: &CurrentReport,
     ) -> Option<Found> {
+        if moved != 0 {
+            self.ticks = 0;
+            return None;
+        }
         let Dq { d, q } = report.current;
         let drop =
             |i: I16F16| Volts::from_bits(product(config.resistance_ohm.to_bits(), i.to_bits(), 16));
@@ -94,7 +98,7 @@ impl Stuck {
         let excess = emf
             .saturating_sub(config.least)
             .saturating_sub(Volts::from_bits(doubt.to_bits() >> 1));
-        if moved != 0 || excess <= Volts::ZERO {
+        if excess <= Volts::ZERO {
             self.ticks = 0;
             return None;
         }

@@ -3,11 +3,11 @@
 //! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
 
 use touchstone_control::environment::{Counted, Environment};
+use touchstone_control::environment::{Shape, WHOLE};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::around::built;
 use touchstone_drive::change::ChangeConfig;
 use touchstone_drive::wire::hardware;
-use touchstone_control::environment::{Shape, WHOLE};
 use touchstone_protocol::settings::environment::{
     DetentsBeside, Points, ProfileBeside, TravelEnds, WallBeside,
 };
@@ -70,15 +70,15 @@ fn all(setup: &Setup) -> Surround {
             centre_rad: si("0.01"),
         }),
         // The torque of this profile rises, falls steeply from one limit to the other, and ends with a level part.
-        profile: Shape::new(&[-3_000, WHOLE, -WHOLE, 500, 500]).ok().map(|shape| {
-            ProfileBeside {
+        profile: Shape::new(&[-3_000, WHOLE, -WHOLE, 500, 500])
+            .ok()
+            .map(|shape| ProfileBeside {
                 per_rev: 5,
                 start_rad: si("0.02"),
                 end_rad: si("0"),
                 strength_n_m: Decimal(strength),
                 shape: Points(shape),
-            }
-        }),
+            }),
         change_n_m_per_s: si(CHANGE),
         ..Surround::default()
     }

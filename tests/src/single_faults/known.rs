@@ -4,7 +4,6 @@ use touchstone_protocol::Board;
 
 /// Faults that a board does not find in at least one cell in which the hand gets more than the guard's bound.
 pub const UNFOUND: &[(Board, &[&str])] = &[
-    (Board::NucleoG474re, &["magnet loose by 1 degree"]),
     (
         Board::NucleoG474reIhm16m1,
         &[

@@ -2,7 +2,10 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_SHARE, TICK, row, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY};
+use super::{
+    FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_OSCILLATION,
+    OFF_AT_RUNAWAY, OFF_AT_SHARE, TICK, row,
+};
 use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;

@@ -3,7 +3,10 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
-use super::{FAST_SHAFT, Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY, OFF_AT_MODEL};
+use super::{
+    FAST_SHAFT, Injection, OFF_AT_MODEL, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY, TICK, WATCHDOG,
+    WINDOW_WATCHDOG, row,
+};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL_ESC1};
 use touchstone_protocol::FaultCode::*;

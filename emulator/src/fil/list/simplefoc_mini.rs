@@ -3,7 +3,10 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY};
+use super::{
+    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY,
+    OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row,
+};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
