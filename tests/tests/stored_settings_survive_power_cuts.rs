@@ -2,13 +2,17 @@
 //! settings are refused.
 
 use touchstone_control::Si;
-use touchstone_control::environment::{MOST_POINTS, Shape, WHOLE};
+use touchstone_control::environment::{
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, MOST_POINTS, Shape, Spacing,
+    ViscousSettings, WHOLE,
+};
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::settings::environment::{
     DetentsBeside, ENVIRONMENT_MAX, Points, ProfileBeside, TravelEnds, WallBeside,
 };
 use touchstone_protocol::settings::kept::MeasuredWith;
+use touchstone_protocol::settings::parts::Parts;
 use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
 use touchstone_protocol::{
     Board, CoggingHarmonic, CoggingMap, Decimal, DeviceSettings, KeptAlignment, KeptCogging,
@@ -225,6 +229,27 @@ fn the_longest_environment_has_room() {
             shape: Points(Shape::new(&[-WHOLE; MOST_POINTS]).expect("a shape")),
         }),
         change_n_m_per_s: long,
+        parts: Parts(FeelSettings {
+            spring: Some(CentreSettings {
+                centre: Si::MIN,
+                stiffness: Si::MIN,
+                strength: Si::MIN,
+            }),
+            viscous: Some(ViscousSettings {
+                damping: Si::MIN,
+                bandwidth_hz: Si::MIN,
+            }),
+            dry: Some(DrySettings {
+                strength: Si::MIN,
+                stretch: Si::MIN,
+            }),
+            click: Some(ClickSettings {
+                spacing: Spacing::Pitch(Si::MIN),
+                centre: Si::MIN,
+                strength: Si::MIN,
+                duration_s: Si::MIN,
+            }),
+        }),
     };
     let mut buffer = [0; IMAGE_MAX];
     let bytes = postcard(&longest, &mut buffer);
@@ -232,7 +257,8 @@ fn the_longest_environment_has_room() {
     assert_eq!(postcard::from_bytes(&bytes), Ok(longest));
     // A shape that is none is no message.
     let mut short = bytes.clone();
-    let points = bytes.len() - 3 * MOST_POINTS - 1;
+    let parts = postcard(&longest.parts, &mut buffer).len();
+    let points = bytes.len() - parts - 3 * MOST_POINTS - 1;
     short[points] = 1;
     assert!(postcard::from_bytes::<Surround>(&short[..points + 4]).is_err());
 }

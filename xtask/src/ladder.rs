@@ -196,11 +196,15 @@ fn table(names: &[&str], costs: &Costs) -> String {
             let beyond = pair
                 .zip(added(second))
                 .map(|(pair, other)| pair - alone - other);
+            // A pair that adds nothing has an empty cell, so that the others are seen; two effects that exclude each other have a
+            // cross.
             match beyond {
-                Some(beyond) if first != second => {
+                _ if first == second => text.push_str("  |"),
+                Some(beyond) if beyond.abs() < 0.5 => text.push_str("  |"),
+                Some(beyond) => {
                     let _ = write!(text, " {beyond:+.0} |");
                 }
-                _ => text.push_str("  |"),
+                None => text.push_str(" x |"),
             }
         }
         text.push('\n');

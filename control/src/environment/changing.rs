@@ -43,6 +43,9 @@ impl<N: Number> Environment<N> {
         for wall in self.walls.iter_mut().flatten() {
             wall.forget();
         }
+        if let Some(feel) = &mut self.feel {
+            feel.forget();
+        }
         if let Some(guard) = &mut self.guard {
             guard.resume(account.unwrap_or(guard.account()));
             (guard.last, guard.limited, guard.tripped) = (None, false, false);

@@ -37,18 +37,17 @@ pub struct DetentSettings {
 /// adds energy, as with walls; the energy guard counts it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
-    place: Place,
+    ring: Ring,
     /// The largest force of the detents, as a factor that turns the triangle wave into a force.
     strength: Compliance<N>,
 }
 
-/// Where the detents are: around a turn, or along an axis.
+/// Evenly spaced positions, around a turn or along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
-    /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in units of
-    /// 2^-32.
+pub(super) enum Ring {
+    /// Positions around a turn: their number, and one of them as a fraction of the distance to the next, in units of 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// Detents along an axis: 1 over the distance between neighbours, and the position of one detent.
+    /// Positions along an axis: 1 over the distance between neighbours, and one of them.
     Axis { per_pitch: u64, centre: Si },
 }
 
@@ -75,33 +74,7 @@ impl DetentSettings {
     /// The distance between detents is not from 0.001 to 6.283 rad, their number is not from 1 to 6283 per turn, or the largest
     /// force is not from 0 to the force limit.
     pub(super) fn detents<N: Number>(&self, limit: Si) -> Result<Detents<N>, Refused> {
-        let place = match self.spacing {
-            Spacing::PerTurn(per_turn) => {
-                if per_turn == 0 || per_turn > MOST {
-                    return Err(Refused::PerTurn(per_turn));
-                }
-                let per_turn = i32::from(per_turn);
-                Place::Turn {
-                    per_turn,
-                    centre: turn_of(self.centre).wrapping_mul(per_turn),
-                }
-            }
-            Spacing::Pitch(pitch) => {
-                if pitch < FINEST || pitch > COARSEST {
-                    return Err(Refused::Pitch(pitch));
-                }
-                // Calculates 2^64 over the pitch, which has 32 fractional bits, rounded to the nearest.
-                let pitch = u128::from(pitch.to_bits().unsigned_abs());
-                let per_pitch = (1_u128 << 64)
-                    .wrapping_add(pitch / 2)
-                    .checked_div(pitch)
-                    .unwrap_or_default();
-                Place::Axis {
-                    per_pitch: u64::try_from(per_pitch).unwrap_or_default(),
-                    centre: self.centre,
-                }
-            }
-        };
+        let ring = Ring::new(self.spacing, self.centre)?;
         let strength = (self.strength <= limit)
             .then(|| N::ratio(self.strength))
             .flatten()
@@ -110,7 +83,7 @@ impl DetentSettings {
                 limit,
             })?;
         Ok(Detents {
-            place,
+            ring,
             strength: Compliance(strength),
         })
     }
@@ -122,7 +95,7 @@ impl<N: Number> Detents<N> {
     #[inline]
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
-        let beyond = self.beyond(at);
+        let beyond = self.ring.beyond(at);
         let size = beyond.unsigned_abs();
         let from_rest = if size <= QUARTER {
             size
@@ -134,20 +107,53 @@ impl<N: Number> Detents<N> {
         let force = Force(N::scale(self.strength.0, share));
         if beyond < 0 { -force } else { force }
     }
+}
 
-    /// Distance from the nearest detent, as a fraction of the distance between detents, in units of 2^-32.
+impl Ring {
+    /// Checks the distance between positions and computes the coefficients; `centre` is one of the positions.
+    pub(super) fn new(spacing: Spacing, centre: Si) -> Result<Self, Refused> {
+        match spacing {
+            Spacing::PerTurn(per_turn) => {
+                if per_turn == 0 || per_turn > MOST {
+                    return Err(Refused::PerTurn(per_turn));
+                }
+                let per_turn = i32::from(per_turn);
+                Ok(Self::Turn {
+                    per_turn,
+                    centre: turn_of(centre).wrapping_mul(per_turn),
+                })
+            }
+            Spacing::Pitch(pitch) => {
+                if pitch < FINEST || pitch > COARSEST {
+                    return Err(Refused::Pitch(pitch));
+                }
+                // Calculates 2^64 over the pitch, which has 32 fractional bits, rounded to the nearest.
+                let pitch = u128::from(pitch.to_bits().unsigned_abs());
+                let per_pitch = (1_u128 << 64)
+                    .wrapping_add(pitch / 2)
+                    .checked_div(pitch)
+                    .unwrap_or_default();
+                Ok(Self::Axis {
+                    per_pitch: u64::try_from(per_pitch).unwrap_or_default(),
+                    centre,
+                })
+            }
+        }
+    }
+
+    /// Distance from the nearest position, as a fraction of the distance between positions, in units of 2^-32.
     #[inline]
-    fn beyond(&self, at: &impl Reading<N>) -> i32 {
-        match self.place {
-            Place::Turn { per_turn, centre } => {
+    pub(super) fn beyond<N: Number>(&self, at: &impl Reading<N>) -> i32 {
+        match *self {
+            Self::Turn { per_turn, centre } => {
                 at.turn().wrapping_mul(per_turn).wrapping_sub(centre)
             }
-            Place::Axis { per_pitch, centre } => along_axis(per_pitch, at.angle(), centre),
+            Self::Axis { per_pitch, centre } => along_axis(per_pitch, at.angle(), centre),
         }
     }
 }
 
-/// Same as [`Detents::beyond`], for detents whose distance is set as an angle. It needs 64-bit arithmetic, so it is a function of
+/// Same as [`Ring::beyond`], for positions whose distance is set as an angle. It needs 64-bit arithmetic, so it is a function of
 /// its own beside the faster usual path.
 #[cold]
 #[inline(never)]

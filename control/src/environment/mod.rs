@@ -1,10 +1,11 @@
-//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn torque profile. One
-//! energy guard limits the sum of their forces.
+//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, a drawn torque profile, and the
+//! further parts of a feel (spring to a centre, friction, click). One energy guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
 //!       -> detents ---------------------------------> sum -> saturation -> guard -> force
 //!       -> profile --------------------------------->
+//!       -> feel ------------------------------------>
 //! ```
 //!
 //! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its
@@ -25,12 +26,14 @@
 mod changing;
 mod detents;
 mod face;
+pub mod feel;
 pub mod profile;
 mod refused;
 
 use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
+pub use feel::{CentreSettings, ClickSettings, DrySettings, Feel, FeelSettings, ViscousSettings};
 pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 
@@ -85,6 +88,7 @@ pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
     detents: Option<Detents<N>>,
     profile: Option<Profile<N>>,
+    feel: Option<Feel<N>>,
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
@@ -124,6 +128,7 @@ impl<N: Number> Environment<N> {
             walls: [None; MOST_WALLS],
             detents: None,
             profile: None,
+            feel: None,
             limit: largest_force(settings).map_err(Refused::Law)?,
             guard: None,
             step: quantum::<N>(),
@@ -189,6 +194,19 @@ impl<N: Number> Environment<N> {
         Ok(self)
     }
 
+    /// This environment with further parts of a feel, whose forces are added to those of walls, detents and profile. `settings` are
+    /// those of the law.
+    ///
+    /// # Errors
+    /// The setting of a part that is refused.
+    #[cold]
+    pub fn with_feel(mut self, feel: &FeelSettings, settings: &Settings) -> Result<Self, Refused> {
+        self.feel = (*feel != FeelSettings::default())
+            .then(|| feel.feel(settings))
+            .transpose()?;
+        Ok(self)
+    }
+
     /// This environment in the place of an earlier one, when the force is switched on again (arming). All memory is cleared; only
     /// the energy in the guard's account is taken over.
     #[must_use]
@@ -238,6 +256,9 @@ impl<N: Number> Environment<N> {
             }
             wanted = wanted + side.seen(force);
         }
+        if self.feel.is_some() {
+            wanted = self.felt_onto(at, wanted);
+        }
         if self.carried.is_some() {
             wanted = self.carried_onto(wanted);
         }
@@ -248,6 +269,26 @@ impl<N: Number> Environment<N> {
         force
     }
 
+    /// Adds the further parts of the feel to the walls' force. The function is not part of [`Environment::tick`], so that an
+    /// environment without such parts costs a comparison.
+    #[cold]
+    #[inline(never)]
+    fn felt_onto(&mut self, at: &impl Reading<N>, wanted: Force<N>) -> Force<N> {
+        let now = at.on_steps(self.step);
+        let moved = self.moved_to(now);
+        match &mut self.feel {
+            Some(feel) => wanted + feel.tick(at, now, moved),
+            None => wanted,
+        }
+    }
+
+    /// The displacement from the last tick's position to this one; 0 at the first tick.
+    #[inline(always)]
+    fn moved_to(&self, now: Si) -> Position<N> {
+        let last = self.last.unwrap_or(now);
+        Position(N::saturating_signal(now.saturating_sub(last)))
+    }
+
     #[inline(always)]
     fn guarded(
         &mut self,
@@ -255,13 +296,13 @@ impl<N: Number> Environment<N> {
         since_change: Option<Position<N>>,
         wanted: Force<N>,
     ) -> Force<N> {
+        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
+        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
+        let moved = self.moved_to(now);
+        self.last = Some(now);
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
-        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
-        let last = self.last.replace(now).unwrap_or(now);
-        let moved = Position(N::saturating_signal(now.saturating_sub(last)));
         let before_change = since_change.map_or(Position::zero(), |since| moved - since);
         guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
         // The axis is reversed or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.

@@ -36,6 +36,25 @@ pub enum Refused {
         /// The force limit, N·m (N).
         limit: Si,
     },
+    /// A setting of a part of the feel (spring to a centre, friction, click) is outside its range.
+    Part {
+        /// Path of the setting in a scene.
+        path: &'static str,
+        /// The given value.
+        value: Si,
+        /// Smallest allowed value.
+        least: Si,
+        /// Largest allowed value; equal to the smallest if the coefficient does not fit the number format.
+        most: Si,
+    },
+}
+
+impl Refused {
+    /// Whether a part's coefficient does not fit the number format.
+    #[must_use]
+    pub fn is_format(&self) -> bool {
+        matches!(self, Self::Part { least, most, .. } if least == most)
+    }
 }
 
 impl fmt::Display for Refused {
@@ -67,6 +86,18 @@ impl fmt::Display for Refused {
                 super::profile::SHORTEST,
                 super::profile::LONGEST
             ),
+            Self::Part {
+                path,
+                value,
+                least,
+                most,
+            } => {
+                if self.is_format() {
+                    write!(f, "{path} = {value:.6} does not fit the number format")
+                } else {
+                    write!(f, "{path} = {value:.6} is outside {least:.6} to {most:.6}")
+                }
+            }
             Self::Strength { strength, limit } | Self::ProfileStrength { strength, limit } => {
                 write!(
                     f,

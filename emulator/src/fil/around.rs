@@ -11,6 +11,7 @@ use touchstone_drive::wire::hardware;
 use touchstone_protocol::settings::environment::{
     DetentsBeside, Points, ProfileBeside, TravelEnds, WallBeside,
 };
+use touchstone_protocol::settings::parts::Parts;
 use touchstone_protocol::{
     Board, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal,
     Reply, Request, Surround, Telemetry,
@@ -44,7 +45,8 @@ fn si(text: &str) -> Decimal {
     text.parse().unwrap_or_default()
 }
 
-/// An environment with every kind of element: detents all around, a force profile, a wall behind the hand, and two end stops.
+/// An environment with every kind of element: detents all around, a force profile, a wall behind the hand, two end stops, and the
+/// further parts of a feel.
 fn all(setup: &Setup) -> Surround {
     let strength = Si::saturating_from_num(0.2 * setup.board.press_n_m);
     let [wall, ..] = setup.board.walls;
@@ -80,7 +82,33 @@ fn all(setup: &Setup) -> Surround {
                 shape: Points(shape),
             }),
         change_n_m_per_s: si(CHANGE),
+        parts: Parts(parts(strength)),
         ..Surround::default()
+    }
+}
+
+/// All further parts of a feel: a spring to a centre, viscous and dry friction, and clicks of this torque, N·m.
+fn parts(strength: Si) -> FeelSettings {
+    FeelSettings {
+        spring: Some(CentreSettings {
+            centre: Si::lit("0.03"),
+            stiffness: Si::lit("0.05"),
+            strength,
+        }),
+        viscous: Some(ViscousSettings {
+            damping: Si::lit("0.0004"),
+            bandwidth_hz: Si::lit("100"),
+        }),
+        dry: Some(DrySettings {
+            strength: strength / 4,
+            stretch: Si::lit("0.02"),
+        }),
+        click: Some(ClickSettings {
+            spacing: Spacing::Pitch(Si::lit("0.07")),
+            centre: Si::lit("0.015"),
+            strength,
+            duration_s: Si::lit("0.006"),
+        }),
     }
 }
 

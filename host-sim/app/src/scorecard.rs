@@ -1,6 +1,7 @@
-//! `touchstone scorecard`: compares what a hand feels of a wall under each control law.
+//! `touchstone scorecard`: compares what a hand feels of a wall under each control law, or judges a feel.
 
 use super::family;
+use super::feel_card;
 use super::interrupt;
 use super::number;
 use super::out::{self, say, tell};
@@ -33,6 +34,8 @@ pub struct Options {
     wall: WallOptions,
     #[command(flatten)]
     family: family::Options,
+    #[command(flatten)]
+    feel: feel_card::Options,
     /// Control laws to compare, default: all; with --family the scene's own.
     #[arg(long = "law", value_name = "NAME", num_args = 1.., value_parser = super::law_name::of_scorecard())]
     laws: Vec<String>,
@@ -71,6 +74,9 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.scene)?;
     if let Some(file) = &options.programme {
         return programme(&scene, options, file).map(|()| ExitCode::SUCCESS);
+    }
+    if options.feel.is_asked() {
+        return options.feel.main(&scene);
     }
     if options.family.is_asked() {
         return options

@@ -18,7 +18,6 @@ mod haply;
 pub mod haptic;
 mod moved_about;
 mod omega3;
-pub mod positions;
 pub mod servo;
 mod survey;
 mod transport;

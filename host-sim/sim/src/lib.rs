@@ -12,5 +12,6 @@ pub mod error;
 pub mod harmless;
 pub mod input;
 pub mod output;
+pub mod positions;
 pub mod run;
 pub mod scene;

@@ -1,10 +1,11 @@
 //! The environment: what the knob renders beside the wall in the device's settings, on boards with room for it. It can have further
-//! walls, end stops, detents and a torque profile; one energy guard limits the sum of their forces. Its fields are those of a scene file's
-//! `[environment]`.
+//! walls, end stops, detents, a torque profile, and the [further parts](super::parts) of a feel; one energy guard limits the sum of
+//! their forces. Its fields are those of a scene file's `[environment]`.
 //!
 //! The environment is not a part of [`DeviceSettings`], because it may change while the knob is armed and because small boards have
 //! none.
 
+use super::parts::Parts;
 use super::{Decimal, DeviceSettings, Reason, SettingsError, fields, refused};
 use heapless::Vec;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -16,7 +17,7 @@ use touchstone_control::environment::{
 use touchstone_control::{Fixed32, Force, Si};
 
 /// Longest environment (walls, end stops, detents) on the serial link, in bytes (a test checks it).
-pub const ENVIRONMENT_MAX: usize = 496;
+pub const ENVIRONMENT_MAX: usize = 616;
 
 /// The environment: whether the wall in the device's settings is rendered, and which walls, detents and profile are rendered beside
 /// it.
@@ -34,6 +35,8 @@ pub struct Surround {
     pub change_n_m_per_s: Decimal,
     /// A torque profile: a torque drawn over the angle.
     pub profile: Option<ProfileBeside>,
+    /// A spring to a centre, viscous and dry friction, and a click.
+    pub parts: Parts,
 }
 
 /// A further wall, beside the one in the device's settings.
@@ -173,6 +176,7 @@ impl Default for Surround {
             detents: None,
             change_n_m_per_s: Decimal(const { Si::lit("0.5") }),
             profile: None,
+            parts: Parts::default(),
         }
     }
 }
@@ -185,6 +189,7 @@ impl Surround {
             || self.endstops.is_some()
             || self.detents.is_some()
             || self.profile.is_some()
+            || self.parts != Parts::default()
             || self.further.iter().any(Option::is_some)
     }
 
@@ -289,7 +294,16 @@ impl Surround {
         let walls: Vec<WallSettings, MOST_WALLS> = placed.into_iter().flatten().collect();
         let limit = settings.law.force_limit_n_m;
         let refused = |error| why(&error, &placed);
-        let built = Environment::new(&settings.law(), &walls, detents.as_ref()).map_err(refused)?;
+        let law = settings.law();
+        let built = Environment::new(&law, &walls, detents.as_ref()).map_err(refused)?;
+        let feel = &self.parts.0;
+        if let Some(spring) = feel.spring {
+            fields::within("environment.spring.centre_rad", spring.centre, surfaces)?;
+        }
+        if let Some(click) = feel.click {
+            fields::within("environment.click.centre_rad", click.centre, surfaces)?;
+        }
+        let built = built.with_feel(feel, &law).map_err(refused)?;
         let Some(profile) = &self.profile else {
             return Ok(built);
         };
@@ -348,6 +362,20 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
+        Refused::Part { path, value, .. } if error.is_format() => limit(path, *value),
+        Refused::Part {
+            path,
+            value,
+            least,
+            most,
+        } => SettingsError {
+            path,
+            value: Decimal(*value),
+            reason: Reason::Outside {
+                least: Decimal(*least),
+                most: Decimal(*most),
+            },
+        },
         // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
         // here.
         Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {

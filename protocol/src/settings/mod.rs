@@ -20,6 +20,8 @@ mod gimbal_kit;
 pub mod kept;
 #[cfg(feature = "wire")]
 mod leaf;
+#[cfg(feature = "large")]
+pub mod parts;
 mod table;
 mod untold_motor;
 mod validate;

@@ -3,11 +3,11 @@
 use super::messages::KnobConfig;
 use touchstone_control::Si;
 use touchstone_control::environment::{MOST_POINTS, Shape, WHOLE};
-use touchstone_device::positions::Positions;
 use touchstone_protocol::settings::environment::{
     DetentsBeside, Points, ProfileBeside, Surround, TravelEnds,
 };
 use touchstone_protocol::{Decimal, DeviceSettings};
+use touchstone_sim::positions::Positions;
 
 /// Narrowest and widest distance between two positions that a board accepts, rad.
 const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;

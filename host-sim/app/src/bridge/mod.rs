@@ -19,10 +19,10 @@ use std::io::{ErrorKind, Read, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
-use touchstone_device::positions::Positions;
 use touchstone_protocol::frame::Decoder;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::positions::Positions;
 
 /// Shortest time between two state messages to the program, if the state keeps changing. Without changes one is sent every
 /// `PERIOD`. Both times are those of a SmartKnob.

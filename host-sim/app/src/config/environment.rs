@@ -9,6 +9,7 @@ use touchstone_device::Client;
 use touchstone_protocol::settings::environment::{
     CountsFrom, DetentsBeside, Points, ProfileBeside, Surround, TravelEnds, WallBeside,
 };
+use touchstone_protocol::settings::parts::Parts;
 use touchstone_protocol::{Board, Decimal, DeviceSettings, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene, TorqueProfile};
@@ -132,7 +133,7 @@ fn plain(value: Decimal) -> f64 {
 }
 
 /// Converts the environment (walls, detents, end stops) of a scene file to the format of a board.
-fn of_scene(named: &scene::Environment) -> Surround {
+pub fn of_scene(named: &scene::Environment) -> Surround {
     let further = |wall: &Option<FurtherWall>| {
         wall.as_ref().map(|wall| WallBeside {
             at_rad: decimal(wall.at_rad),
@@ -165,12 +166,13 @@ fn of_scene(named: &scene::Environment) -> Surround {
                 shape: Points(profile.points().ok()?),
             })
         }),
+        parts: Parts(named.feel()),
         ..Surround::default()
     }
 }
 
 /// Converts the environment (walls, detents, end stops) of a board to the format of a scene file.
-fn as_scene(there: &Surround) -> scene::Environment {
+pub fn as_scene(there: &Surround) -> scene::Environment {
     let further = |wall: Option<WallBeside>| {
         wall.map(|wall| FurtherWall {
             at_rad: plain(wall.at_rad),
@@ -206,7 +208,9 @@ fn as_scene(there: &Surround) -> scene::Environment {
             strength_n_m: plain(profile.strength_n_m),
             shape: TorqueProfile::of_points(&profile.shape.0),
         }),
+        ..scene::Environment::default()
     }
+    .with_feel(&there.parts.0)
 }
 
 fn json(environment: &Surround) -> serde_json::Value {

@@ -76,7 +76,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 fn a_demo_knob_takes_every_shipped_feel() {
     let demo = crate::demo::Demo::new();
     let feels = touchstone_sim::scene::feels();
-    assert_eq!(feels.len(), 14);
+    assert_eq!(feels.len(), 18);
     for name in feels {
         let said = demo.run(&["config", "environment", name]);
         assert!(said.contains("from the next "), "{name}: {said}");
@@ -88,6 +88,10 @@ fn a_demo_knob_takes_every_shipped_feel() {
         for (is_there, part) in [
             (around.detents.is_some(), "[environment.detents]"),
             (around.endstops.is_some(), "[environment.endstops]"),
+            (around.spring.is_some(), "[environment.spring]"),
+            (around.damper.is_some(), "[environment.damper]"),
+            (around.dry_friction.is_some(), "[environment.dry_friction]"),
+            (around.click.is_some(), "[environment.click]"),
         ] {
             assert_eq!(shown.contains(part), is_there, "{name}: {shown}");
         }

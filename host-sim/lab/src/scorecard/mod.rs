@@ -9,6 +9,7 @@ pub mod cases;
 pub mod direction;
 pub mod family;
 pub mod family_page;
+pub mod feel;
 pub mod in_turn;
 pub mod measure;
 pub mod noticed;

@@ -15,7 +15,7 @@ pub mod plan;
 pub mod record;
 mod rest;
 pub mod settings;
-mod surroundings;
+pub mod surroundings;
 pub mod terms;
 pub mod tick;
 mod traced;

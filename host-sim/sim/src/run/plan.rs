@@ -106,7 +106,7 @@ fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()
     {
-        return surrounded::<N>(scene, named, count_scale(scene)?);
+        return surrounded::<N>(scene, count_scale(scene)?);
     }
     let settings = scene.settings()?;
     let wall = Controlled::<N>::new(&settings, count_scale(scene)?)

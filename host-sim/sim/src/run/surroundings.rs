@@ -30,7 +30,7 @@ enum Changed {
 
 /// A position in rad, for scenes without an encoder.
 #[derive(Debug, Clone, Copy)]
-struct Placed(f64);
+pub struct Placed(pub f64);
 
 impl<N: Reported> Reading<N> for Placed {
     fn angle(&self) -> Si {
@@ -100,12 +100,13 @@ impl<N: Reported> Wall for Surroundings<N> {
     }
 }
 
-/// Builds the controller side of a scene that has an environment besides `[wall]`.
-pub(super) fn surrounded<N: Reported + 'static>(
-    scene: &Scene,
-    named: &crate::scene::Environment,
-    scale: CountScale,
-) -> Result<Box<dyn Control>> {
+/// The environment of a scene in a number format: its walls, detents, profile and the further parts of its feel.
+///
+/// # Errors
+/// A setting is refused.
+pub fn environment<N: Reported>(scene: &Scene) -> Result<Environment<N>> {
+    let none = crate::scene::Environment::default();
+    let named = scene.environment.as_ref().unwrap_or(&none);
     let own = scene.settings()?;
     let faces = faces(scene, named)?;
     let walls: Vec<WallSettings> = faces.iter().map(|(_, wall)| *wall).collect();
@@ -122,6 +123,9 @@ pub(super) fn surrounded<N: Reported + 'static>(
     };
     let refused = |refused| told(scene, &faces, &refused);
     let mut environment = Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?;
+    environment = environment
+        .with_feel(&named.feel(), &own)
+        .map_err(refused)?;
     if let Some(drawn) = named.acting_profile() {
         let profile = ProfileSettings {
             extent: match drawn.per_rev {
@@ -140,8 +144,16 @@ pub(super) fn surrounded<N: Reported + 'static>(
             .with_profile(&profile, own.force_limit)
             .map_err(refused)?;
     }
+    Ok(environment)
+}
+
+/// Builds the controller side of a scene that has an environment besides `[wall]`.
+pub(super) fn surrounded<N: Reported + 'static>(
+    scene: &Scene,
+    scale: CountScale,
+) -> Result<Box<dyn Control>> {
     let wall = Surroundings::<N> {
-        environment,
+        environment: environment(scene)?,
         scale: scale.before(Si::ZERO),
         changed: None,
     };
@@ -258,6 +270,9 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
             refused.to_string(),
             "change that field of the profile",
         ),
+        Refused::Part { path, .. } => {
+            scene.error(path, refused.to_string(), "give a value in that range")
+        }
         Refused::TooManyWalls | Refused::Pitch(_) | Refused::PerTurn(_) => scene.error(
             "environment",
             refused.to_string(),

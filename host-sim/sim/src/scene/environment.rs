@@ -1,7 +1,8 @@
 //! Walls, end stops, detents and torque profiles in addition to the main wall of a scene.
 
+use super::feel::{CentreSpring, Clicks, DryFriction, ViscousFriction};
 use serde::{Deserialize, Serialize};
-use touchstone_control::environment::{Refused, Shape, Side, WHOLE};
+use touchstone_control::environment::{FeelSettings, Refused, Shape, Side, WHOLE};
 
 /// Walls, detents and torque profiles on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +28,18 @@ pub struct Environment {
     /// A torque given as a curve over the angle. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<TorqueProfile>,
+    /// A spring that draws the knob to a centre. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spring: Option<CentreSpring>,
+    /// Friction in proportion to the speed. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damper: Option<ViscousFriction>,
+    /// Friction of one size. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dry_friction: Option<DryFriction>,
+    /// Short torques at evenly spaced angles. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub click: Option<Clicks>,
 }
 
 impl Default for Environment {
@@ -39,6 +52,10 @@ impl Default for Environment {
             endstops: None,
             detents: None,
             profile: None,
+            spring: None,
+            damper: None,
+            dry_friction: None,
+            click: None,
         }
     }
 }
@@ -185,6 +202,7 @@ impl Environment {
             || self.further().next().is_some()
             || detents.is_some_and(|it| it.strength_n_m > 0.0)
             || self.acting_profile().is_some()
+            || self.feel() != FeelSettings::default()
     }
 
     /// The torque profile; `None` if the scene has none or its strength is 0.

@@ -10,6 +10,7 @@ mod draft;
 mod effects;
 mod environment;
 mod experiment;
+mod feel;
 mod law;
 mod load;
 mod motion;
@@ -36,6 +37,7 @@ pub use effects::{
 };
 pub use environment::{DetentRing, Endstops, Environment, FurtherWall, TorqueProfile};
 pub use experiment::Scene;
+pub use feel::{CentreSpring, Clicks, DryFriction, ViscousFriction};
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number, VelocitySettings};
 pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};

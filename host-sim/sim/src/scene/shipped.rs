@@ -95,6 +95,22 @@ const FEELS: &[(&str, &str)] = &[
         "safe-dial",
         include_str!("../../../../scenes/feels/safe-dial.toml"),
     ),
+    (
+        "heavy-dial",
+        include_str!("../../../../scenes/feels/heavy-dial.toml"),
+    ),
+    (
+        "clicker",
+        include_str!("../../../../scenes/feels/clicker.toml"),
+    ),
+    (
+        "shuttle",
+        include_str!("../../../../scenes/feels/shuttle.toml"),
+    ),
+    (
+        "washboard",
+        include_str!("../../../../scenes/feels/washboard.toml"),
+    ),
 ];
 
 /// Names of the shipped scenes.

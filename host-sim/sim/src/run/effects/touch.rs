@@ -2,7 +2,10 @@
 //! `spring-damper`.
 
 use super::{Effect, Place};
-use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene, TorqueProfile};
+use crate::scene::{
+    CentreSpring, Clicks, DetentRing, DryFriction, Endstops, Environment, FurtherWall, Scene,
+    TorqueProfile, ViscousFriction,
+};
 use touchstone_control::{LawKind, StatesKind, VelocityKind};
 
 fn environment(scene: &mut Scene) -> &mut Environment {
@@ -64,7 +67,7 @@ const fn velocity(
 }
 
 /// Entries for walls, detents and velocity estimates in the list of effects.
-pub const ROWS: [Effect; 8] = [
+pub const ROWS: [Effect; 9] = [
     Effect {
         name: "second-wall",
         place: Place::Environment,
@@ -139,6 +142,57 @@ pub const ROWS: [Effect; 8] = [
             environment(scene).profile = Some(TorqueProfile {
                 strength_n_m: 0.0,
                 ..TorqueProfile::default()
+            });
+        }),
+    },
+    Effect {
+        name: "feel",
+        place: Place::Environment,
+        field: "environment.spring",
+        typical: "a spring of 0.03 N·m/rad, damping of 0.0005 N·m·s/rad, friction of 5 mN·m and 24 clicks a turn of 20 mN·m",
+        source: "a tenth to the whole of the detents' torque above, at some rad/s; the values are this project's",
+        of_hand: false,
+        is_named: |scene| {
+            of_environment(scene, |it| {
+                it.spring.is_some()
+                    || it.damper.is_some()
+                    || it.dry_friction.is_some()
+                    || it.click.is_some()
+            })
+        },
+        add: |scene| {
+            let centre_rad = scene.wall.surface_rad;
+            let environment = environment(scene);
+            environment.spring = Some(CentreSpring {
+                centre_rad,
+                ..CentreSpring::default()
+            });
+            environment.damper = Some(ViscousFriction::default());
+            environment.dry_friction = Some(DryFriction::default());
+            environment.click = Some(Clicks::default());
+        },
+        remove: |scene| {
+            rid(scene, |it| {
+                (it.spring, it.damper, it.dry_friction, it.click) = (None, None, None, None);
+            });
+        },
+        silence: Some(|scene| {
+            let environment = environment(scene);
+            environment.spring = Some(CentreSpring {
+                strength_n_m: 0.0,
+                ..CentreSpring::default()
+            });
+            environment.damper = Some(ViscousFriction {
+                damping_n_m_s_per_rad: 0.0,
+                ..ViscousFriction::default()
+            });
+            environment.dry_friction = Some(DryFriction {
+                strength_n_m: 0.0,
+                ..DryFriction::default()
+            });
+            environment.click = Some(Clicks {
+                strength_n_m: 0.0,
+                ..Clicks::default()
             });
         }),
     },

@@ -9,6 +9,9 @@ use touchstone_control::environment::{MOST_POINTS, Side};
 /// Range of the stiffness of an additional wall, N·m/rad, the same as for the stiffness of `[wall]`.
 const STIFFNESS: super::Range = Within(0.0, 500_000.0);
 
+/// Range of a place on the axis, rad, that the fixed-point numbers of the control law hold.
+const FAR: super::Range = Within(-1e9, 1e9);
+
 /// Makes the three fields of one additional wall: position of its surface, solid side and stiffness.
 macro_rules! wall {
     ($table:literal, $which:literal) => {
@@ -138,5 +141,77 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "",
         Numbers(2, MOST_POINTS, -1.0, 1.0),
         "2 to 96 points at equal distances, as fractions of the strength; positive ones push towards larger angles",
+    ),
+    number(
+        "environment.spring.centre_rad",
+        "rad",
+        FAR,
+        "where the spring gives no torque",
+    ),
+    number(
+        "environment.spring.stiffness_n_m_per_rad",
+        "n_m_per_rad",
+        Within(0.0, 100.0),
+        "the spring's stiffness",
+    ),
+    number(
+        "environment.spring.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the spring's largest torque",
+    ),
+    number(
+        "environment.damper.damping_n_m_s_per_rad",
+        "n_m_s_per_rad",
+        NotNegative,
+        "the rendered damping",
+    ),
+    number(
+        "environment.damper.bandwidth_hz",
+        "hz",
+        Within(5.0, 500.0),
+        "the bandwidth of the velocity's filter",
+    ),
+    number(
+        "environment.dry_friction.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the rendered friction while the knob slides",
+    ),
+    number(
+        "environment.dry_friction.stretch_rad",
+        "rad",
+        Within(0.001, 1.0),
+        "the way from rest until the knob slides",
+    ),
+    field(
+        "environment.click.per_rev",
+        "",
+        Whole(0, 6283),
+        "the clicks in one turn; 0: pitch_rad apart",
+    ),
+    number(
+        "environment.click.pitch_rad",
+        "rad",
+        Within(0.001, std::f64::consts::TAU),
+        "the distance between two clicks, if per_rev = 0",
+    ),
+    number(
+        "environment.click.centre_rad",
+        "rad",
+        FAR,
+        "where a click is",
+    ),
+    number(
+        "environment.click.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the torque of a click's pulse",
+    ),
+    number(
+        "environment.click.duration_s",
+        "s",
+        Within(0.001, 0.1),
+        "the length of a click's pulse",
     ),
 ];

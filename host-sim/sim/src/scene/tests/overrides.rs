@@ -156,7 +156,7 @@ fn bad_keys() {
     refused(
         &["damping_n_m_s_per_rad=1e-3"],
         "--set damping_n_m_s_per_rad=1e-3: several fields end so; write device.damping_n_m_s_per_rad, \
-         law.filter.damping_n_m_s_per_rad, law.estimator.damping_n_m_s_per_rad, law.guard.damping_n_m_s_per_rad or operator.hand.damping_n_m_s_per_rad",
+         environment.damper.damping_n_m_s_per_rad, law.filter.damping_n_m_s_per_rad, law.estimator.damping_n_m_s_per_rad, law.guard.damping_n_m_s_per_rad or operator.hand.damping_n_m_s_per_rad",
     );
     refused(
         &["kind=tap"],

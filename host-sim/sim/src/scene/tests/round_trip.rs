@@ -116,6 +116,22 @@ fn full_scenes() -> Vec<Scene> {
                 shape: vec![0.25, -1.0, 1.0],
                 ..TorqueProfile::default()
             }),
+            spring: Some(CentreSpring {
+                centre_rad: 1.0 / 3.0,
+                ..CentreSpring::default()
+            }),
+            damper: Some(ViscousFriction {
+                bandwidth_hz: 70.5,
+                ..ViscousFriction::default()
+            }),
+            dry_friction: Some(DryFriction {
+                stretch_rad: 0.03,
+                ..DryFriction::default()
+            }),
+            click: Some(Clicks {
+                per_rev: 0,
+                ..Clicks::default()
+            }),
             ..Environment::default()
         }),
         law: Law {
@@ -220,6 +236,7 @@ fn every_number_ends_in_its_unit() {
             "periods_per_rev",
             "substeps",
             "lost_share",
+            "per_rev",
             "per_rev",
             "per_rev",
             "step_of_ideal_per_ms",

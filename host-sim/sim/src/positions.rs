@@ -1,7 +1,8 @@
 //! Numbered positions of a knob, for programs that use the knob as a selector: the detent in which it is, with hysteresis.
 
+use crate::scene::Environment;
 use std::f64::consts::TAU;
-use touchstone_protocol::settings::environment::Surround;
+use touchstone_control::environment::WHOLE;
 
 /// Default hysteresis, as a fraction of the distance between two positions. The number changes at three quarters of the way to the
 /// next detent, a quarter beyond the ridge between the two.
@@ -50,36 +51,43 @@ impl Positions {
         }
     }
 
-    /// The positions of an environment: its detents, or else the points of least energy in the copies of its force profile. `None`
-    /// if it has neither.
+    /// The positions of a scene's environment: its detents, or else the points of least energy in the copies of its torque profile,
+    /// or else its clicks. `None` if it has none of them.
     #[must_use]
-    pub fn of(environment: &Surround) -> Option<Self> {
-        let positions = match (&environment.detents, &environment.profile) {
-            (Some(detents), _) => Self::every(
-                match detents.per_rev {
-                    0 => detents.pitch_rad.0.to_num(),
-                    per_rev => TAU / f64::from(per_rev),
-                },
-                detents.centre_rad.0.to_num(),
-            ),
-            (None, Some(profile)) if profile.per_rev > 0 => {
-                let pitch = TAU / f64::from(profile.per_rev);
-                let start: f64 = profile.start_rad.0.to_num();
-                Self::every(pitch, start + pitch * deepest(profile.shape.0.points()))
-            }
-            _ => return None,
+    pub fn of(environment: &Environment) -> Option<Self> {
+        let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
+            let pitch_rad = match per_rev {
+                0 => pitch_rad,
+                per_rev => TAU / f64::from(per_rev),
+            };
+            Self::every(pitch_rad, centre_rad)
         };
+        let detents = || {
+            let it = environment.detents.as_ref()?;
+            (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
+        };
+        let profile = || {
+            let it = environment.acting_profile().filter(|it| it.per_rev > 0)?;
+            let pitch_rad = TAU / f64::from(it.per_rev);
+            let origin_rad = it.start_rad + pitch_rad * deepest(&it.shape);
+            Some(Self::every(pitch_rad, origin_rad))
+        };
+        let clicks = || {
+            let it = environment.click.as_ref()?;
+            (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
+        };
+        let positions = detents().or_else(profile).or_else(clicks)?;
         Some(positions.between(environment))
     }
 
     /// Limits the positions to those between the environment's end stops.
     #[must_use]
-    pub fn between(mut self, environment: &Surround) -> Self {
+    pub fn between(mut self, environment: &Environment) -> Self {
         // An end stop exactly at a position still permits that position. This margin covers rounding errors.
         const NEARLY: f64 = 1e-6;
-        self.ends = environment.endstops.map(|ends| {
+        self.ends = environment.endstops.as_ref().map(|ends| {
             let place = |at: f64| (at - self.origin_rad) / self.pitch_rad;
-            let [lower, upper] = [ends.lower_rad, ends.upper_rad].map(|at| place(at.0.to_num()));
+            let [lower, upper] = [ends.lower_rad, ends.upper_rad].map(place);
             (
                 (lower - NEARLY).ceil() as i64,
                 (upper + NEARLY).floor() as i64,
@@ -97,17 +105,18 @@ impl Positions {
     /// Takes a measured angle. Returns the place if the position has changed since the last call, and at the first call.
     pub fn take(&mut self, angle_rad: f64) -> Option<Place> {
         let way = (angle_rad - self.origin_rad) / self.pitch_rad;
-        let nearest = || {
-            let nearest = way.round() as i64;
-            self.ends.map_or(nearest, |(first, last)| {
-                nearest.clamp(first, last.max(first))
-            })
-        };
+        let reach = 0.5 + self.hysteresis;
         let before = self.now;
-        let now = match before {
-            Some(now) if (way - now as f64).abs() <= 0.5 + self.hysteresis => now,
-            _ => nearest(),
-        };
+        let now = match before.map(|now| now as f64) {
+            Some(now) if (way - now).abs() <= reach => now,
+            // The position that a slow turn would have reached: a fast one may end on a ridge, where it has to turn back as far.
+            Some(now) if way > now => (way - reach).ceil(),
+            Some(_) => (way + reach).floor(),
+            None => way.round(),
+        } as i64;
+        let now = self
+            .ends
+            .map_or(now, |(first, last)| now.clamp(first, last.max(first)));
         self.now = Some(now);
         (before != Some(now)).then(|| Place {
             position: now + self.shift,
@@ -143,14 +152,15 @@ impl Positions {
     }
 }
 
-/// The point of a force profile at which the knob comes to rest, as a fraction (0 to 1) of the profile's length. It is the point of
+/// The point of a torque profile at which the knob comes to rest, as a fraction (0 to 1) of the profile's length. It is the point of
 /// least energy.
-fn deepest(points: &[i16]) -> f64 {
+fn deepest(points: &[f64]) -> f64 {
+    let whole = |point: &f64| (point * f64::from(WHOLE)).round() as i64;
     let (mut height, mut least, mut place) = (0_i64, 0, 0);
     for (index, pair) in points.windows(2).enumerate() {
         // Adds twice the energy of one step: the mean of the two torques times the step, with the opposite sign because it is the
         // work against the torque.
-        height -= pair.iter().map(|point| i64::from(*point)).sum::<i64>();
+        height -= pair.iter().map(whole).sum::<i64>();
         if height < least {
             (least, place) = (height, index + 1);
         }
@@ -161,23 +171,20 @@ fn deepest(points: &[i16]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{HYSTERESIS, Positions, deepest};
-    use touchstone_protocol::Decimal;
-    use touchstone_protocol::settings::environment::{DetentsBeside, Surround, TravelEnds};
+    use crate::scene::{DetentRing, Endstops, Environment};
 
-    fn dial() -> Surround {
-        Surround {
-            detents: Some(DetentsBeside {
-                per_rev: 24,
-                pitch_rad: Decimal::lit("0"),
-                strength_n_m: Decimal::lit("0.012"),
-                centre_rad: Decimal::lit("0"),
+    fn dial() -> Environment {
+        Environment {
+            detents: Some(DetentRing {
+                strength_n_m: 0.012,
+                ..DetentRing::default()
             }),
-            endstops: Some(TravelEnds {
-                lower_rad: Decimal::lit("-0.1309"),
-                upper_rad: Decimal::lit("2.7489"),
+            endstops: Some(Endstops {
+                lower_rad: -0.1309,
+                upper_rad: 2.7489,
                 stiffness_n_m_per_rad: None,
             }),
-            ..Surround::default()
+            ..Environment::default()
         }
     }
 
@@ -197,6 +204,10 @@ mod tests {
         // A fast turn over several positions is reported as one change that counts all of them.
         let place = positions.take(7.9 * pitch).unwrap();
         assert_eq!((place.position, place.change), (8, 7));
+        // It ends just beyond a ridge; the hand then turns back over that ridge, and nothing changes.
+        assert_eq!(positions.take(3.48 * pitch).unwrap().position, 4);
+        assert_eq!(positions.take(8.51 * pitch).unwrap().position, 8);
+        assert_eq!(positions.take(8.2 * pitch), None);
         // Beyond an end stop the position stays at the last one.
         assert_eq!(positions.take(13.0 * pitch).unwrap().position, 10);
         assert_eq!(positions.take(14.0 * pitch), None);
@@ -231,9 +242,9 @@ mod tests {
     fn a_profile_draws_to_its_deepest_place() {
         // The profiles are a magnetic detent, a ridge in the middle like a plucked string, and a valley in the middle.
         for (points, place) in [
-            (&[0_i16, -10, 0, 0, 0, 0, 0, 10][..], 0.0),
-            (&[0, 0, -10, 0, 10, 0, 0, 0], 0.0),
-            (&[0, 10, 10, 10, 0, -10, -10, -10], 0.5),
+            (&[0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0][..], 0.0),
+            (&[0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0], 0.0),
+            (&[0.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0], 0.5),
         ] {
             assert_eq!(deepest(points), place, "{points:?}");
         }

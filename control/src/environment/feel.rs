@@ -1,0 +1,417 @@
+//! The parts of a knob's feel that depend on more than the position in a pattern: a spring to a centre, viscous and dry friction,
+//! and a click.
+//!
+//! ```text
+//! distance from the centre ----> spring           \
+//! displacement in a tick ------> viscous friction   \
+//!                          ----> dry friction        > sum
+//! distance from a position ----> click              /
+//! ```
+//!
+//! The sum joins those of walls, detents and profile before the force limit and the energy guard. All parts calculate with
+//! differences of positions, so they are the same after any number of turns. For mirrored motions they give mirrored forces, bit
+//! for bit.
+//!
+//! A texture needs no part of its own: it is a [torque profile](super::profile) with many copies in a turn.
+
+use super::detents::Ring;
+use super::{Reading, Refused, Spacing};
+use crate::quotient::over;
+use crate::{Compliance, Force, Number, Position, Ratio, Settings, Si};
+
+/// Settings of the parts of a feel; an absent part gives no force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FeelSettings {
+    /// A spring that draws to a centre.
+    pub spring: Option<CentreSettings>,
+    /// Friction in proportion to the speed.
+    pub viscous: Option<ViscousSettings>,
+    /// Friction of one size at every speed, and at rest.
+    pub dry: Option<DrySettings>,
+    /// A short pulse when the device crosses one of many positions.
+    pub click: Option<ClickSettings>,
+}
+
+/// Settings of a spring to a centre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CentreSettings {
+    /// Position at which the spring gives no force, rad (m).
+    pub centre: Si,
+    /// Stiffness, N·m/rad (N/m), 0 to 100.
+    pub stiffness: Si,
+    /// Largest force, N·m (N), 0 to the force limit. Further from the centre the force stays at this value.
+    pub strength: Si,
+}
+
+/// Settings of rendered viscous friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViscousSettings {
+    /// Damping, N·m·s/rad (N·s/m), from 0. The largest value depends on inertia and delay: see [`ViscousSettings::most`].
+    pub damping: Si,
+    /// Bandwidth of the low-pass filter of first order through which the velocity passes, Hz, 5 to 500.
+    pub bandwidth_hz: Si,
+}
+
+/// Settings of rendered dry friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrySettings {
+    /// Friction while the device slides, N·m (N), 0 to the force limit.
+    pub strength: Si,
+    /// Distance that the device moves from rest until it slides, rad (m), 0.001 to 1. Over that distance friction is a spring.
+    pub stretch: Si,
+}
+
+/// Settings of a click.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClickSettings {
+    /// Distance between the positions that click when the device crosses them.
+    pub spacing: Spacing,
+    /// One of these positions, rad (m).
+    pub centre: Si,
+    /// Force of the pulse, N·m (N), 0 to the force limit: first against the motion, then as long with it.
+    pub strength: Si,
+    /// Length of the pulse, s, 0.001 to 0.1; at least two ticks.
+    pub duration_s: Si,
+}
+
+/// Refuses a value outside its range, with the setting's path in a scene.
+fn within(path: &'static str, value: Si, least: Si, most: Si) -> Result<(), Refused> {
+    if value < least || value > most {
+        return Err(Refused::Part {
+            path,
+            value,
+            least,
+            most,
+        });
+    }
+    Ok(())
+}
+
+/// The factor of a coefficient that the number format may not hold.
+fn ratio<N: Number>(path: &'static str, value: Si) -> Result<N::Ratio, Refused> {
+    let most = Si::ZERO;
+    N::ratio(value).ok_or(Refused::Part {
+        path,
+        value,
+        least: most,
+        most,
+    })
+}
+
+impl FeelSettings {
+    /// Checks the settings and computes the coefficients, for a device with the control law's settings.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    #[cold]
+    pub fn feel<N: Number>(&self, settings: &Settings) -> Result<Feel<N>, Refused> {
+        let limit = settings.force_limit;
+        Ok(Feel {
+            spring: self.spring.map(|it| it.spring(limit)).transpose()?,
+            viscous: self.viscous.map(|it| it.viscous(settings)).transpose()?,
+            dry: self.dry.map(|it| it.dry(limit)).transpose()?,
+            click: self.click.map(|it| it.click(settings)).transpose()?,
+        })
+    }
+}
+
+impl CentreSettings {
+    /// Checks the settings and computes the coefficients; `limit` is the force limit.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    pub fn spring<N: Number>(&self, limit: Si) -> Result<Centre<N>, Refused> {
+        const STIFFNESS: &str = "environment.spring.stiffness_n_m_per_rad";
+        const STRENGTH: &str = "environment.spring.strength_n_m";
+        let stiffest = const { Si::lit("100") };
+        within(STIFFNESS, self.stiffness, Si::ZERO, stiffest)?;
+        within(STRENGTH, self.strength, Si::ZERO, limit)?;
+        Ok(Centre {
+            centre: self.centre,
+            spring: Elastic {
+                stiffness: Compliance(ratio::<N>(STIFFNESS, self.stiffness)?),
+                most: Force(N::saturating_signal(self.strength)),
+            },
+        })
+    }
+}
+
+impl ViscousSettings {
+    /// The largest damping, N·m·s/rad (N·s/m), for a device with these settings: `J/(4 (T + delay + 1/(2π p)))` with the inertia
+    /// `J`, the delay of the state estimator, the control period `T` and the filter's bandwidth `p`.
+    ///
+    /// A damper whose force comes a time `τ` late makes a free inertia swing from `J/τ` on. A quarter of it is also safe for a
+    /// device of half the inertia: there the filter alone gives a damping ratio of 0.7.
+    #[must_use]
+    pub fn most(&self, settings: &Settings) -> Si {
+        let rate = Si::saturating_from_num(settings.rate_hz);
+        let late = over(Si::ONE, rate)
+            .saturating_add(settings.estimator.delay_s)
+            .saturating_add(over(Si::ONE, self.bandwidth_hz.saturating_mul(TWO_PI)));
+        over(
+            settings.estimator.inertia,
+            late.saturating_mul(Si::const_from_int(4)),
+        )
+    }
+
+    /// Checks the settings and computes the coefficients.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    pub fn viscous<N: Number>(&self, settings: &Settings) -> Result<Viscous<N>, Refused> {
+        const DAMPING: &str = "environment.damper.damping_n_m_s_per_rad";
+        const BANDWIDTH: &str = "environment.damper.bandwidth_hz";
+        let (slowest, fastest) = const { (Si::lit("5"), Si::lit("500")) };
+        within(BANDWIDTH, self.bandwidth_hz, slowest, fastest)?;
+        within(DAMPING, self.damping, Si::ZERO, self.most(settings))?;
+        let rate = Si::saturating_from_num(settings.rate_hz);
+        let pole = self.bandwidth_hz.saturating_mul(TWO_PI);
+        let kept = over(Si::ONE, Si::ONE.saturating_add(over(pole, rate)));
+        let per_way = self.damping.saturating_mul(pole).saturating_mul(kept);
+        Ok(Viscous {
+            kept: Ratio(ratio::<N>(BANDWIDTH, kept)?),
+            per_way: Compliance(ratio::<N>(DAMPING, per_way)?),
+            most: Force(N::saturating_signal(settings.force_limit)),
+            force: Force::zero(),
+        })
+    }
+}
+
+const TWO_PI: Si = Si::lit("6.2831853072");
+
+impl DrySettings {
+    /// Checks the settings and computes the coefficients; `limit` is the force limit.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    pub fn dry<N: Number>(&self, limit: Si) -> Result<Dry<N>, Refused> {
+        const STRENGTH: &str = "environment.dry_friction.strength_n_m";
+        const STRETCH: &str = "environment.dry_friction.stretch_rad";
+        let (least, most) = const { (Si::lit("0.001"), Si::ONE) };
+        within(STRENGTH, self.strength, Si::ZERO, limit)?;
+        within(STRETCH, self.stretch, least, most)?;
+        let stiffness = over(self.strength, self.stretch);
+        Ok(Dry {
+            spring: Elastic {
+                stiffness: Compliance(ratio::<N>(STRENGTH, stiffness)?),
+                most: Force(N::saturating_signal(self.strength)),
+            },
+            reach: Position(N::saturating_signal(self.stretch)),
+            stretch: Position::zero(),
+        })
+    }
+}
+
+impl ClickSettings {
+    /// Checks the settings and computes the coefficients.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    fn click<N: Number>(&self, settings: &Settings) -> Result<(Ring, Click<N>), Refused> {
+        let ring = Ring::new(self.spacing, self.centre).map_err(|refused| match refused {
+            Refused::PerTurn(per_turn) => Refused::Part {
+                path: "environment.click.per_rev",
+                value: Si::saturating_from_num(per_turn),
+                least: Si::ONE,
+                most: Si::saturating_from_num(super::detents::MOST),
+            },
+            _ => Refused::Part {
+                path: "environment.click.pitch_rad",
+                value: match self.spacing {
+                    Spacing::Pitch(pitch) => pitch,
+                    Spacing::PerTurn(_) => Si::ZERO,
+                },
+                least: super::detents::FINEST,
+                most: super::detents::COARSEST,
+            },
+        })?;
+        let (strength, length) = (self.strength, self.duration_s);
+        let (shortest, longest) = const { (Si::lit("0.001"), Si::lit("0.1")) };
+        let limit = settings.force_limit;
+        within("environment.click.strength_n_m", strength, Si::ZERO, limit)?;
+        within("environment.click.duration_s", length, shortest, longest)?;
+        // At most 0.05 s at 100,000 Hz.
+        let half = length.saturating_mul(Si::saturating_from_num(settings.rate_hz)) / 2;
+        let click = Click {
+            pulse: Force(N::saturating_signal(strength)),
+            half: half.saturating_to_num::<u16>().max(1),
+            side: None,
+            upward: false,
+            left: 0,
+        };
+        Ok((ring, click))
+    }
+}
+
+/// The parts of a feel, with their memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feel<N: Number> {
+    spring: Option<Centre<N>>,
+    viscous: Option<Viscous<N>>,
+    dry: Option<Dry<N>>,
+    click: Option<(Ring, Click<N>)>,
+}
+
+impl<N: Number> Feel<N> {
+    /// Runs one control period: takes the position, the same rounded to steps of the number format, and the displacement since the
+    /// last tick. Returns the sum of all parts, against `+x`.
+    pub fn tick(&mut self, at: &impl Reading<N>, now: Si, moved: Position<N>) -> Force<N> {
+        let mut sum = Force::zero();
+        if let Some(centre) = &self.spring {
+            let way = N::saturating_signal(now.saturating_sub(centre.centre));
+            sum = centre.spring.force(Position(way));
+        }
+        if let Some(viscous) = &mut self.viscous {
+            sum = sum + viscous.tick(moved);
+        }
+        if let Some(dry) = &mut self.dry {
+            sum = sum + dry.tick(moved);
+        }
+        if let Some((ring, click)) = &mut self.click {
+            sum = sum + click.tick(ring.beyond(at));
+        }
+        sum
+    }
+
+    /// Clears the memory, when the force is switched on.
+    pub fn forget(&mut self) {
+        if let Some(viscous) = &mut self.viscous {
+            viscous.force = Force::zero();
+        }
+        if let Some(dry) = &mut self.dry {
+            dry.stretch = Position::zero();
+        }
+        if let Some((_, click)) = &mut self.click {
+            (click.side, click.left) = (None, 0);
+        }
+    }
+}
+
+/// A spring whose force stays at its largest value beyond some stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic<N: Number> {
+    /// Stiffness, N·m/rad (N/m), in the number format's finest factor.
+    pub stiffness: Compliance<N>,
+    /// Largest force.
+    pub most: Force<N>,
+}
+
+impl<N: Number> Elastic<N> {
+    /// The force at a stretch, of the same sign.
+    #[inline]
+    #[must_use]
+    pub fn force(&self, stretch: Position<N>) -> Force<N> {
+        Force(N::scale(self.stiffness.0, stretch.0)).within(self.most)
+    }
+}
+
+/// A spring to a centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Centre<N: Number> {
+    centre: Si,
+    /// The spring from the centre to the device.
+    pub spring: Elastic<N>,
+}
+
+/// Rendered viscous friction, `f(n) = a f(n-1) + (1-a) b Δ/T`: a damper `b` behind a low-pass filter.
+///
+/// The filter's memory is the force. Both products round towards zero, so the force of a device at rest ends at exactly zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viscous<N: Number> {
+    /// The part `a` of the last force that remains after a tick.
+    pub kept: Ratio<N>,
+    /// Force per displacement in a tick, `(1-a) b/T`, N·m/rad (N/m).
+    pub per_way: Compliance<N>,
+    /// The force limit.
+    pub most: Force<N>,
+    /// Force of the last tick.
+    pub force: Force<N>,
+}
+
+impl<N: Number> Viscous<N> {
+    /// Runs one control period: takes the displacement since the last tick, returns the force against the motion.
+    #[inline]
+    pub fn tick(&mut self, moved: Position<N>) -> Force<N> {
+        let kept = Force(N::scale(self.kept.0, self.force.0));
+        let news = Force(N::scale(self.per_way.0, moved.0));
+        self.force = (kept + news).within(self.most);
+        self.force
+    }
+}
+
+/// Rendered dry friction (Dahl's model as a spring that slips): a spring to an anchor, which the device drags along when the
+/// stretch would exceed a set distance.
+///
+/// The force depends on displacements alone, so there is no chatter at rest. Around a closed path the anchor only takes energy;
+/// what sampling adds, the energy guard counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dry<N: Number> {
+    /// The spring from the anchor to the device.
+    pub spring: Elastic<N>,
+    /// Largest stretch, at which the anchor follows.
+    pub reach: Position<N>,
+    /// Distance of the device from the anchor.
+    pub stretch: Position<N>,
+}
+
+impl<N: Number> Dry<N> {
+    /// Runs one control period: takes the displacement since the last tick, returns the force against the motion.
+    #[inline]
+    pub fn tick(&mut self, moved: Position<N>) -> Force<N> {
+        let stretch = self.stretch + moved;
+        self.stretch = stretch.min(self.reach).max(Position::zero() - self.reach);
+        self.spring.force(self.stretch)
+    }
+}
+
+/// A click: a short pulse when the device crosses a position. Its first half acts against the motion, its second half with it, so
+/// that the device keeps its momentum.
+///
+/// A position clicks again only after the device was a quarter of the distance to the next position away. So a device that rests
+/// on a position, or trembles there, is quiet. A device that moves further than that in a tick makes no click.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Click<N: Number> {
+    /// Force in either half of the pulse.
+    pub pulse: Force<N>,
+    /// Ticks in either half of the pulse.
+    pub half: u16,
+    /// Whether the device comes from below the next position that it crosses, or from above; `None` after a click nearby.
+    pub side: Option<bool>,
+    /// Whether the last crossing was towards larger positions.
+    pub upward: bool,
+    /// Ticks that are left of the pulse.
+    pub left: u32,
+}
+
+/// A quarter of the distance between two positions, in units of 2^-32 of it.
+const QUARTER: u32 = 1 << 30;
+
+impl<N: Number> Click<N> {
+    /// Runs one control period: takes the distance from the nearest position, in units of 2^-32 of the distance between two.
+    /// Returns the pulse, against `+x`.
+    #[inline]
+    pub fn tick(&mut self, beyond: i32) -> Force<N> {
+        if beyond.unsigned_abs() >= QUARTER {
+            // Exactly halfway, neither position is nearer, so that mirrored motions have mirrored clicks.
+            if beyond != i32::MIN {
+                self.side = Some(beyond < 0);
+            }
+        } else if let Some(below) = self.side
+            && if below { beyond >= 0 } else { beyond <= 0 }
+        {
+            self.side = None;
+            self.upward = below;
+            self.left = u32::from(self.half).wrapping_mul(2);
+        }
+        if self.left == 0 {
+            return Force::zero();
+        }
+        let first = self.left > u32::from(self.half);
+        self.left = self.left.wrapping_sub(1);
+        if first == self.upward {
+            self.pulse
+        } else {
+            -self.pulse
+        }
+    }
+}

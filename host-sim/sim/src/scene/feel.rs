@@ -1,0 +1,180 @@
+//! The parts of a knob's feel beside walls, detents and profile: a spring to a centre, viscous and dry friction, a click.
+
+use super::Environment;
+use serde::{Deserialize, Serialize};
+use touchstone_control::Si;
+use touchstone_control::environment::{
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, Spacing, ViscousSettings,
+};
+
+/// A spring that draws the knob to a centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CentreSpring {
+    /// Angle at which the spring gives no torque, rad. Default 0.
+    pub centre_rad: f64,
+    /// Stiffness, N·m/rad, 0 to 100. Default 0.03.
+    pub stiffness_n_m_per_rad: f64,
+    /// Largest torque, N·m, from 0 to the force limit of the control law; further away the torque stays at it. Default 0.03.
+    pub strength_n_m: f64,
+}
+
+impl Default for CentreSpring {
+    fn default() -> Self {
+        CentreSpring {
+            centre_rad: 0.0,
+            stiffness_n_m_per_rad: 0.03,
+            strength_n_m: 0.03,
+        }
+    }
+}
+
+/// Rendered viscous friction: a torque in proportion to the speed, against the motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ViscousFriction {
+    /// Damping, N·m·s/rad, from 0 to `J/(4 (T + delay + 1/(2π p)))` with inertia `J` and delay of `[law.estimator]`, control period
+    /// `T` and bandwidth `p`. Default 0.0005.
+    pub damping_n_m_s_per_rad: f64,
+    /// Bandwidth of the low-pass filter of the velocity, Hz, 5 to 500. Default 100.
+    pub bandwidth_hz: f64,
+}
+
+impl Default for ViscousFriction {
+    fn default() -> Self {
+        ViscousFriction {
+            damping_n_m_s_per_rad: 0.0005,
+            bandwidth_hz: 100.0,
+        }
+    }
+}
+
+/// Rendered dry friction: a torque of one size against every motion, which also holds the knob at rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DryFriction {
+    /// Torque while the knob slides, N·m, from 0 to the force limit of the control law. Default 0.005.
+    pub strength_n_m: f64,
+    /// Angle over which the knob moves like on a spring before it slides, rad, 0.001 to 1. Default 0.02.
+    pub stretch_rad: f64,
+}
+
+impl Default for DryFriction {
+    fn default() -> Self {
+        DryFriction {
+            strength_n_m: 0.005,
+            stretch_rad: 0.02,
+        }
+    }
+}
+
+/// Clicks: a short torque at evenly spaced angles, first against the motion and then as long with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Clicks {
+    /// Number of clicks per turn, 1 to 6283. With 0 the clicks are `pitch_rad` apart. Default 24.
+    pub per_rev: u32,
+    /// Angle between two neighbouring clicks, rad, 0.001 to a turn. Only used where `per_rev` is 0. Default 0.2.
+    pub pitch_rad: f64,
+    /// Angle of one of the clicks, rad. Default 0.
+    pub centre_rad: f64,
+    /// Torque of the pulse, N·m, from 0 to the force limit of the control law. Default 0.02.
+    pub strength_n_m: f64,
+    /// Length of the pulse, s, 0.001 to 0.1; at least two control periods. Default 0.006.
+    pub duration_s: f64,
+}
+
+impl Default for Clicks {
+    fn default() -> Self {
+        Clicks {
+            per_rev: 24,
+            pitch_rad: 0.2,
+            centre_rad: 0.0,
+            strength_n_m: 0.02,
+            duration_s: 0.006,
+        }
+    }
+}
+
+fn si(value: f64) -> Si {
+    Si::saturating_from_num(value)
+}
+
+/// The number as a person wrote it, to nine decimals: the fixed-point format has more digits.
+fn plain(value: Si) -> f64 {
+    let value: f64 = value.to_num();
+    format!("{value:.9}").parse().unwrap_or(value)
+}
+
+impl Environment {
+    /// The parts of the feel as the control law's settings. A part without a torque is left out.
+    #[must_use]
+    pub fn feel(&self) -> FeelSettings {
+        FeelSettings {
+            spring: (self.spring.as_ref())
+                .filter(|it| it.stiffness_n_m_per_rad > 0.0 && it.strength_n_m > 0.0)
+                .map(|it| CentreSettings {
+                    centre: si(it.centre_rad),
+                    stiffness: si(it.stiffness_n_m_per_rad),
+                    strength: si(it.strength_n_m),
+                }),
+            viscous: (self.damper.as_ref())
+                .filter(|it| it.damping_n_m_s_per_rad > 0.0)
+                .map(|it| ViscousSettings {
+                    damping: si(it.damping_n_m_s_per_rad),
+                    bandwidth_hz: si(it.bandwidth_hz),
+                }),
+            dry: (self.dry_friction.as_ref())
+                .filter(|it| it.strength_n_m > 0.0)
+                .map(|it| DrySettings {
+                    strength: si(it.strength_n_m),
+                    stretch: si(it.stretch_rad),
+                }),
+            click: (self.click.as_ref())
+                .filter(|it| it.strength_n_m > 0.0)
+                .map(|it| ClickSettings {
+                    spacing: match it.per_rev {
+                        0 => Spacing::Pitch(si(it.pitch_rad)),
+                        per_rev => Spacing::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
+                    },
+                    centre: si(it.centre_rad),
+                    strength: si(it.strength_n_m),
+                    duration_s: si(it.duration_s),
+                }),
+        }
+    }
+
+    /// This environment with the parts of a feel from the control law's settings.
+    #[must_use]
+    pub fn with_feel(self, feel: &FeelSettings) -> Self {
+        Environment {
+            spring: feel.spring.map(|it| CentreSpring {
+                centre_rad: plain(it.centre),
+                stiffness_n_m_per_rad: plain(it.stiffness),
+                strength_n_m: plain(it.strength),
+            }),
+            damper: feel.viscous.map(|it| ViscousFriction {
+                damping_n_m_s_per_rad: plain(it.damping),
+                bandwidth_hz: plain(it.bandwidth_hz),
+            }),
+            dry_friction: feel.dry.map(|it| DryFriction {
+                strength_n_m: plain(it.strength),
+                stretch_rad: plain(it.stretch),
+            }),
+            click: feel.click.map(|it| Clicks {
+                per_rev: match it.spacing {
+                    Spacing::PerTurn(per_turn) => per_turn.into(),
+                    Spacing::Pitch(_) => 0,
+                },
+                pitch_rad: match it.spacing {
+                    Spacing::Pitch(pitch) => plain(pitch),
+                    Spacing::PerTurn(_) => Clicks::default().pitch_rad,
+                },
+                centre_rad: plain(it.centre),
+                strength_n_m: plain(it.strength),
+                duration_s: plain(it.duration_s),
+            }),
+            ..self
+        }
+    }
+}
