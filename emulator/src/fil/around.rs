@@ -2,8 +2,10 @@
 //! hand. The device's forces must equal those of the same environment computed on the host, bit for bit. The environment is also
 //! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
 
-use touchstone_control::environment::{Counted, Environment};
-use touchstone_control::environment::{Shape, WHOLE};
+use touchstone_control::environment::{
+    CentreSettings, ClickSettings, Counted, DrySettings, Environment, FeelSettings, Shape, Spacing,
+    ViscousSettings, WHOLE,
+};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::around::built;
 use touchstone_drive::change::ChangeConfig;
