@@ -290,7 +290,8 @@ mod tests {
             assert_eq!(FaultCode::from_wire(code.to_wire()), Some(code));
         }
         assert_eq!(FaultCode::from_wire(0), None);
-        assert_eq!(FaultCode::from_wire(26), None);
+        let next = FaultCode::ALL.len() as u8 + 1;
+        assert_eq!(FaultCode::from_wire(next), None);
     }
 
     #[test]
