@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 
 pub use means::{log, probes, there};
 
@@ -97,8 +98,9 @@ impl<'a> Job<'a> {
         })
     }
 
-    fn read(&self) -> Result<Vec<u8>> {
-        std::fs::read(&self.elf).map_err(|error| match error.kind() {
+    /// Reads the program's file.
+    pub(super) fn read(&self) -> Result<Vec<u8>> {
+        input::bytes(&self.elf, input::MOST_OF_RESULTS).map_err(|error| match error.kind() {
             ErrorKind::NotFound => self.wrong("there is no such program"),
             _ => self.wrong(error.to_string()),
         })

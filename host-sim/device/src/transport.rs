@@ -89,22 +89,37 @@ fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
         let fix = "start the emulator or the serial server, or give its HOST:PORT";
         Error::device(&*name, format!("cannot be reached: {error}"), fix)
     };
-    // A name may stand for several addresses, as localhost for ::1 and 127.0.0.1; all of them share one deadline.
-    let until = Instant::now() + LIMIT;
-    let mut stream = Err(ErrorKind::NotFound.into());
-    for place in socket.to_socket_addrs().map_err(refused)? {
-        let left = until.saturating_duration_since(Instant::now());
-        stream = TcpStream::connect_timeout(&place, left.max(PATIENCE));
-        if stream.is_ok() {
-            break;
-        }
-    }
-    let stream = stream.map_err(refused)?;
+    let stream = connected(socket, LIMIT).map_err(refused)?;
     stream.set_read_timeout(Some(PATIENCE)).map_err(refused)?;
     stream.set_write_timeout(Some(PATIENCE)).map_err(refused)?;
-    // A request is one small frame that waits for its answer.
-    stream.set_nodelay(true).map_err(refused)?;
     Ok(Box::new(Stream { stream, name }))
+}
+
+/// Connects to `HOST:PORT` for requests that are one small packet each. Looking up the name and trying its addresses, such as ::1
+/// and 127.0.0.1 of localhost, share the deadline `limit`.
+pub(crate) fn connected(socket: &str, limit: Duration) -> std::io::Result<TcpStream> {
+    let until = Instant::now() + limit;
+    let left = || until.saturating_duration_since(Instant::now());
+    // The system's look-up knows no deadline: a thread is left waiting for a name server that does not answer.
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let name = socket.to_owned();
+    std::thread::spawn(move || {
+        let places = name.to_socket_addrs();
+        // Nobody receives them after the deadline.
+        drop(sender.send(places.map(Vec::from_iter)));
+    });
+    let places = receiver.recv_timeout(left());
+    let mut last = ErrorKind::NotFound.into();
+    for place in places.map_err(|_| std::io::Error::from(ErrorKind::TimedOut))?? {
+        match TcpStream::connect_timeout(&place, left().max(PATIENCE)) {
+            Ok(stream) => {
+                stream.set_nodelay(true)?;
+                return Ok(stream);
+            }
+            Err(why) => last = why,
+        }
+    }
+    Err(last)
 }
 
 /// A transport over any stream whose reads and writes have a time limit.

@@ -10,6 +10,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 
 /// An open results file, locked against other programs where the operating system can do that.
 #[derive(Debug)]
@@ -42,6 +43,10 @@ impl Journal {
                 problem: "another program is writing it".to_owned(),
                 fix: "let that one end, or give another place".to_owned(),
             });
+        }
+        let meta = file.metadata().map_err(wrong)?;
+        if !meta.is_file() || meta.len() > input::MOST_OF_CELLS {
+            return Err(problem(path, "is no file of cells".to_owned()));
         }
         let mut text = Vec::new();
         file.read_to_end(&mut text).map_err(wrong)?;
@@ -97,7 +102,7 @@ impl Journal {
 /// # Errors
 /// The file cannot be read or holds rows of another format.
 pub fn read<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>> {
-    match std::fs::read(path) {
+    match input::bytes(path, input::MOST_OF_CELLS) {
         Ok(text) => rows(path, &text),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
         Err(error) => Err(problem(path, error.to_string())),

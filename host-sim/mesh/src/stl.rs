@@ -80,14 +80,10 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
     match bytes[first] {
         b'<' => Some("a page or another text in angle brackets"),
         b'{' => Some("JSON"),
-        _ if begins(b"\x89PNG") => Some("a PNG picture"),
-        _ if begins(b"PK\x03\x04") => Some("a zip archive, as 3MF is"),
         _ if begins(b"ply") => Some("PLY"),
-        _ if begins(b"\x1f\x8b") => Some("compressed by gzip"),
         _ if begins(b"ISO-10303") => Some("STEP"),
-        _ if begins(b"\xff\xfe") || begins(b"\xfe\xff") => Some("text in UTF-16"),
         _ if begins(b"v ") || begins(b"# ") || begins(b"o ") || begins(b"mtllib ") => Some("OBJ"),
-        _ => None,
+        _ => touchstone_sim::input::kind_of(bytes),
     }
 }
 

@@ -32,7 +32,11 @@ fn campaign(number: usize, seed: u64) {
                     *slowest = (took_s, format!("{base} {sets:?}"));
                 }
             }
-            Err(_) => wrong.push(format!("{base} {sets:?}")),
+            Err(_) => {
+                // Printed at once, because a long campaign may be stopped before its end.
+                println!("wrong: {base} {sets:?}");
+                wrong.push(format!("{base} {sets:?}"));
+            }
         }
         if (at + 1) % 10_000 == 0 {
             println!("{} made in {:.0} s", at + 1, begun.elapsed().as_secs_f64());
@@ -100,15 +104,16 @@ fn made_scenes_run_or_are_refused_in_a_line() {
     campaign(500, 51);
 }
 
-/// Tests a hundred thousand random scenes, or as many as the variable `TOUCHSTONE_MADE` gives: `cargo test --profile every -p
-/// touchstone-sim
-/// --test made_scenes -- --ignored --nocapture`.
+/// Tests a hundred thousand random scenes: `cargo test --profile every -p touchstone-sim --test made_scenes -- --ignored
+/// --nocapture`. The variables `TOUCHSTONE_MADE` and `TOUCHSTONE_SEED` give another number and seed: a million scenes can be divided
+/// between processes.
 #[test]
 #[ignore = "some twenty minutes"]
 fn a_hundred_thousand_scenes() {
-    let asked = std::env::var("TOUCHSTONE_MADE").ok();
-    campaign(
-        asked.map_or(100_000, |text| text.parse().expect("a number")),
-        52,
-    );
+    let asked = |name, otherwise| {
+        let text = std::env::var(name).ok();
+        text.map_or(otherwise, |text| text.parse().expect("a whole number"))
+    };
+    let number = asked("TOUCHSTONE_MADE", 100_000);
+    campaign(number as usize, asked("TOUCHSTONE_SEED", 52));
 }

@@ -27,7 +27,7 @@ pub fn probes() -> Option<Vec<String>> {
 
 /// Prints what [`write()`] would do, without a probe.
 pub fn rehearse(job: &Job<'_>) -> Result<()> {
-    let image = image(job, &read(job)?)?;
+    let image = image(job, &job.read()?)?;
     let begin = image.ranges().next().map_or(0, |(begin, _)| begin);
     let end = image.ranges().last().map_or(0, |(_, end)| end);
     say!(
@@ -39,7 +39,7 @@ pub fn rehearse(job: &Job<'_>) -> Result<()> {
 
 /// Writes the firmware to the board, reads it back to compare, and starts it. With `log`, shows the firmware's log afterwards.
 pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
-    let elf = read(job)?;
+    let elf = job.read()?;
     let image = image(job, &elf)?;
     let words = log.map(|_| words(job, &elf)).transpose()?;
     let mut attached = attached(job)?;
@@ -75,15 +75,11 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
 
 /// Shows the log of the firmware that runs on the board.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
-    let elf = read(job)?;
+    let elf = job.read()?;
     let (image, words) = (image(job, &elf)?, words(job, &elf)?);
     let mut attached = attached(job)?;
     tell!("{}", path_line(&job.elf));
     shown(&mut attached, &image, &words, log)
-}
-
-fn read(job: &Job<'_>) -> Result<Vec<u8>> {
-    std::fs::read(&job.elf).map_err(|error| job.wrong(error.to_string()))
 }
 
 fn image(job: &Job<'_>, elf: &[u8]) -> Result<Image> {

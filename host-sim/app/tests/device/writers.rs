@@ -1,7 +1,8 @@
 //! Tests of every output of the program with every obstacle at its path: an older file, a link, a full disk, another user's folder,
 //! a killed process, two processes at once.
 //!
-//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line.
+//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line. The
+//! table of all outputs and obstacles is printed by `cargo test -p touchstone --test device writers -- --nocapture --test-threads 1`.
 
 use crate::fake::Fake;
 use crate::{Said, folder};
@@ -190,6 +191,11 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Prints a row of the table of outputs and obstacles, after its checks.
+fn met(output: &Output, obstacle: &str, outcome: &str) {
+    println!("{obstacle:<22}{:<24}{outcome}", output.0);
+}
+
 fn fresh(test: &str, output: &Output) -> std::path::PathBuf {
     folder(&format!(
         "writers-{test}-{}",
@@ -243,6 +249,11 @@ fn no_older_file_is_lost_without_force_and_no_link_is_followed() {
             output.0
         );
         assert_eq!(names(&here), ["other", "out"], "{}", output.0);
+        let own = match output.3 {
+            true => "its own replaced",
+            false => "its own with --force",
+        };
+        met(output, "older file, link", &format!("refused; {own}"));
     }
 }
 
@@ -277,6 +288,7 @@ fn in_a_folder_no_foreign_file_is_lost_and_no_link_is_followed() {
             output.0,
             said.err
         );
+        met(output, "foreign file, link", "refused");
     }
 }
 
@@ -313,6 +325,7 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
             output.0
         );
         assert!(begun.elapsed() < Duration::from_secs(5), "{}", output.0);
+        met(output, "older file, link", "refused before the work");
     }
 }
 
@@ -361,6 +374,11 @@ fn a_full_disk_is_said_and_nothing_is_left() {
             "{}: {left}",
             output.0
         );
+        let outcome = match left.contains("out") {
+            true => "said; what was begun is left",
+            false => "said; nothing is left",
+        };
+        met(output, "full disk", outcome);
     }
 }
 
@@ -398,6 +416,7 @@ fn a_folder_that_may_not_be_written_is_said() {
         output.fails(&said, "Permission denied");
         std::fs::set_permissions(&here, PermissionsExt::from_mode(0o755)).unwrap();
         assert!(names(&here).is_empty(), "{}", output.0);
+        met(output, "read-only folder", "said; nothing is left");
     }
 }
 
@@ -454,6 +473,52 @@ fn a_killed_process_leaves_nothing_torn_and_what_it_left_goes_with_the_next() {
         if output.0 != "monitor --csv" {
             assert_eq!(names(&here), ["out"], "{}", output.0);
         }
+        let outcome = match output.0 {
+            "monitor --csv" => "whole rows",
+            _ => "whole or not there",
+        };
+        met(output, "killed", outcome);
+    }
+}
+
+/// A folder whose command is killed has either no results or all that they list, and the same command ends it.
+#[test]
+fn a_killed_process_leaves_no_half_folder() {
+    let board = board();
+    for output in FOLDERS.iter().filter(|output| output.0 != "man") {
+        let here = fresh("killed-folder", output);
+        let begins = std::time::Instant::now();
+        assert_eq!(output.run(&here, &board).code, Some(0), "{}", output.0);
+        let takes = begins.elapsed();
+        for part in 0..6_u32 {
+            let _ = std::fs::remove_dir_all(here.join("out"));
+            let mut child = begun(output, &here, &board);
+            std::thread::sleep(takes.mul_f64(0.5 + 0.1 * f64::from(part)));
+            let _ = child.kill();
+            child.wait().unwrap();
+            listed_files_are_there(output, &here);
+            let again = output.run(&here, &board);
+            assert_eq!(again.code, Some(0), "{}: {}", output.0, again.err);
+            assert!(here.join("out/results.json").is_file(), "{}", output.0);
+            listed_files_are_there(output, &here);
+        }
+        // A later report removes the temporary folders of killed ones; young ones may still be in use.
+        let mut left = names(&here);
+        left.retain(|name| !name.starts_with(".touchstone-report-"));
+        assert_eq!(left, ["out"], "{}", output.0);
+        met(output, "killed", "whole, or ended by the same command");
+    }
+}
+
+/// Checks that every file that a report lists is there, if there is a report.
+fn listed_files_are_there(output: &Output, here: &Path) {
+    let Ok(results) = std::fs::read_to_string(here.join("out/results.json")) else {
+        return;
+    };
+    let results: serde_json::Value = serde_json::from_str(&results).unwrap();
+    for file in results["files"].as_array().unwrap() {
+        let file = here.join("out").join(file.as_str().unwrap());
+        assert!(file.is_file(), "{}: {}", output.0, file.display());
     }
 }
 
@@ -471,6 +536,7 @@ fn of_two_at_once_one_has_the_place_and_what_is_there_is_whole() {
         }
         assert!(is_whole(output, &here.join("out")), "{}", output.0);
         assert_eq!(names(&here), ["out"], "{}", output.0);
+        met(output, "two at once", "whole");
     }
     let board = board();
     for output in &FOLDERS {
@@ -486,12 +552,8 @@ fn of_two_at_once_one_has_the_place_and_what_is_there_is_whole() {
         std::thread::sleep(Duration::from_millis(10));
         assert_eq!(names(&here), ["out"], "{}", output.0);
         if output.0 != "man" {
-            let results = std::fs::read_to_string(here.join("out/results.json")).unwrap();
-            let results: serde_json::Value = serde_json::from_str(&results).unwrap();
-            for file in results["files"].as_array().unwrap() {
-                let file = here.join("out").join(file.as_str().unwrap());
-                assert!(file.is_file(), "{}: {}", output.0, file.display());
-            }
+            assert!(here.join("out/results.json").is_file(), "{}", output.0);
+            listed_files_are_there(output, &here);
             assert!(
                 names(&here.join("out"))
                     .iter()
@@ -500,5 +562,6 @@ fn of_two_at_once_one_has_the_place_and_what_is_there_is_whole() {
                 output.0
             );
         }
+        met(output, "two at once", "whole");
     }
 }

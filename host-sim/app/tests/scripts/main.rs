@@ -4,6 +4,7 @@ mod answers;
 mod cases;
 mod demands;
 mod full_output;
+mod inputs;
 #[cfg(unix)]
 mod interrupt;
 mod motion;

@@ -177,6 +177,7 @@ def main(paths):
             print(f"skipped: {name} is not installed; apt-get install {package}")
     if not readers:
         return 9
+    verdicts = {}
     for path in paths:
         for name, read, close in readers:
             try:
@@ -185,6 +186,11 @@ def main(paths):
                 found = [f"{type(error).__name__}: {error}".splitlines()[0]]
             print(f"{path}: {name}: {'; '.join(found) or 'as written'}")
             wrong += bool(found)
+            verdicts[path, name] = "differs" if found else "as written"
+    names = [name for name, *_ in readers]
+    print("\n" + " " * 42 + "".join(f"{name:<13}" for name in names))
+    for path in paths:
+        print(f"{path[:40]:<42}" + "".join(f"{verdicts[path, name]:<13}" for name in names))
     return int(wrong > 0)
 
 

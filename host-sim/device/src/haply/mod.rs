@@ -12,9 +12,9 @@ pub use message::Generation;
 use crate::haptic::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
 };
+use crate::transport;
 use message::CursorState;
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use timed::Timed;
 use touchstone_sim::harmless::one_line;
@@ -58,18 +58,8 @@ fn absent(service: &str, why: &std::io::Error) -> HapticFault {
 
 /// Opens a TCP connection to the service whose reads and writes have a time limit.
 fn connected(service: &str) -> Result<Timed, HapticFault> {
-    let wrong = |why: std::io::Error| absent(service, &why);
-    let mut last = std::io::Error::from(ErrorKind::NotFound);
-    for address in service.to_socket_addrs().map_err(wrong)? {
-        match TcpStream::connect_timeout(&address, PATIENCE) {
-            Ok(stream) => {
-                stream.set_nodelay(true).map_err(wrong)?;
-                return Ok(Timed::new(stream, PATIENCE));
-            }
-            Err(why) => last = why,
-        }
-    }
-    Err(wrong(last))
+    let stream = transport::connected(service, PATIENCE).map_err(|why| absent(service, &why))?;
+    Ok(Timed::new(stream, PATIENCE))
 }
 
 /// Requests the service's version text by `GET /version`.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 
 /// Names of the CSV columns that are read.
 const COLUMNS: [&str; 7] = [
@@ -113,7 +114,9 @@ fn rows(file: &Path) -> Result<Vec<Row>> {
         problem,
         fix: FIX.to_owned(),
     };
-    let mut reader = csv::Reader::from_path(file).map_err(|error| wrong(error.to_string()))?;
+    let text = input::text(file, input::MOST_OF_RECORDING);
+    let text = text.map_err(|error| wrong(error.to_string()))?;
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().map_err(|error| wrong(error.to_string()))?;
     let mut places = [0; COLUMNS.len()];
     for (place, name) in places.iter_mut().zip(COLUMNS) {

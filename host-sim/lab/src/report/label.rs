@@ -137,13 +137,16 @@ impl Condition {
     }
 }
 
+/// Number of letters of a scene's name that the names of its files have; file systems accept names of 255 bytes.
+const SCENE_MAX: usize = 80;
+
 /// Name of a run's trace file without extension. It contains everything that usually differs between runs of a report.
 pub fn file_stem(summary: &Summary) -> String {
     let counts = summary
         .encoder_counts_per_rev
         .map_or("exact".to_owned(), |c| format!("{}cpr", plain(c)));
     let parts = [
-        summary.scene.clone(),
+        summary.scene.chars().take(SCENE_MAX).collect(),
         summary.word(),
         format!("k{}", plain(summary.k_desired)),
         summary.grip.clone(),
@@ -184,5 +187,7 @@ mod tests {
             file_stem(&summary),
             "a-b--_spring_k2.5_medium_16384cpr_1000hz_f64"
         );
+        summary.scene = "y".repeat(5000);
+        assert!(file_stem(&summary).len() < 160);
     }
 }

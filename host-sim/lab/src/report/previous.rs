@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 
 /// Description of the results that a folder holds.
 struct Previous {
@@ -64,7 +65,7 @@ pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Res
 }
 
 fn read(folder: &Path) -> Option<Previous> {
-    let text = std::fs::read(folder.join("results.json")).ok()?;
+    let text = input::bytes(&folder.join("results.json"), input::MOST_OF_RESULTS).ok()?;
     let value: Value = serde_json::from_slice(&text).unwrap_or_default();
     let files = value["files"].as_array().map_or(&[][..], Vec::as_slice);
     Some(Previous {

@@ -14,6 +14,7 @@ use crate::report::{drawn, svg::Size};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 use touchstone_sim::run::verdict::WORDS;
 
 const SIZE: Size = Size {
@@ -44,11 +45,19 @@ pub fn overlay(file: &Path) -> Result<Overlay> {
         problem,
         fix: "give a CSV file of two columns under a header: x and y in the axes' units".to_owned(),
     };
-    let mut reader = csv::Reader::from_path(file).map_err(|error| wrong(error.to_string()))?;
-    let points = reader
+    let text = input::text(file, input::MOST_OF_RECORDING);
+    let text = text.map_err(|error| wrong(error.to_string()))?;
+    let points = csv::Reader::from_reader(text.as_bytes())
         .deserialize()
         .collect::<std::result::Result<Vec<(f64, f64)>, _>>()
         .map_err(|error| wrong(error.to_string()))?;
+    if points.is_empty() {
+        return Err(wrong("has no row of numbers".to_owned()));
+    }
+    let is_finite = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+    if let Some(row) = points.iter().position(|point| !is_finite(point)) {
+        return Err(wrong(format!("row {} is not finite", row + 1)));
+    }
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     Ok(Overlay {
         name: name.replace('-', " "),

@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::output;
+use touchstone_sim::{input, output};
 
 /// Name of the file that describes the sweep.
 pub const PLAN: &str = "sweep.json";
@@ -149,7 +149,7 @@ fn read_cells(folder: &Path) -> Result<Cells> {
 /// The file has another format.
 pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
     let path = folder.join(PLAN);
-    match std::fs::read(&path) {
+    match input::bytes(&path, input::MOST_OF_SETTINGS) {
         Ok(text) => serde_json::from_slice(&text)
             .map(Some)
             .map_err(|error| Error::Io {

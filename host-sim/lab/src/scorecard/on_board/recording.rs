@@ -5,6 +5,7 @@ use super::deed_word;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::input;
 use touchstone_sim::run::Tick;
 use touchstone_sim::run::wall::Inside;
 use touchstone_sim::scene::{Grip, Scene};
@@ -50,7 +51,9 @@ impl BoardRecording {
             fix: "give a file that touchstone-emulator play, or a test stand, wrote of touchstone scorecard --programme".into(),
         }
         };
-        let mut reader = csv::Reader::from_path(file).map_err(|error| wrong(error.to_string()))?;
+        let text = input::text(file, input::MOST_OF_RECORDING);
+        let text = text.map_err(|error| wrong(error.to_string()))?;
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| wrong(error.to_string()))?;
         let mut places = [0; COLUMNS.len()];
         for (place, name) in places.iter_mut().zip(COLUMNS) {

@@ -128,15 +128,6 @@ pub(super) fn find(
         }
     }
     let mut found = found.into_iter();
-    // An unclosed quote makes the whole rest of the file one column name, so names are cut for the message.
-    let cut = |name: &str| -> String {
-        name.split(['\n', '\r'])
-            .next()
-            .unwrap_or_default()
-            .chars()
-            .take(40)
-            .collect()
-    };
     let names: Vec<String> = header.iter().take(20).map(cut).collect();
     let names = names.join(", ");
     match (found.next(), found.next()) {
@@ -160,6 +151,12 @@ pub(super) fn find(
     }
 }
 
+/// Cuts a cell for a message, because an unclosed quote makes the whole rest of the file one cell.
+pub(super) fn cut(cell: &str) -> String {
+    let line = cell.split(['\n', '\r']).next();
+    line.unwrap_or_default().chars().take(40).collect()
+}
+
 /// Reads the finite number in one cell of the CSV file.
 pub(super) fn cell(
     row: &csv::StringRecord,
@@ -170,12 +167,12 @@ pub(super) fn cell(
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err((
-            format!("{text} is not a finite number"),
+            format!("{} is not a finite number", cut(text)),
             "remove the row or fill the gap",
         )),
         Err(_) if text.is_empty() => Err(("is empty".to_owned(), "complete or remove the row")),
         Err(_) => Err((
-            format!("\"{text}\" is not a number"),
+            format!("\"{}\" is not a number", cut(text)),
             "write numbers such as 0.25 or 2.5e-1",
         )),
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::column::{Column, cell, find, own_angle};
+use super::column::{Column, cell, cut, find, own_angle};
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
 use crate::input;
@@ -110,14 +110,10 @@ impl Recording {
             ));
         };
         let header_line = line_of(text, &header);
-        if header.len() == 1 && header[0].contains([';', '\t']) {
-            let problem = "the columns are not separated by commas".into();
-            return Err(error(
-                header_line,
-                "header",
-                problem,
-                "separate them by commas, with a point in the numbers",
-            ));
+        if header.len() == 1 {
+            let problem = format!("{} is one column", cut(&header[0]));
+            let fix = "separate time and angle by commas, with a point in the numbers";
+            return Err(error(header_line, "header", problem, fix));
         }
         let column = |dimension, what| {
             find(&header, dimension, what)

@@ -117,7 +117,7 @@ fn bad_headers() {
     );
     refused(
         "time_s;angle_deg\n0;1\n",
-        "m.csv:1: header: the columns are not separated by commas; separate them by commas, with a point in the numbers",
+        "m.csv:1: header: time_s;angle_deg is one column; separate time and angle by commas, with a point in the numbers",
     );
 }
 
@@ -183,7 +183,7 @@ fn files_that_cannot_be_read() {
     assert_eq!(
         message,
         format!(
-            "{}: is not text in UTF-8; export the recording as CSV in UTF-8",
+            "{}: is not text in UTF-8: line 1 has the byte 0xb0; export the recording as CSV in UTF-8",
             path.display()
         )
     );
