@@ -228,7 +228,7 @@ fn a_knob_turns_on_without_end() {
 
 /// Every other seed: spring, damper, dry friction and clicks at their strongest.
 fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         return FeelSettings::default();
     }
     let strength = settings.force_limit;
