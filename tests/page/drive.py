@@ -96,7 +96,9 @@ def feels(page, folder):
         told = page.run("document.getElementById('told').textContent")
         turned = page.run("Math.max(...runs[0].ring.columns.angle_rad.slice(0, runs[0].ring.end)) > 0.01")
         drawn = page.run("(runs[0].profile?.shape ?? []).filter((point) => point !== 0).length")
-        felt = name == "smooth" or facts[1] > 0 or facts[2] > 0 or drawn > 0
+        # A spring to the centre, friction and clicks are not drawn: there the torque shows the effect.
+        pushed = page.run("runs[0].ring.columns.force_n_m.slice(0, runs[0].ring.end).some((force) => Math.abs(force) > 0.0005)")
+        felt = name == "smooth" or facts[1] > 0 or facts[2] > 0 or drawn > 0 or pushed
         check(shown(page) == "" and facts[0] == 0 and felt and turned and told.startswith(f"{name}."), f"feel {name}: {facts[1]:.0f} detents a turn, {facts[2]} walls, {drawn} points of a profile")
         if folder:
             page.picture(os.path.join(folder, f"feel-{name}.png"))

@@ -253,9 +253,15 @@ pub struct Feel<N: Number> {
 }
 
 impl<N: Number> Feel<N> {
-    /// Runs one control period: takes the position, the same rounded to steps of the number format, and the displacement since the
-    /// last tick. Returns the sum of all parts, against `+x`.
-    pub fn tick(&mut self, at: &impl Reading<N>, now: Si, moved: Position<N>) -> Force<N> {
+    /// Distance from the nearest position that clicks, in units of 2^-32 of the distance between two; 0 without clicks.
+    #[inline(always)]
+    pub fn beyond(&self, at: &impl Reading<N>) -> i32 {
+        self.click.as_ref().map_or(0, |(ring, _)| ring.beyond(at))
+    }
+
+    /// Runs one control period: takes the result of [`Feel::beyond`], the position rounded to steps of the number format, and the
+    /// displacement since the last tick. Returns the sum of all parts, against `+x`.
+    pub fn tick(&mut self, beyond: i32, now: Si, moved: Position<N>) -> Force<N> {
         let mut sum = Force::zero();
         if let Some(centre) = &self.spring {
             let way = N::saturating_signal(now.saturating_sub(centre.centre));
@@ -267,8 +273,8 @@ impl<N: Number> Feel<N> {
         if let Some(dry) = &mut self.dry {
             sum = sum + dry.tick(moved);
         }
-        if let Some((ring, click)) = &mut self.click {
-            sum = sum + click.tick(ring.beyond(at));
+        if let Some((_, click)) = &mut self.click {
+            sum = sum + click.tick(beyond);
         }
         sum
     }

@@ -252,7 +252,10 @@ fn on_board(feel: &Scene, board: Board) -> Result<Scene> {
         if board.senses_current() {
             let constant: f64 = settings.motor.torque_constant_n_m_per_a.to_num();
             let step: f64 = board_hardware.amps_per_code.to_num();
-            scene.device.amplifier_step_n_m = Some(constant * step.abs());
+            // The current is read once in every PWM period; the mean over a control period is finer by the root of their number.
+            let readings = f64::from(board_hardware.pwm_hz) / f64::from(settings.timing.rate_hz);
+            let step_n_m = constant * step.abs() / readings.sqrt();
+            scene.device.amplifier_step_n_m = Some(step_n_m);
         }
     })
 }

@@ -81,3 +81,69 @@ fn a_knob_without_positions_says_what_to_give() {
         );
     }
 }
+
+/// A program on this computer gets positions as OSC messages, numbers them, and chooses the feel. What it may not choose is noted.
+#[test]
+fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
+    use std::net::UdpSocket;
+    let mut demo = Demo::new();
+    demo.run(&["device", "calibrate"]);
+    demo.happens("turn 0");
+    let program = UdpSocket::bind("127.0.0.1:0").unwrap();
+    program
+        .set_read_timeout(Some(std::time::Duration::from_secs(30)))
+        .unwrap();
+    let port = |socket: &UdpSocket| socket.local_addr().unwrap().port().to_string();
+    // A port that was free a moment ago.
+    let listen = port(&UdpSocket::bind("127.0.0.1:0").unwrap());
+    let mut events = demo
+        .command(&[
+            "--json",
+            "events",
+            "--osc",
+            &port(&program),
+            "--osc-listen",
+            &listen,
+            "--seconds",
+            "60",
+        ])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let next = |address: &str| -> Vec<u8> {
+        let mut bytes = [0; 1024];
+        loop {
+            let (length, _) = program.recv_from(&mut bytes).expect("a message");
+            if bytes.starts_with(address.as_bytes()) {
+                return bytes[..length].to_vec();
+            }
+        }
+    };
+    let say = |message: &[u8]| {
+        let sent = program.send_to(message, format!("127.0.0.1:{listen}"));
+        assert_eq!(sent.unwrap(), message.len());
+    };
+    // The knob has no detents, so that its first position is the whole turn.
+    let first = next("/touchstone/position\0\0\0\0,iif\0\0\0\0");
+    assert_eq!(&first[32..36], [0; 4]);
+    say(b"/touchstone/position\0\0\0\0,i\0\0\0\0\0\x64");
+    let numbered = next("/touchstone/position");
+    assert_eq!(&numbered[32..36], 100_i32.to_be_bytes());
+    // A file is no feel, and a text is no number.
+    say(b"/touchstone/feel\0\0\0\0,s\0\0/etc/passwd\0");
+    say(b"/touchstone/position\0\0\0\0,s\0\0no\0\0");
+    say(b"/touchstone/feel\0\0\0\0,s\0\0bounded-detents\0");
+    let chosen = next("/touchstone/position");
+    assert_eq!(&chosen[36..40], [0; 4], "the first of the new positions");
+    events.kill().unwrap();
+    let said = std::io::read_to_string(events.stderr.take().unwrap()).unwrap();
+    events.wait().unwrap();
+    assert!(said.contains("there is no feel /etc/passwd"), "{said}");
+    assert!(
+        said.contains("/touchstone/position is no message"),
+        "{said}"
+    );
+    let shown = demo.run(&["config", "environment"]);
+    assert!(shown.contains("[environment.endstops]"), "{shown}");
+}
