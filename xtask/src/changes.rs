@@ -66,13 +66,14 @@ pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
     }
 }
 
-/// Parses the entries from lines of a name, a tab and a text. The name `next` begins an entry.
+/// Parses the entries from lines of a name, a tab and a text. The name `next` begins an entry. A line separator (U+2028) in a text
+/// stands for a line's end.
 fn entries(lines: &[String]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for (name, text) in lines.iter().filter_map(|line| line.split_once('\t')) {
         match (name, entries.last_mut()) {
             ("next", _) => entries.push(Entry::default()),
-            (_, Some(entry)) => entry.add(name, text),
+            (_, Some(entry)) => entry.add(name, &text.replace('\u{2028}', "\n")),
             (_, None) => {}
         }
     }

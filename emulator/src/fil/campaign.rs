@@ -241,8 +241,8 @@ impl Campaign {
         outcome: &mut Outcome,
     ) -> Result<u64, String> {
         let changes = &self.bench.machine.chip().bridge.changes;
-        let since = changes.iter().filter(|(time, _)| *time >= begin);
-        let Some((time, false)) = since.last() else {
+        let mut since = changes.iter().filter(|(time, _)| *time >= begin);
+        let Some((time, false)) = since.next_back() else {
             return Err("the outputs stay on".into());
         };
         let us = (time - begin) as f64 / US as f64;

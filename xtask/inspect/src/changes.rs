@@ -102,10 +102,11 @@ pub fn print(text: &str) -> Result<Answer, String> {
     for entry in &entries {
         println!("next\t");
         for (key, value) in entry {
-            if value.contains(['\n', '\t']) {
-                return Err(format!("`{value}` has a line's end or a tab in it"));
+            if value.contains(['\u{2028}', '\t']) {
+                return Err(format!("`{value}` has a line separator or a tab in it"));
             }
-            println!("{key}\t{value}");
+            // An entry is printed on one line; `xtask` puts the line ends back.
+            println!("{key}\t{}", value.replace('\n', "\u{2028}"));
         }
     }
     Ok(Answer::Right(format!("{} entries", entries.len())))
