@@ -363,7 +363,7 @@ fn a_shaft_that_is_held_is_not_a_stuck_encoder() {
     // Pressed hard against a wall, where the reading stays the same for hundreds of ticks.
     let mut knob = armed(What::Bus(24.0));
     for tick in 0..5_000 {
-        knob.rest_rad = 3.0 + f64::from(tick) * 0.004;
+        knob.rest_rad = 3.0 + f64::from(tick) * 0.0028;
         knob.tick();
         assert_eq!(knob.fault(), None);
     }

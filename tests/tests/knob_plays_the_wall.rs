@@ -192,7 +192,7 @@ fn arming_inside_the_wall_fades_in() {
     settings.limits.fade_in_s = Si::lit("0.2");
     let mut knob = honest(&settings).armed();
     // The hand leans on the wall, so that the knob stays inside.
-    knob.rest_rad += 8.0;
+    knob.rest_rad += 6.0;
     let mut felt = 0;
     for tick in 1..=200 {
         let record = if tick == 1 { knob.record } else { knob.tick() };

@@ -91,7 +91,7 @@ fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
     around.armed(&mut device.law, &fresh);
     let mut input = quiet(0);
     (input.current.bus, input.current.temperature) = (crate::Volts::lit("24"), 1_300);
-    let at = |tick: f64| (200.0 * (tick * 0.001 * 20.0 * core::f64::consts::TAU).sin()) as i32;
+    let at = |tick: f64| (200.0 * (tick * 0.001 * 10.0 * core::f64::consts::TAU).sin()) as i32;
     (0..2_000_i32)
         .map(|n| {
             let tick = f64::from(n);

@@ -255,7 +255,7 @@ fn feels_are_listed_and_run() {
         .iter()
         .map(|it| it["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names.len(), 14);
+    assert_eq!(names.len(), 18);
     assert!(names.contains(&"on-off"));
     let listed = run(&["feels"]).ended(0).out;
     assert!(
