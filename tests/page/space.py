@@ -137,7 +137,7 @@ def space(browser, program, pictures, folder, seconds, asked_for, check):
     page = browser(f"file://{file}")
     try:
         page.until("typeof run !== 'undefined' && run !== null && run.last !== null")
-        page.until("run.last.force_n > 0.5", 10)
+        page.until("run !== null && run.last !== null && run.last.force_n > 0.5", 10)
         check(page.run("chosen.automatic && aim === null"), "three axes: it presses by itself before anybody touched it")
         presses(page, pictures, check)
         controls(page, check)

@@ -10,9 +10,9 @@
 //! periods. With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. A knob that springs back from a wall or into a
 //! detent swings too, but no longer than two periods at such speeds.
 //!
-//! **Runaway.** The motor opposes the motion with at least a quarter of its largest current. Nevertheless the shaft turns at 25
-//! rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall slows down. A runaway
-//! comes from a motor that drives where it should brake: the electrical angle is wrong by half a turn.
+//! **Runaway.** By the calibrated electrical angle, the current should brake the shaft, with at least a quarter of its limit. Yet
+//! the shaft turns at 25 rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall
+//! slows down. So the motor probably drives where it should brake: the electrical angle is wrong by about half a turn.
 
 use super::Found;
 use crate::current::CurrentReport;

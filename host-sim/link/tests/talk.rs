@@ -1,4 +1,5 @@
-//! Tests of the page's communication with a simulated device that loses frames, refuses requests, is silent or sends damaged data.
+//! Tests of `Talk`, the requests and answers between a browser page and a board. The simulated board loses frames, refuses requests,
+//! is silent or sends damaged data.
 
 use serde_json::Value;
 use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};

@@ -51,7 +51,7 @@ pub struct Field {
     pub path: &'static str,
     /// The values that the setting may hold.
     pub kind: Kind,
-    /// Unit of the setting; empty for a number without a unit or a text.
+    /// Unit of the setting. Empty for a choice, a flag, and a number without a unit.
     pub unit: &'static str,
     /// The meaning of the setting, for people.
     pub about: &'static str,

@@ -216,8 +216,8 @@ fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     Ok(high)
 }
 
-/// Control laws whose knob stays in the wall at a hundred times the largest stable stiffness of a plain spring. With every other
-/// law the knob is expected to leave.
+/// Control laws whose verdict is stable or a limit cycle at a hundred times the largest stable stiffness of a plain spring. Every
+/// other law is expected to be unstable.
 const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
 
 fn hundred(_: Effort) -> Result<Vec<Finding>> {

@@ -121,7 +121,7 @@ impl<const N: usize> Model<N> {
         })
     }
 
-    /// Power that the dampers dissipate in a state, W, without dry friction.
+    /// Power that each damper dissipates in a state, W, in the fields of a [`Loss`]; without dry friction.
     #[inline(always)]
     pub(super) fn viscous(&self, state: &[f64; N]) -> Loss {
         let v = state[1];
