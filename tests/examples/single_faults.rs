@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 use touchstone_protocol::Board;
-use touchstone_tests::single_faults::{Bench, FAULTS, Table, run};
+use touchstone_tests::single_faults::{Bench, FAULTS, Row, Table, run};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
@@ -32,7 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         .into_par_iter()
         .map(|(bench, fault)| run(bench, fault))
         .collect();
-    let table = Table { rows };
+    let mut table = Table {
+        rows,
+        long: Vec::new(),
+    };
+    table.long = table.unfound().par_iter().map(Row::goes_on).collect();
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join("cells.csv"), table.csv())?;

@@ -33,7 +33,10 @@ fn played<'b>(cells: Vec<(&'b Bench, &'static Fault)>) -> Table<'b> {
         .filter(|(bench, fault)| fault.not_on(bench.board).is_none())
         .map(|(bench, fault)| run(bench, fault))
         .collect();
-    Table { rows }
+    Table {
+        rows,
+        long: Vec::new(),
+    }
 }
 
 #[test]

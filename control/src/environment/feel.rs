@@ -89,13 +89,7 @@ fn within(path: &'static str, value: Si, least: Si, most: Si) -> Result<(), Refu
 
 /// The factor of a coefficient that the number format may not hold.
 fn ratio<N: Number>(path: &'static str, value: Si) -> Result<N::Ratio, Refused> {
-    let most = Si::ZERO;
-    N::ratio(value).ok_or(Refused::Part {
-        path,
-        value,
-        least: most,
-        most,
-    })
+    N::ratio(value).ok_or(Refused::PartOfFormat { path, value })
 }
 
 impl FeelSettings {

@@ -44,17 +44,16 @@ pub enum Refused {
         value: Si,
         /// Smallest allowed value.
         least: Si,
-        /// Largest allowed value; equal to the smallest if the coefficient does not fit the number format.
+        /// Largest allowed value.
         most: Si,
     },
-}
-
-impl Refused {
-    /// Whether a part's coefficient does not fit the number format.
-    #[must_use]
-    pub fn is_format(&self) -> bool {
-        matches!(self, Self::Part { least, most, .. } if least == most)
-    }
+    /// A part's coefficient does not fit the number format.
+    PartOfFormat {
+        /// Path of the setting in a scene.
+        path: &'static str,
+        /// The given value.
+        value: Si,
+    },
 }
 
 impl fmt::Display for Refused {
@@ -91,12 +90,9 @@ impl fmt::Display for Refused {
                 value,
                 least,
                 most,
-            } => {
-                if self.is_format() {
-                    write!(f, "{path} = {value:.6} does not fit the number format")
-                } else {
-                    write!(f, "{path} = {value:.6} is outside {least:.6} to {most:.6}")
-                }
+            } => write!(f, "{path} = {value:.6} is outside {least:.6} to {most:.6}"),
+            Self::PartOfFormat { path, value } => {
+                write!(f, "{path} = {value:.6} does not fit the number format")
             }
             Self::Strength { strength, limit } | Self::ProfileStrength { strength, limit } => {
                 write!(

@@ -232,7 +232,7 @@ impl Supervisor {
         };
         let motion_fault = if driven {
             self.shaft
-                .inspect(&config.shaft, &mut self.motion, report, against)
+                .motion_fault(&config.shaft, &mut self.motion, report, against)
         } else {
             // A bad reading between two good ones ends neither an oscillation nor a runaway.
             if !may_be_on {

@@ -3,18 +3,23 @@
 //! The energy guard bounds what the motor gives to the positions that it is told. If these are not the shaft's positions, or the
 //! torque is not the commanded one, the guard cannot bound what the hand gets. Then the shaft moves in one of two ways.
 //!
-//! **Oscillation.** A hand moves a knob to and fro at most some ten times a second. A faster oscillation comes from the control
-//! loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the encoder's readings are late, or its
-//! magnet is loose. A swing is a reversal of the shaft's speed, with at least 6 rad/s and a few counts of jitter in each direction.
-//! Eight swings in a row, each at most 40 ms after the last, are the fault. That is an oscillation of at least 12.5 Hz, over four
-//! periods. With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. A knob that springs back from a wall or into a
-//! detent swings too, but no longer than two periods at such speeds.
+//! **Oscillation.** A hand acts on purpose at up to some 10 Hz ("Engineering Haptic Devices", 3rd edition, chapter 3). A faster
+//! oscillation comes from the control loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the
+//! encoder's readings are late, or its magnet is loose.
+//!
+//! A swing is a reversal of the shaft's speed, with at least 6 rad/s and a few counts of jitter in each direction. Eight swings in
+//! a row, each at most 40 ms after the last, are the fault: an oscillation of at least 12.5 Hz, over four periods. With a peak speed
+//! of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35 rad/s swings for two
+//! periods at such speeds.
+//!
+//! An oscillation within the play of a loose magnet is not seen, because the encoder hardly moves.
 //!
 //! **Runaway.** By the calibrated electrical angle, the current should brake the shaft, with at least a quarter of its limit. Yet
 //! the shaft turns at 25 rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall
 //! slows down. So the motor probably drives where it should brake: the electrical angle is wrong by about half a turn.
 
 use super::Found;
+use super::shaft::JITTER;
 use crate::current::CurrentReport;
 use crate::units::{clamp_i32, milli, narrow};
 use fixed::types::I16F16;
@@ -28,8 +33,6 @@ const MOST_SWINGS: u8 = 8;
 const SWINGS_PER_SECOND: u32 = 25;
 /// Least speed of a runaway, rad/s.
 const LEAST_RUN: u64 = 25;
-/// Encoder counts by which readings of a shaft at rest may differ, and one for rounding.
-const JITTER: i32 = 5;
 /// Time of a runaway until it is the fault, as a fraction of a second: 10 ms.
 const RUNS_PER_SECOND: u32 = 100;
 
@@ -56,7 +59,8 @@ impl MotionConfig {
         let per_1000 = turn * 159 / u64::from(rate_hz);
         let counts = |speed_rad_per_s: u64| {
             let whole = per_1000 * speed_rad_per_s / 1_000;
-            clamp_i32(whole.cast_signed()).saturating_add(JITTER)
+            // One more for rounding.
+            clamp_i32(whole.cast_signed().saturating_add(JITTER + 1))
         };
         Self {
             swing: counts(LEAST_SWING),

@@ -23,7 +23,7 @@ use touchstone_protocol::FaultCode;
 /// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
 /// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed and jumps.
-const JITTER: i64 = 4;
+pub(super) const JITTER: i64 = 4;
 /// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
 /// counts as overspeed.
 const JUMP_FACTOR: i32 = 4;
@@ -259,7 +259,7 @@ impl Shaft {
 
     /// Checks whether the shaft moves as no hand moves it. A current of positive sign drives the shaft towards rising counts, unless
     /// `against` is true. Returns the fault, if there is one.
-    pub fn inspect(
+    pub fn motion_fault(
         &self,
         config: &ShaftConfig,
         motion: &mut Motion,

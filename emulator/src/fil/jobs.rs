@@ -4,7 +4,7 @@
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
 use super::list::{
-    ASKED_FOR, BESIDE, Injection, MORE_ON_IHM16M1, ON_ESC1, ON_G431RB, ON_IHM16M1,
+    ASKED_FOR, BESIDE, Injection, MODEL, MORE_ON_IHM16M1, MOTION, ON_ESC1, ON_G431RB, ON_IHM16M1,
     ON_SIMPLEFOC_MINI, POWER, PROCESSOR, SECOND, WITH_AS5047P, WITH_LINK_R35, WITH_MT6701,
     WITH_TRACKS,
 };
@@ -147,7 +147,16 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
         on(
             Board::nucleo_g474re(Encoder::As5047p),
             SLOW_LSI,
-            &[POWER, WITH_AS5047P, PROCESSOR, ASKED_FOR, BESIDE, SECOND],
+            &[
+                POWER,
+                WITH_AS5047P,
+                MOTION,
+                MODEL,
+                PROCESSOR,
+                ASKED_FOR,
+                BESIDE,
+                SECOND,
+            ],
         ),
         on(
             Board::nucleo_g474re(Encoder::Mt6701),
@@ -158,7 +167,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
         on(
             Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37),
             SLOW_LSI,
-            &[ON_IHM16M1, MORE_ON_IHM16M1, BESIDE],
+            &[ON_IHM16M1, MORE_ON_IHM16M1, MOTION, MODEL, BESIDE],
         ),
         on(
             Board::nucleo_g474re_ihm16m1(Encoder::Mt6701, FaultLink::R35),
@@ -168,19 +177,19 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
         on(
             Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p),
             SLOW_LSI,
-            &[ON_SIMPLEFOC_MINI],
+            &[ON_SIMPLEFOC_MINI, MOTION],
         ),
         on(
             Board::nucleo_g431rb_ihm16m1(Encoder::As5047p, FaultLink::R37),
             SLOW_LSI,
-            &[ON_IHM16M1, ON_G431RB],
+            &[ON_IHM16M1, ON_G431RB, MOTION, MODEL],
         ),
         on(
             Board::nucleo_g431rb_ihm16m1(Encoder::Mt6701, FaultLink::R35),
             FAST_LSI,
             &[WITH_LINK_R35],
         ),
-        on(Board::b_g431b_esc1(), SLOW_LSI, &[ON_ESC1]),
+        on(Board::b_g431b_esc1(), SLOW_LSI, &[ON_ESC1, MOTION, MODEL]),
     ];
     let mut jobs = Vec::new();
     let mut checked = Vec::new();

@@ -362,7 +362,7 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        Refused::Part { path, value, .. } if error.is_format() => limit(path, *value),
+        Refused::PartOfFormat { path, value } => limit(path, *value),
         Refused::Part {
             path,
             value,

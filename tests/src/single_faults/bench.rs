@@ -66,10 +66,12 @@ impl Grip {
 
 /// Time from the beginning of the hand's motion to the fault, s.
 pub const BEFORE_S: f64 = 1.0;
-/// Time from the fault until the hand goes out of the wall, and until the cell ends, s.
+/// Time from the fault until the hand goes out of the wall, s.
 pub const STAYS_S: f64 = 2.2;
-/// See `STAYS_S`.
-pub const AFTER_S: f64 = 3.0;
+/// The same where a fault that was not found goes on.
+pub const LONG_STAYS_S: f64 = 32.2;
+/// Time from then until the cell ends, s.
+pub const LEAVES_S: f64 = 0.8;
 /// Time from the fault to the arming of a board that is ready, s.
 pub const ARMS_AFTER_S: f64 = 0.05;
 /// How far outside of the wall's surface the hand begins and ends, rad.
@@ -219,7 +221,7 @@ impl Bench {
         };
         bench.begin();
         bench.healthy = [Breaks::Nothing, Breaks::Memory(Memory::Right)]
-            .map(|breaks| play(&bench, breaks).course);
+            .map(|breaks| play(&bench, breaks, STAYS_S).course);
         bench
     }
 
@@ -239,7 +241,7 @@ impl Bench {
         self.least_j = knob.rig.given_j;
         for tick in 0..(BEFORE_S * 1e3) as u32 {
             let since_s = f64::from(tick) * 1e-3 - BEFORE_S;
-            knob.rest_rad = self.rest_rad(since_s, -BEFORE_S, self.zero_rad);
+            knob.rest_rad = self.rest_rad(since_s, -BEFORE_S, self.zero_rad, STAYS_S);
             while !knob.period() {
                 self.least_j = self.least_j.min(knob.rig.given_j);
             }
@@ -271,11 +273,12 @@ impl Bench {
         let force: f64 = law.force_limit.to_num();
         let (capacity, refill): (f64, f64) =
             (law.guard.capacity.to_num(), law.guard.refill.to_num());
-        capacity + force * count / 2.0 + refill * (BEFORE_S + AFTER_S)
+        capacity + force * count / 2.0 + refill * (BEFORE_S + STAYS_S + LEAVES_S)
     }
 
-    /// Where the hand wants to be at a time since the fault, if it began to move at `began_s`, rad.
-    pub(super) fn rest_rad(&self, since_s: f64, began_s: f64, zero_rad: f64) -> f64 {
+    /// Where the hand wants to be at a time since the fault, if it began to move at `began_s` and goes out of the wall at `stays_s`,
+    /// rad.
+    pub(super) fn rest_rad(&self, since_s: f64, began_s: f64, zero_rad: f64, stays_s: f64) -> f64 {
         use std::f64::consts::TAU;
         let surface = zero_rad + self.settings.wall.surface_rad.to_num::<f64>();
         let outside = surface - OUTSIDE_RAD;
@@ -294,7 +297,7 @@ impl Bench {
                 surface + deep * (1.0 + 0.3 * (1.5 * TAU * time).sin())
             }
         };
-        let goes_out = ((since_s - STAYS_S) / 0.2).clamp(0.0, 1.0);
+        let goes_out = ((since_s - stays_s) / 0.2).clamp(0.0, 1.0);
         let there = outside + goes_in * (wanted - outside);
         there + goes_out * (outside - there)
     }

@@ -1,7 +1,9 @@
 //! One cell of the table: a fault, a moment and a grip on a board.
 
 use super::act::act;
-use super::bench::{AFTER_S, ARMS_AFTER_S, BEFORE_S, Bench, Grip, Moment, Played};
+use super::bench::{
+    ARMS_AFTER_S, BEFORE_S, Bench, Grip, LEAVES_S, LONG_STAYS_S, Moment, Played, STAYS_S,
+};
 use super::list::Fault;
 use super::tamper::Breaks;
 use touchstone_protocol::{Command, FaultCode, State};
@@ -72,7 +74,7 @@ impl Row<'_> {
 /// Runs a cell.
 #[must_use]
 pub fn run<'b>(bench: &'b Bench, fault: &'static Fault) -> Row<'b> {
-    let cell = play(bench, fault.breaks);
+    let cell = play(bench, fault.breaks, STAYS_S);
     let restarts = matches!(fault.breaks, Breaks::Memory(_));
     let differs = cell.course != bench.healthy[usize::from(restarts)];
     Row {
@@ -83,7 +85,16 @@ pub fn run<'b>(bench: &'b Bench, fault: &'static Fault) -> Row<'b> {
     }
 }
 
-pub(super) fn play(bench: &Bench, breaks: Breaks) -> Cell {
+impl<'b> Row<'b> {
+    /// The cell with a hand that stays in the wall for half a minute.
+    #[must_use]
+    pub fn goes_on(&self) -> Self {
+        let cell = play(self.bench, self.fault.breaks, LONG_STAYS_S);
+        Self { cell, ..*self }
+    }
+}
+
+pub(super) fn play(bench: &Bench, breaks: Breaks, stays_s: f64) -> Cell {
     let mut knob = bench.knob.clone();
     knob.tamper.breaks = breaks;
     let mut course = Course::new(bench, &knob);
@@ -100,12 +111,12 @@ pub(super) fn play(bench: &Bench, breaks: Breaks) -> Cell {
     }
     knob.tamper.is_broken = true;
     let mut tail = 0;
-    for tick in 0..(AFTER_S * 1e3) as u32 {
+    for tick in 0..((stays_s + LEAVES_S) * 1e3) as u32 {
         let since_s = f64::from(tick) * 1e-3;
         if bench.moment == Moment::Ready && tick == (ARMS_AFTER_S * 1e3) as u32 {
             knob.ask(Command::Arm);
         }
-        knob.rest_rad = bench.rest_rad(since_s, course.began_s, course.zero_rad);
+        knob.rest_rad = bench.rest_rad(since_s, course.began_s, course.zero_rad, stays_s);
         act(bench, breaks, &mut knob, tick);
         course.tick(&mut knob);
         if course.off(&knob) {

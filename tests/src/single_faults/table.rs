@@ -7,10 +7,15 @@ use super::{MOST_J, act::Memory, tamper::Breaks};
 use std::fmt::Write;
 use touchstone_protocol::{Board, FaultCode};
 
+/// Energy that a healthy knob gives a hand in a cell, rounded up, J.
+const HEALTHY_J: f64 = 0.01;
+
 /// The rows of all boards.
 pub struct Table<'b> {
     /// The rows.
     pub rows: Vec<Row<'b>>,
+    /// The cells in which nothing was found within 3 s, played for 33 s: [`Table::unfound`].
+    pub long: Vec<Row<'b>>,
 }
 
 fn code(cell: &Cell) -> String {
@@ -24,7 +29,7 @@ fn milli(value: f64) -> f64 {
     1e3 * value
 }
 
-impl Table<'_> {
+impl<'b> Table<'b> {
     /// All cells as a CSV file.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -148,7 +153,7 @@ impl Table<'_> {
             );
         }
         text.push_str("\n|the worst ten|moment, grip, quarter|energy, mJ|off after, ms|rad/s|fault|\n|---|---|--:|--:|--:|---|\n");
-        for row in self.worst(10) {
+        for row in worst_of(self.rows.iter(), 10) {
             let cell = &row.cell;
             let off = cell
                 .off_s
@@ -166,23 +171,30 @@ impl Table<'_> {
                 code(cell),
             );
         }
+        text.push_str("\n|never found, the worst ten in 33 s|moment, grip, quarter|energy, mJ|rad/s|\n|---|---|--:|--:|\n");
+        let never = self.long.iter().filter(|row| row.cell.off_s.is_none());
+        for row in worst_of(never, 10) {
+            let (moment, grip, quarter) = row.place();
+            let _ = writeln!(
+                text,
+                "|`{}`: {}|{}, {}, {quarter}|{:.0}|{:.0}|",
+                row.bench.board.name(),
+                row.fault.name,
+                moment.name(),
+                grip.name(),
+                milli(row.cell.most_j),
+                row.cell.fastest_rad_per_s,
+            );
+        }
         text.push('\n');
         text
     }
 
-    /// For each board and fault the worst cell, the most energy first.
-    fn worst(&self, number: usize) -> Vec<&Row<'_>> {
-        let mut rows: Vec<_> = self.rows.iter().collect();
-        rows.sort_by(|a, b| b.cell.most_j.total_cmp(&a.cell.most_j));
-        let mut seen = Vec::new();
-        rows.retain(|row| {
-            let place = (row.bench.board, row.fault.name);
-            let is_new = !seen.contains(&place);
-            seen.push(place);
-            is_new
-        });
-        rows.truncate(number);
-        rows
+    /// Cells in which nothing was found and the hand got more than a healthy knob gives.
+    #[must_use]
+    pub fn unfound(&self) -> Vec<Row<'b>> {
+        let is_more = |row: &&Row<'b>| row.cell.off_s.is_none() && row.cell.most_j > HEALTHY_J;
+        self.rows.iter().filter(is_more).copied().collect()
     }
 
     /// Faults of which a board finds nothing in at least one cell, each with the number of such cells and their most energy, J.
@@ -202,6 +214,24 @@ impl Table<'_> {
     fn of(&self, board: Board) -> impl Iterator<Item = &Row<'_>> {
         self.rows.iter().filter(move |row| row.bench.board == board)
     }
+}
+
+/// For each board and fault the worst cell, the most energy first.
+fn worst_of<'r, 'b>(rows: impl Iterator<Item = &'r Row<'b>>, number: usize) -> Vec<&'r Row<'b>>
+where
+    'b: 'r,
+{
+    let mut rows: Vec<_> = rows.collect();
+    rows.sort_by(|a, b| b.cell.most_j.total_cmp(&a.cell.most_j));
+    let mut seen = Vec::new();
+    rows.retain(|row| {
+        let place = (row.bench.board, row.fault.name);
+        let is_new = !seen.contains(&place);
+        seen.push(place);
+        is_new
+    });
+    rows.truncate(number);
+    rows
 }
 
 fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {

@@ -2,10 +2,7 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{
-    FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_OSCILLATION,
-    OFF_AT_RUNAWAY, OFF_AT_SHARE, TICK, row,
-};
+use super::{FAST_SHAFT, Injection, OFF_AT_BAD_FIELD, OFF_AT_FIRST_BAD, OFF_AT_SHARE, TICK, row};
 use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
@@ -63,13 +60,6 @@ pub const WITH_AS5047P: &[Injection] = &[
         310,
         Fault::Encoder(SlaveFault::FlipSeventh),
         OffAtLast(OFF_AT_SHARE, &[EncoderUnsteady]),
-    ),
-    row(
-        "phase A's sensor stays at rest",
-        Pressed,
-        210,
-        Fault::Sensor(0, 0.0),
-        Off(OFF_AT_MODEL, &[MotorModel]),
     ),
     row(
         "encoder's parity, bit 15",
@@ -154,27 +144,6 @@ pub const WITH_AS5047P: &[Injection] = &[
         240,
         Fault::Encoder(SlaveFault::Stuck),
         Off(8_000_000, &[EncoderStuck]),
-    ),
-    row(
-        "shaft shaken at 25 Hz",
-        Pressed,
-        410,
-        Fault::Shaken(14.0, 20_000),
-        Off(OFF_AT_OSCILLATION, &[Oscillation]),
-    ),
-    row(
-        "shaft turned through the wall at 30 rad/s",
-        Pressed,
-        455,
-        Fault::Turned(30.0),
-        Off(OFF_AT_RUNAWAY, &[Runaway]),
-    ),
-    row(
-        "shaft turned at +150 rad/s",
-        Free,
-        845,
-        Fault::Turned(150.0),
-        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "shaft turned at -150 rad/s",

@@ -3,10 +3,7 @@
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
-use super::{
-    FAST_SHAFT, Injection, OFF_AT_MODEL, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY, TICK, WATCHDOG,
-    WINDOW_WATCHDOG, row,
-};
+use super::{Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL_ESC1};
 use touchstone_protocol::FaultCode::*;
@@ -135,34 +132,6 @@ pub const ON_ESC1: &[Injection] = &[
         869,
         Fault::TrackJumps(-8_192),
         Off(TICK, &[EncoderJump]),
-    ),
-    row(
-        "shaft shaken at 25 Hz",
-        Pressed,
-        410,
-        Fault::Shaken(14.0, 20_000),
-        Off(OFF_AT_OSCILLATION, &[Oscillation]),
-    ),
-    row(
-        "shaft turned through the wall at 30 rad/s",
-        Pressed,
-        455,
-        Fault::Turned(30.0),
-        Off(OFF_AT_RUNAWAY, &[Runaway]),
-    ),
-    row(
-        "phase A's sensor stays at rest",
-        Pressed,
-        210,
-        Fault::Sensor(0, 0.0),
-        Off(OFF_AT_MODEL, &[MotorModel]),
-    ),
-    row(
-        "shaft turned at +150 rad/s",
-        Free,
-        566,
-        Fault::Turned(150.0),
-        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "processor 25 times slower",

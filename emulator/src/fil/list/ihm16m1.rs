@@ -3,10 +3,7 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Ready, Starting};
-use super::{
-    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_MODEL, OFF_AT_OSCILLATION,
-    OFF_AT_RUNAWAY, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row,
-};
+use super::{Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
@@ -110,27 +107,6 @@ pub const ON_IHM16M1: &[Injection] = &[
         Off(OFF_AT_FIRST_BAD, &[EncoderSilent]),
     ),
     row(
-        "shaft shaken at 25 Hz",
-        Pressed,
-        410,
-        Fault::Shaken(14.0, 20_000),
-        Off(OFF_AT_OSCILLATION, &[Oscillation]),
-    ),
-    row(
-        "shaft turned through the wall at 30 rad/s",
-        Pressed,
-        455,
-        Fault::Turned(30.0),
-        Off(OFF_AT_RUNAWAY, &[Runaway]),
-    ),
-    row(
-        "shaft turned at +150 rad/s",
-        Free,
-        566,
-        Fault::Turned(150.0),
-        Off(FAST_SHAFT, &[OverSpeed]),
-    ),
-    row(
         "control tick hangs",
         Pressed,
         52,
@@ -206,13 +182,6 @@ pub const MORE_ON_IHM16M1: &[Injection] = &[
         205,
         Fault::Thermistor(0.0),
         Off(TICK, &[OverTemperature]),
-    ),
-    row(
-        "phase A's sensor stays at rest",
-        Pressed,
-        210,
-        Fault::Sensor(0, 0.0),
-        Off(OFF_AT_MODEL, &[MotorModel]),
     ),
 ];
 

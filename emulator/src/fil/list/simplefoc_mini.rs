@@ -3,10 +3,7 @@
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
-use super::{
-    FAST_SHAFT, Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_OSCILLATION, OFF_AT_RUNAWAY,
-    OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row,
-};
+use super::{Injection, LOCKUP, OFF_AT_FIRST_BAD, OFF_AT_SHARE, TICK, WINDOW_WATCHDOG, row};
 use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
@@ -92,27 +89,6 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         222,
         Fault::Encoder(SlaveFault::Stuck),
         GoesOn,
-    ),
-    row(
-        "shaft shaken at 25 Hz",
-        Pressed,
-        410,
-        Fault::Shaken(14.0, 20_000),
-        Off(OFF_AT_OSCILLATION, &[Oscillation]),
-    ),
-    row(
-        "shaft turned through the wall at 30 rad/s",
-        Pressed,
-        455,
-        Fault::Turned(30.0),
-        Off(OFF_AT_RUNAWAY, &[Runaway]),
-    ),
-    row(
-        "shaft turned at +150 rad/s",
-        Free,
-        566,
-        Fault::Turned(150.0),
-        Off(FAST_SHAFT, &[OverSpeed]),
     ),
     row(
         "control tick hangs",

@@ -273,6 +273,9 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
         Refused::Part { path, .. } => {
             scene.error(path, refused.to_string(), "give a value in that range")
         }
+        Refused::PartOfFormat { path, .. } => {
+            scene.error(path, refused.to_string(), "give a smaller value")
+        }
         Refused::TooManyWalls | Refused::Pitch(_) | Refused::PerTurn(_) => scene.error(
             "environment",
             refused.to_string(),
