@@ -63,6 +63,13 @@ impl Options {
                 .collect::<Result<_>>()?,
             false => vec![own.clone()],
         };
+        if let Some(none) = feels.iter().find(|it| it.environment.is_none()) {
+            return Err(none.error(
+                "environment",
+                "the scene has no feel: neither detents nor another haptic effect",
+                "give a scene of `touchstone feels`, or leave out --feel to judge the wall",
+            ));
+        }
         let mut places: Vec<(&'static str, Scene)> = Vec::new();
         for feel in &feels {
             match self.boards {
@@ -134,14 +141,34 @@ impl Options {
             ];
             let fails = demands.into_iter().filter(|(asked, met, _)| *asked && !met);
             for (_, _, fail) in fails {
+                code = ExitCode::from(NOT_MET);
                 eprintln!(
                     "not met: {fail} ({}{board}, grip {})",
                     card.scene, felt.grip
                 );
+            }
+        }
+        // Nothing was lost where nothing was counted, but that shows nothing. Of all shipped feels some have no positions.
+        for (board, card) in cards.iter().filter(|_| self.positions) {
+            let has_none = card.pitch_rad.is_none() && !self.all_feels;
+            let counted = card.grips.iter().any(|felt| felt.crossings > 0);
+            if has_none || card.pitch_rad.is_some() && !counted {
                 code = ExitCode::from(NOT_MET);
+                eprintln!(
+                    "not met: --positions: no grip crossed a position, so nothing was counted ({}{})",
+                    card.scene,
+                    on_named(board)
+                );
             }
         }
         code
+    }
+}
+
+fn on_named(board: &str) -> String {
+    match board {
+        "" => String::new(),
+        board => format!(" on {board}"),
     }
 }
 
@@ -149,10 +176,7 @@ fn rows<'a>(
     cards: &'a [(&str, FeelCard)],
 ) -> impl Iterator<Item = (String, &'a FeelCard, &'a Felt)> {
     cards.iter().flat_map(|(board, card)| {
-        let on = match *board {
-            "" => String::new(),
-            board => format!(" on {board}"),
-        };
+        let on = on_named(board);
         card.grips.iter().map(move |felt| (on.clone(), card, felt))
     })
 }

@@ -247,6 +247,39 @@ fn the_comparison_says_what_it_cannot_change() {
 
 /// Checks that haptic effects are listed, can be run by their names, and are accepted by every command as scenes.
 #[test]
+fn a_feel_is_judged_and_what_has_none_is_refused() {
+    let card = |words: &[&str]| {
+        let mut all = vec!["scorecard"];
+        all.extend(words);
+        run(&all)
+    };
+    let good = card(&["on-off", "--feel", "--no-buzz", "--positions", "--as-drawn"]).ended(0);
+    assert!(good.out.contains("positions crossed"), "{}", good.out);
+    // A demand on positions says nothing where no position was crossed.
+    let none = card(&["smooth", "--feel", "--positions"]).ended(3);
+    assert!(
+        none.err.contains("no grip crossed a position"),
+        "{}",
+        none.err
+    );
+    let steep = card(&[
+        "coarse-detents",
+        "--feel",
+        "--no-buzz",
+        "--set",
+        "environment.detents.per_rev=400",
+        "--set",
+        "environment.detents.strength_n_m=0.045",
+        "--set",
+        "device.friction=none",
+    ])
+    .ended(3);
+    assert!(steep.err.contains("counts at rest"), "{}", steep.err);
+    let wall = card(&["thesis-knob", "--feel"]).ended(2);
+    assert!(wall.err.contains("has no feel"), "{}", wall.err);
+}
+
+#[test]
 fn feels_are_listed_and_run() {
     let feels = run(&["feels", "--json"]).ended(0).json();
     let names: Vec<_> = feels["feels"]
