@@ -11,11 +11,9 @@ period per call, with the firmware's results to the last bit. ``run``, ``scoreca
 """
 
 from ._device import GuardedDevice
+from ._errors import Failed, Mistake, NotMet
 from ._native import Guard, __version__
 from ._program import (
-    Failed,
-    Mistake,
-    NotMet,
     Run,
     certify,
     program,
@@ -24,7 +22,7 @@ from ._program import (
     scorecard,
     tune,
 )
-from ._sweep import sweep
+from ._sweep import Sweep, sweep
 from ._wall import Wall
 
 __all__ = [
@@ -34,6 +32,7 @@ __all__ = [
     "Mistake",
     "NotMet",
     "Run",
+    "Sweep",
     "Wall",
     "__version__",
     "certify",

@@ -8,10 +8,24 @@ from concurrent.futures import BrokenExecutor, as_completed
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
-from ._program import Changes, Failed, Scene, _ask, _changes, _options, _Scene
+from . import _frames
+from ._errors import Failed
+from ._program import Changes, Scene, _ask, _changes, _options, _Scene
 
 #: Number of attempts to compute a part of a sweep whose worker process or program was killed.
 ATTEMPTS = 3
+
+
+class Sweep(dict[str, Any]):
+    """The results of ``sweep``: a dict with the content of the program's ``results.json``. ``out`` is the folder with cells and maps."""
+
+    def __init__(self, results: dict[str, Any], out: str | os.PathLike[str]) -> None:
+        super().__init__(results)
+        self.out = Path(out)
+
+    def frame(self) -> Any:
+        """The cells as a pandas dataframe: one row for each pair of values. Names of columns end with the unit: ``k_displayed_n_m_per_rad``."""
+        return _frames.of_csv(self.out / "cells.csv")
 
 
 def sweep(
@@ -26,7 +40,7 @@ def sweep(
     parts: int | None = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
-) -> dict[str, Any]:
+) -> Sweep:
     """Simulates a scene once for every pair of values of two settings. Returns the results of ``touchstone sweep``, and writes files and maps to ``out``.
 
     ``x`` and ``y`` are axes in the program's format: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts. It is any
@@ -44,7 +58,7 @@ def sweep(
     asked = [*_changes(changes), *_options({"x": x, "y": y, "measure": measures, **options})]
     if executor is None:
         with _Scene(scene) as name:
-            return _ask("sweep", name, *asked, "--out", os.fspath(out))
+            return Sweep(_ask("sweep", name, *asked, "--out", os.fspath(out)), out)
     if not measures:
         # `sweep merge` cannot read parts without a measure.
         raise ValueError("measure = (): name at least one measure where an executor computes, such as \"penetration_max\"")
@@ -62,7 +76,7 @@ def sweep(
         folder.rmdir()
     if not any(kept.iterdir()):
         kept.rmdir()
-    return results
+    return Sweep(results, out)
 
 
 def _compute(
