@@ -10,7 +10,7 @@ period per call, with the firmware's results to the last bit. ``run``, ``scoreca
     0.05
 """
 
-from ._device import GuardedDevice
+from ._device import Device, GuardedDevice
 from ._errors import Failed, Mistake, NotMet
 from ._native import Guard, __version__
 from ._program import (
@@ -26,6 +26,7 @@ from ._sweep import Sweep, sweep
 from ._wall import Wall
 
 __all__ = [
+    "Device",
     "Failed",
     "Guard",
     "GuardedDevice",
