@@ -8,7 +8,7 @@ use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
 /// Python packages that build, test and type-check the wheel. A test whose package is missing is skipped, so all are here.
-const TOOLS: [&str; 8] = [
+const TOOLS: [&str; 10] = [
     "maturin>=1.9,<2",
     "pytest>=7",
     "numpy>=1.22",
@@ -17,6 +17,8 @@ const TOOLS: [&str; 8] = [
     "distributed",
     "mujoco",
     "pandas>=1.5",
+    "nbclient",
+    "ipykernel",
 ];
 
 pub fn run(args: &[String]) -> Outcome {
