@@ -10,8 +10,9 @@ period per call, with the firmware's results to the last bit. ``run``, ``scoreca
     0.05
 """
 
+from ._board import Board
 from ._device import Device, GuardedDevice
-from ._errors import Failed, Mistake, NotMet
+from ._errors import Failed, MayBeOn, Mistake, NotMet
 from ._native import Guard, __version__
 from ._program import (
     Run,
@@ -26,10 +27,12 @@ from ._sweep import Sweep, sweep
 from ._wall import Wall
 
 __all__ = [
+    "Board",
     "Device",
     "Failed",
     "Guard",
     "GuardedDevice",
+    "MayBeOn",
     "Mistake",
     "NotMet",
     "Run",

@@ -30,3 +30,7 @@ class NotMet(Failed):
 
     def __reduce__(self) -> Any:
         return type(self), (str(self), self.code, self.results)
+
+
+class MayBeOn(Failed):
+    """Error: a board did not confirm that its motor is off. Switch its power off, or pull its plug."""
