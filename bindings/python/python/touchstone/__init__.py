@@ -11,6 +11,7 @@ period per call, with the firmware's results to the last bit. ``run``, ``scoreca
 """
 
 from ._board import Board
+from ._campaign import campaign
 from ._device import Device, GuardedDevice
 from ._errors import Failed, MayBeOn, Mistake, NotMet
 from ._native import Guard, __version__
@@ -39,6 +40,7 @@ __all__ = [
     "Sweep",
     "Wall",
     "__version__",
+    "campaign",
     "certify",
     "program",
     "run",

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import os
 import tempfile
-from concurrent.futures import BrokenExecutor, as_completed
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
-from . import _frames
+from . import _executor, _frames
 from ._errors import Failed
 from ._program import Changes, Scene, _ask, _changes, _options, _Scene
-
-#: Number of attempts to compute a part of a sweep whose worker process or program was killed.
-ATTEMPTS = 3
 
 
 class Sweep(dict[str, Any]):
@@ -67,7 +63,23 @@ def sweep(
     kept = Path(os.fspath(out) + ".parts")
     kept.mkdir(parents=True, exist_ok=True)
     folders = [kept / f"{count}-{part}" for part in range(1, count + 1)]
-    _compute(executor, text, asked, folders, progress)
+
+    def keep(part: int, files: dict[str, bytes]) -> None:
+        _keep(folders[part], files)
+        if progress:
+            progress(done(), count)
+
+    def done() -> int:
+        return sum(folder.exists() for folder in folders)
+
+    _executor.compute(
+        executor,
+        _part,
+        lambda: [part for part, folder in enumerate(folders) if not folder.exists()],
+        lambda part: (text, asked, part + 1, count),
+        keep,
+        lambda: f"{done()} of {count} parts of the sweep are done, and are kept",
+    )
     drawn: dict[str, Any] = {name: options[name] for name in ("no_certificate", "overlay", "force") if name in options}
     results = _ask("sweep", "merge", *map(str, folders), *_options(drawn), "--out", os.fspath(out))
     for folder in folders:
@@ -79,38 +91,6 @@ def sweep(
     return Sweep(results, out)
 
 
-def _compute(
-    executor: Any, text: str | bytes, asked: list[str], folders: list[Path], progress: Callable[[int, int], object] | None
-) -> None:
-    """Lets the executor compute every part of the sweep whose folder does not exist yet."""
-    makes = callable(executor) and not hasattr(executor, "submit")
-    for attempt in range(ATTEMPTS):
-        missing = [part for part, folder in enumerate(folders) if not folder.exists()]
-        if not missing:
-            return
-        pool = executor() if makes else executor
-        # Dask's client has futures of its own type; its executor has those of the standard library.
-        pool = pool.get_executor() if hasattr(pool, "get_executor") else pool
-        try:
-            futures = {pool.submit(_part, text, asked, part + 1, len(folders)): part for part in missing}
-            for future in as_completed(futures):
-                _keep(folders[futures[future]], future.result())
-                if progress:
-                    progress(sum(folder.exists() for folder in folders), len(folders))
-            return
-        except BrokenExecutor as broken:
-            if not makes or attempt + 1 == ATTEMPTS:
-                done = sum(folder.exists() for folder in folders)
-                raise Failed(
-                    f"sweep: a worker of the executor was killed with {done} of {len(folders)} parts done; they are kept: call again with a "
-                    "new executor, or give a function that makes one",
-                    1,
-                ) from broken
-        finally:
-            if makes:
-                pool.shutdown(wait=True, cancel_futures=True)
-
-
 def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
     """Computes one part of a sweep; runs on a worker of the executor. Returns the part's files by name."""
     with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
@@ -120,14 +100,14 @@ def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[st
             scene = str(Path(folder) / "scene.toml")
             Path(scene).write_bytes(text)
         made = Path(folder) / "part"
-        for attempt in range(ATTEMPTS):
+        for attempt in range(_executor.ATTEMPTS):
             try:
                 # One thread, because there are at least as many workers as cores.
                 _ask("sweep", scene, *asked, "--threads", "1", "--shard", f"{part}/{parts}", "--out", str(made))
                 break
             except Failed as failed:
                 # An exit code below 0: a signal killed the program. Its folder keeps the finished runs.
-                if failed.code >= 0 or attempt + 1 == ATTEMPTS:
+                if failed.code >= 0 or attempt + 1 == _executor.ATTEMPTS:
                     raise
         return {file.name: file.read_bytes() for file in made.iterdir()}
 
