@@ -35,6 +35,11 @@
 #define TS_FEEL_WORDS 480
 
 /*
+ Size of a `ts_guard` in 64-bit words.
+ */
+#define TS_GUARD_WORDS 24
+
+/*
  The most walls of a feel.
  */
 #define TS_FEEL_WALLS 6
@@ -43,11 +48,6 @@
  The most points of a torque profile.
  */
 #define TS_FEEL_POINTS 96
-
-/*
- Size of a `ts_guard` in 64-bit words.
- */
-#define TS_GUARD_WORDS 24
 
 /*
  Size of a `ts_settings` in 64-bit words.
@@ -418,7 +418,8 @@ ts_status ts_feel_defaults(ts_feel_config *config);
 
 /*
  Initialises a feel as at power-up, with a full energy account. Law, device and guard are those of the settings; the guard's
- count follows from `counts_per_rev`. Call it once, because each call fills the account again.
+ count follows from `counts_per_rev`. Call it once, because each call fills the account again. It needs 12 KB of stack, `ts_feel_tick`
+ 0.4 KB.
 
  Returns `TS_OUT_OF_RANGE` if a value is refused; the feel is then not initialised, and gives no force.
  */

@@ -9,6 +9,7 @@ pub mod estimator;
 pub mod feel;
 pub mod guard;
 pub mod memory;
+pub mod parts;
 pub mod settings;
 pub mod status;
 pub mod wall;
