@@ -137,6 +137,8 @@ int main(void) {
   parts.profile.count = TS_FEEL_POINTS + 1;
   IS(ts_feel_check(&settings, &parts, words, sizeof words), TS_OUT_OF_RANGE);
   IS(strstr(words, "97 points") != NULL, 1);
+  IS(ts_feel_init(&feel, &settings, &parts), TS_OUT_OF_RANGE);
+  IS(ts_feel_tick(&feel, 1, &force), TS_NOT_INITIALISED);
   parts.profile.strength = 0;
   parts.walls[3].surface = TS_SI(1);
   parts.walls[3].stiffness = TS_SI(-5);
