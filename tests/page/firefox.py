@@ -22,6 +22,8 @@ class Firefox(Page):
     touches = False
     # Firefox starts no audio without a sound device.
     hears = False
+    # A page without a window never has the focus, and Firefox then lets no key press a button.
+    presses = False
     # The protocol cannot simulate a user who asks for reduced motion.
     stills = False
 
