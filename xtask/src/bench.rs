@@ -13,8 +13,9 @@ use crate::outcome::Outcome;
 use crate::{ladder, packages, shell};
 
 /// Most instructions per tick that a configuration may take. `held-guarded-f64` (simulated motor, encoder, control law and guard in
-/// double precision) took 367; the rest is a margin for other compilers.
-const LIMITS: &[(&str, f64)] = &[("held-guarded-f64", 385.0)];
+/// double precision) takes 388 since the wall has a damper and a pulse at the touch, 367 before; the rest is a margin of 5 % for other
+/// compilers.
+const LIMITS: &[(&str, f64)] = &[("held-guarded-f64", 407.0)];
 
 /// The example program to count, its two numbers of ticks and its arguments.
 #[derive(Debug, PartialEq, Eq)]
@@ -162,8 +163,8 @@ mod tests {
     #[test]
     fn a_limit_can_be_exceeded() {
         let name = |word: &str| [word.to_owned()];
-        assert_eq!(beyond_limit(&name("held-guarded-f64"), 385.1), Some(385.0));
-        assert_eq!(beyond_limit(&name("held-guarded-f64"), 385.0), None);
+        assert_eq!(beyond_limit(&name("held-guarded-f64"), 407.1), Some(407.0));
+        assert_eq!(beyond_limit(&name("held-guarded-f64"), 407.0), None);
         assert_eq!(beyond_limit(&name("held-shipped"), 1e4), None);
     }
 
