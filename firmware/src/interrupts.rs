@@ -25,8 +25,8 @@ use crate::{analogue, board, cycles, pwm, supply, window};
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// The cycle counter's value at which the control interrupt became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// Whether a control period is due and has not begun. If none is due, the control interrupt only reads the encoder a second time,
-/// when the force changes.
+/// Whether a control period is due and has not begun. If none is due, the control interrupt only reads the encoder, at the moment at
+/// which the new force begins to act. The energy guard needs the position there.
 static TICK_DUE: AtomicBool = AtomicBool::new(false);
 /// Largest allowed lateness, in processor cycles, of the second encoder reading, which is made when the force changes. A later
 /// reading would belong to another moment and is left out.

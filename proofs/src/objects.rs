@@ -43,7 +43,7 @@ pub(crate) fn signed<S: Source>(s: &mut S, width: u32) -> i64 {
 pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
     [signed(s, width), signed(s, width), signed(s, width)]
 }
-/// The direction of a vector whose components have this many bits; `None` for the zero vector.
+/// The direction of an arbitrary vector, whose components of `width` bits the source of inputs gives; `None` for the zero vector.
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }

@@ -108,7 +108,7 @@ fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
 }
-/// The direction of a vector whose components have 4 bits; `None` for the zero vector.
+/// The direction of an arbitrary vector, whose components of 4 bits the source of inputs gives; `None` for the zero vector.
 fn short_direction<S: Source>(s: &mut S) -> Option<Direction<N>> {
     let part = |s: &mut S| Position(<N as Number>::Signal::from_bits(s.bits(4) as i8 - 8));
     Direction::of(Vector([part(s), part(s), part(s)]))

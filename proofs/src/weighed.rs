@@ -136,9 +136,10 @@ mod by_one_product {
     static AT: AtomicUsize = AtomicUsize::new(0);
     /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// Number of products that the code has made.
+    /// Number of multiplications that the code under proof has called so far. Row `i` below belongs to call `i`: weight times part is
+    /// the product.
     static ASKED: AtomicUsize = AtomicUsize::new(0);
-    /// The weight in each row.
+    /// The weight (a coefficient of the estimator) in each row.
     static WEIGHT: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
     /// The part of a motion or torque by which the weight is multiplied, in each row.
     static PART: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];

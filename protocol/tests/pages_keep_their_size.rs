@@ -1,4 +1,5 @@
-//! Checks that the book (the Markdown files of the documentation) has at most 60,000 words and the README at most 900.
+//! Checks that the book (the Markdown files of the documentation) has at most 60,000 words, its page on proofs at most 2,500, and
+//! the README at most 900.
 
 use std::path::Path;
 
@@ -24,17 +25,14 @@ fn words_of(page: &Path) -> usize {
 #[test]
 fn the_book_and_the_readme_are_short() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let [book, readme] = [
-        words_below(&root.join("docs")),
-        words_of(&root.join("README.md")),
+    let page = |name: &str| words_of(&root.join(name));
+    let sizes = [
+        ("the book", words_below(&root.join("docs")), 60_000),
+        ("docs/proofs.md", page("docs/proofs.md"), 2_500),
+        ("README.md", page("README.md"), 900),
     ];
-    println!("{book} words in the book, {readme} in the README");
-    assert!(
-        book <= 60_000,
-        "{book} words in the book, of at most 60,000"
-    );
-    assert!(
-        readme <= 900,
-        "{readme} words in the README, of at most 900"
-    );
+    for (what, words, most) in sizes {
+        println!("{what}: {words} words");
+        assert!(words <= most, "{what}: {words} words, of at most {most}");
+    }
 }

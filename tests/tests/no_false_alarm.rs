@@ -1,11 +1,13 @@
 //! Boards without a broken part raise no fault in hard use: fast hands, motors and knobs 30 % off their settings, noise, a bad
-//! reading in a thousand, and dead time. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40 cases; 900,000 are
+//! reading in a thousand, dead time, and cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40 cases; 900,000 are
 //! ten hours a board.
 
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use touchstone_drive::DeviceSettings;
 use touchstone_protocol::Board;
 use touchstone_tests::single_faults::good;
+use touchstone_world::plant::train::Harmonic;
 use touchstone_world::plant::{FIRM, LIGHT};
 
 /// Resistance, torque constant and inductance of the motor, and inertia of the knob, as shares of what the settings say.
@@ -16,6 +18,10 @@ const PARTS: [[f64; 4]; 5] = [
     [1.3, 1.3, 1.3, 0.7],
     [0.7, 0.7, 0.7, 1.3],
 ];
+
+/// Cogging torque of a motor with 12 slots and 14 poles whose windings are perfect, and of its slots alone, as shares of the largest
+/// torque.
+const COGGING: [(f64, f64); 2] = [(0.01, 84.0), (0.003, 12.0)];
 
 /// How a hand moves: where it wants to be, rad from the wall's surface, after some ms.
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +74,17 @@ fn boards_without_a_broken_part_raise_no_fault_in_hard_use() {
         .for_each(|(board, parts, hand, stroke, dead_share)| {
             let (mut knob, surface_rad) = good(board, parts, &hand);
             knob.rig.bridge.dead_share = dead_share;
+            // The cases with dead time have cogging too.
+            let largest: f64 = DeviceSettings::defaults(board).law.force_limit_n_m.to_num();
+            knob.rig.cogging = COGGING
+                .into_iter()
+                .filter(|_| dead_share > 0.0)
+                .map(|(share, per_rev)| Harmonic {
+                    amplitude: share * largest,
+                    per_rev,
+                    phase: 0.4,
+                })
+                .collect();
             let mut touched = 0;
             for tick in 0..ticks {
                 knob.rest_rad = surface_rad + stroke.wants_rad(tick);

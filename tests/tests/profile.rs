@@ -28,7 +28,7 @@ fn random_shape(random: &mut Random, points: usize) -> Vec<i16> {
         .collect()
 }
 
-/// The torque in N·m, positive against larger angles, that straight lines between the profile's points give at an angle in rad.
+/// The profile's torque in N·m at an angle in rad, by linear interpolation. A positive torque pushes towards smaller angles.
 fn expected(profile: &ProfileSettings, angle: f64) -> f64 {
     let shape: Vec<f64> = (profile.shape.points().iter())
         .map(|point| f64::from(*point) / f64::from(WHOLE))

@@ -227,7 +227,7 @@ const STEPS: &[Step] = &[
     Step {
         name: "prove",
         about: "the proofs: `prove [--harness NAME] [--bless] [--resume] [--theorems]`, or wrong changes that they must find: `prove --mutants [--tests] [--shard I/N]`, `--mutants --theorems`",
-        gates: Gates::FULL_ONLY,
+        gates: prove::GATES,
         run: prove::run,
     },
 ];

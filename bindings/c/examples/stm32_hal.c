@@ -1,6 +1,6 @@
 /* The energy guard around a firmware's own torque, in the interrupt of a 1 kHz timer, with ST's HAL. A quadrature encoder is at TIM3, the motor
- * driver's input at a DAC. CubeMX makes the handles and the set-up. Tests compile this file against the declarations in `tests/stand_in`; nobody
- * has run it on a board. */
+ * driver's input at a DAC. CubeMX makes the handles and the set-up. A test compiles this file against the declarations in `tests/stand_in` and
+ * runs it on simulated hardware; nobody has run it on a board. */
 #include "main.h"
 #include "touchstone.h"
 
@@ -41,10 +41,9 @@ void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *timer) {
   int16_t moved = (int16_t)(count - last_count); /* also correct when the counter wraps around */
   last_count = count;
   turned += moved;
-  const float count_rad = 6.283185f / COUNTS_PER_REV;
   /* The guard counts a torque that resists a positive motion as positive. */
-  ts_force torque = ts_from_float(-your_torque((float)turned * count_rad));
-  ts_status status = ts_guard_tick(&guard, ts_from_float((float)moved * count_rad), torque, &torque);
+  ts_force torque = ts_from_float(-your_torque((float)turned * (6.283185f / COUNTS_PER_REV)));
+  ts_status status = ts_guard_tick(&guard, ts_moved(moved, TS_POSITION(6.283185307 / COUNTS_PER_REV)), torque, &torque);
   if (status != TS_OK) HAL_TIM_Base_Stop_IT(&htim6);
   command(-ts_to_float(torque)); /* 0 if the status is not TS_OK */
 }

@@ -20,11 +20,34 @@
 /* A constant in SI units as a ts_si, computed by the compiler: TS_SI(0.0005) */
 #define TS_SI(value) ((int64_t)((value) * 4294967296.0))
 
+/* A constant in rad as a ts_position, rounded to the nearest: TS_POSITION(6.283185307 / 4096) is one count of 4096 a turn */
+#define TS_POSITION(value) ((int32_t)((value) * 16777216.0 + ((value) < 0 ? -0.5 : 0.5)))
+
+
+/*
+ Size of a `ts_estimator` in 64-bit words.
+ */
+#define TS_ESTIMATOR_WORDS 24
+
+/*
+ Size of a `ts_feel` in 64-bit words.
+ */
+#define TS_FEEL_WORDS 480
 
 /*
  Size of a `ts_guard` in 64-bit words.
  */
 #define TS_GUARD_WORDS 24
+
+/*
+ The most walls of a feel.
+ */
+#define TS_FEEL_WALLS 6
+
+/*
+ The most points of a torque profile.
+ */
+#define TS_FEEL_POINTS 96
 
 /*
  Size of a `ts_settings` in 64-bit words.
@@ -73,9 +96,226 @@ typedef enum {
 } ts_status;
 
 /*
+ A state estimator: coefficients and state. A `ts_wall` has one of its own. Initialise it with `ts_estimator_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_ESTIMATOR_WORDS];
+} ts_estimator;
+
+/*
+ The settings of a virtual wall. Initialise them with `ts_settings_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_SETTINGS_WORDS];
+} ts_settings;
+
+/*
+ A position or displacement, rad (m) times 2^24.
+ */
+typedef int32_t ts_position;
+
+/*
+ A torque or force, N·m (N) times 2^24.
+ */
+typedef int32_t ts_force;
+
+/*
  The value of a setting in its SI unit, times 2^32. The macro `TS_SI` makes one from a constant.
  */
 typedef int64_t ts_si;
+
+/*
+ A wall; without stiffness there is none.
+ */
+typedef struct {
+  /*
+   Angle of the wall's surface, rad.
+   */
+  ts_si surface;
+  /*
+   Stiffness, N·m/rad.
+   */
+  ts_si stiffness;
+  /*
+   0: the wall is solid at angles above its surface; 1: below.
+   */
+  uint32_t solid_below;
+} ts_feel_wall;
+
+/*
+ Detents: positions to which the device is drawn; without strength there are none.
+ */
+typedef struct {
+  /*
+   Largest torque, N·m.
+   */
+  ts_si strength;
+  /*
+   Number of detents per turn, 1 to 6283; 0: `pitch` says how far apart they are.
+   */
+  uint32_t per_turn;
+  /*
+   Distance between neighbours, rad, 0.001 to 6.283; used if `per_turn` is 0.
+   */
+  ts_si pitch;
+  /*
+   Angle of one of the detents, rad.
+   */
+  ts_si centre;
+} ts_feel_detents;
+
+/*
+ A spring that draws to a centre; without strength there is none.
+ */
+typedef struct {
+  /*
+   Largest torque, N·m.
+   */
+  ts_si strength;
+  /*
+   Stiffness, N·m/rad, 0 to 100.
+   */
+  ts_si stiffness;
+  /*
+   Angle at which the spring gives no torque, rad.
+   */
+  ts_si centre;
+} ts_feel_spring;
+
+/*
+ Friction in proportion to the speed; without damping there is none.
+ */
+typedef struct {
+  /*
+   Damping, N·m·s/rad. The largest value follows from the inertia and the delay in the settings.
+   */
+  ts_si damping;
+  /*
+   Bandwidth of the low-pass filter for the speed, Hz, 5 to 500.
+   */
+  ts_si bandwidth_hz;
+} ts_feel_damper;
+
+/*
+ Dry friction, of one size at every speed; without strength there is none.
+ */
+typedef struct {
+  /*
+   Torque while the device slides, N·m.
+   */
+  ts_si strength;
+  /*
+   How far the device moves from rest until it slides, rad, 0.001 to 1.
+   */
+  ts_si stretch;
+} ts_feel_dry_friction;
+
+/*
+ A short pulse when the device crosses one of many positions; without strength there is none.
+ */
+typedef struct {
+  /*
+   Torque of the pulse, N·m: first against the motion, then as long with it.
+   */
+  ts_si strength;
+  /*
+   Number of clicks per turn, 1 to 6283; 0: `pitch` says how far apart they are.
+   */
+  uint32_t per_turn;
+  /*
+   Distance between neighbours, rad, 0.001 to 6.283; used if `per_turn` is 0.
+   */
+  ts_si pitch;
+  /*
+   One of the angles that click, rad.
+   */
+  ts_si centre;
+  /*
+   Length of the pulse, s, 0.001 to 0.1.
+   */
+  ts_si duration;
+} ts_feel_click;
+
+/*
+ A torque drawn over the angle, by points with straight lines between them; without strength there is none.
+ */
+typedef struct {
+  /*
+   Torque at a point of 10,000, N·m.
+   */
+  ts_si strength;
+  /*
+   Copies of the profile per turn, 1 to 6283; 0: it is there once, from `start` to `end`.
+   */
+  uint32_t per_turn;
+  /*
+   Angle of the first point, rad.
+   */
+  ts_si start;
+  /*
+   Angle of the last point, rad; used if `per_turn` is 0.
+   */
+  ts_si end;
+  /*
+   Number of points, 2 to `TS_FEEL_POINTS`.
+   */
+  uint32_t count;
+  /*
+   The points at equal distances, each from -10,000 to 10,000. A positive one pushes to larger angles.
+   */
+  int16_t points[TS_FEEL_POINTS];
+} ts_feel_profile;
+
+/*
+ All parts of a feel. Start from `ts_feel_defaults`, which has no part, and set those that you want.
+ */
+typedef struct {
+  /*
+   Counts of the encoder per turn with all edges counted, at least 1.
+   */
+  uint32_t counts_per_rev;
+  /*
+   Walls, such as end stops.
+   */
+  ts_feel_wall walls[TS_FEEL_WALLS];
+  /*
+   Detents.
+   */
+  ts_feel_detents detents;
+  /*
+   Spring to a centre.
+   */
+  ts_feel_spring spring;
+  /*
+   Friction in proportion to the speed.
+   */
+  ts_feel_damper damper;
+  /*
+   Dry friction.
+   */
+  ts_feel_dry_friction dry_friction;
+  /*
+   Clicks.
+   */
+  ts_feel_click click;
+  /*
+   Torque profile.
+   */
+  ts_feel_profile profile;
+} ts_feel_config;
+
+/*
+ Walls, detents, spring, friction, clicks and torque profile, and the energy guard behind them. Initialise it with
+ `ts_feel_init`.
+ */
+typedef struct {
+  uint64_t memory[TS_FEEL_WORDS];
+} ts_feel;
+
+/*
+ An energy, J times 2^48.
+ */
+typedef int64_t ts_energy;
 
 /*
  Properties of the device that the energy guard relies on, and the guard's energy limits. Units in brackets are for a linear
@@ -87,7 +327,7 @@ typedef struct {
    */
   uint32_t rate_hz;
   /*
-   Largest force that the energy guard lets through, N·m (N).
+   Largest force that the energy guard lets through, N·m (N). Where its account allows less, the guard lets less through.
    */
   ts_si force_limit;
   /*
@@ -138,28 +378,6 @@ typedef struct {
 } ts_guard;
 
 /*
- A position or displacement, rad (m) times 2^24.
- */
-typedef int32_t ts_position;
-
-/*
- A torque or force, N·m (N) times 2^24.
- */
-typedef int32_t ts_force;
-
-/*
- An energy, J times 2^48.
- */
-typedef int64_t ts_energy;
-
-/*
- The settings of a virtual wall. Initialise them with `ts_settings_init`.
- */
-typedef struct {
-  uint64_t memory[TS_SETTINGS_WORDS];
-} ts_settings;
-
-/*
  A virtual wall: coefficients and state of velocity estimator, control law and energy guard. Initialise it with `ts_wall_init`.
  */
 typedef struct {
@@ -169,6 +387,83 @@ typedef struct {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/*
+ Initialises a state estimator with the settings `timing.rate_hz`, `law.force_limit_n_m` and `law.estimator`. Call it again to
+ forget all motion. Returns `TS_OUT_OF_RANGE` if a setting is refused; the estimator is then not initialised.
+ */
+ts_status ts_estimator_init(ts_estimator *estimator,
+                            ts_settings *settings);
+
+/*
+ Runs one control period: takes the measured position, and gives the position and the displacement per control period that are
+ expected when the next command begins to act. Displacement times rate is the speed. Call `ts_estimator_commanded` next.
+ */
+ts_status ts_estimator_tick(ts_estimator *estimator,
+                            ts_position measured,
+                            ts_position *position,
+                            ts_position *moved);
+
+/*
+ Reports to the estimator the force that was commanded after `ts_estimator_tick`. It is positive against a positive motion, like
+ the force of a wall.
+ */
+ts_status ts_estimator_commanded(ts_estimator *estimator,
+                                 ts_force force);
+
+/*
+ Sets a feel to no part at all, and the counts of the encoder to 0, which `ts_feel_init` refuses.
+ */
+ts_status ts_feel_defaults(ts_feel_config *config);
+
+/*
+ Initialises a feel as at power-up, with a full energy account. Law, device and guard are those of the settings; the guard's
+ count follows from `counts_per_rev`. Call it once, because each call fills the account again. It needs 12 KB of stack, `ts_feel_tick`
+ 0.4 KB.
+
+ Returns `TS_OUT_OF_RANGE` if a value is refused; the feel is then not initialised, and gives no force.
+ */
+ts_status ts_feel_init(ts_feel *feel,
+                       ts_settings *settings,
+                       const ts_feel_config *config);
+
+/*
+ Checks a feel. If it is refused, `message` gets the reason in one line; `message` may be null.
+ */
+ts_status ts_feel_check(ts_settings *settings, const ts_feel_config *config, char *message, size_t length);
+
+/*
+ Runs one control period of a feel: takes the encoder's count, and gives the force against growing angles. Command the negative of
+ it along the angle, and hold it until the next call.
+
+ The hand gets out at most the guard's `capacity + refill * time` more energy than it put in, over all parts together.
+ */
+ts_status ts_feel_tick(ts_feel *feel,
+                       int64_t count,
+                       ts_force *force);
+
+/*
+ Reports to estimators and guard the commanded force, if it was smaller than the force that `ts_feel_tick` gave.
+ */
+ts_status ts_feel_commanded(ts_feel *feel,
+                            ts_force force);
+
+/*
+ Reports to the feel that the motor was switched off and that no call of `ts_feel_tick` follows until `ts_feel_resume`.
+ */
+ts_status ts_feel_switched_off(ts_feel *feel);
+
+/*
+ Resumes the feel when the motor is switched on again. All parts start anew; the energy guard's account keeps its level.
+ */
+ts_status ts_feel_resume(ts_feel *feel);
+
+/*
+ Reads the energy guard's account, the energy that the hand may still get out, in J times 2^48. It is 0 without a guard
+ (`law.guard.on`).
+ */
+ts_status ts_feel_account(ts_feel *feel,
+                          ts_energy *account);
 
 /*
  Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. Sets the
@@ -203,6 +498,15 @@ ts_status ts_guard_tick(ts_guard *guard,
                         ts_position moved,
                         ts_force wanted,
                         ts_force *allowed);
+
+/*
+ Displacement of a number of encoder counts, for `ts_guard_tick`: counts times the angle of one count, which `TS_POSITION` gives.
+
+ Give the guard displacements made of counts, not of a rounded angle: these add up exactly, at every turn. A jump beyond the range
+ of `ts_position` gives the end of the range, which the guard takes as over-speed.
+ */
+ts_position ts_moved(int32_t counts,
+                     ts_position count);
 
 /*
  Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to

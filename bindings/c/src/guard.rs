@@ -7,8 +7,8 @@ use crate::{ts_energy, ts_force, ts_position, ts_si};
 use core::ffi::c_char;
 use core::fmt::Write as _;
 use touchstone_control::{
-    ChangeOfForce, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, Position,
-    SettingsError, Si,
+    ChangeOfForce, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, Number as _,
+    Position, SettingsError, Si,
 };
 
 /// Size of a `ts_guard` in 64-bit words.
@@ -22,10 +22,17 @@ pub struct ts_guard {
     memory: [u64; TS_GUARD_WORDS],
 }
 
+/// An energy guard behind a limit of the force. The guard's own limit follows from its account, and may be larger.
+#[derive(Clone, Copy)]
+pub struct Limited {
+    guard: Guarded<Fixed32>,
+    limit: Force<Fixed32>,
+}
+
 // SAFETY: `assert_room!` below checks size and alignment.
 #[allow(unsafe_code)]
 unsafe impl Object for ts_guard {
-    type Value = Guarded<Fixed32>;
+    type Value = Limited;
     const MARK: u64 = 0x7473_6775_6172_6431;
 }
 assert_room!(ts_guard);
@@ -38,7 +45,7 @@ assert_room!(ts_guard);
 pub struct ts_guard_config {
     /// Control periods (calls of `ts_guard_tick`) per second, 1 to 100,000.
     pub rate_hz: u32,
-    /// Largest force that the energy guard lets through, N·m (N).
+    /// Largest force that the energy guard lets through, N·m (N). Where its account allows less, the guard lets less through.
     pub force_limit: ts_si,
     /// Step of one encoder count, or twice the largest error of a measured position, in rad (m), at most 0.1.
     pub count: ts_si,
@@ -88,9 +95,11 @@ impl ts_guard_config {
         (settings, device)
     }
 
-    fn guard(&self) -> Result<Guard<Fixed32>, SettingsError> {
+    fn guard(&self) -> Result<Limited, SettingsError> {
         let (settings, device) = self.settings();
-        Guard::new(&settings, &device)
+        let guard = Guarded::new(Guard::new(&settings, &device)?);
+        let limit = Force(Fixed32::saturating_signal(device.force_limit));
+        Ok(Limited { guard, limit })
     }
 }
 
@@ -131,7 +140,7 @@ pub extern "C" fn ts_guard_init(guard: *mut ts_guard, config: *const ts_guard_co
     {
         Err(status) => status,
         Ok(Err(_)) => ts_status::TS_OUT_OF_RANGE,
-        Ok(Ok(made)) => memory::initialise(guard, Guarded::new(made)),
+        Ok(Ok(made)) => memory::initialise(guard, made),
     }
 }
 
@@ -166,8 +175,8 @@ fn tick(
     let position = |digits| Position(fixed(digits));
     let (force, status) = match memory::value(guard) {
         Err(status) => (0, status),
-        Ok(guard) => {
-            let wanted = Force(fixed(wanted));
+        Ok(Limited { guard, limit }) => {
+            let wanted = Force(fixed(wanted)).within(*limit);
             let force = guard.moved(position(moved), position(before_change), wanted);
             let status = if guard.tripped {
                 ts_status::TS_OVERSPEED
@@ -202,6 +211,16 @@ pub extern "C" fn ts_guard_tick(
     tick(guard, moved, 0, wanted, allowed)
 }
 
+/// Displacement of a number of encoder counts, for `ts_guard_tick`: counts times the angle of one count, which `TS_POSITION` gives.
+///
+/// Give the guard displacements made of counts, not of a rounded angle: these add up exactly, at every turn. A jump beyond the range
+/// of `ts_position` gives the end of the range, which the guard takes as over-speed.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)]
+pub extern "C" fn ts_moved(counts: i32, count: ts_position) -> ts_position {
+    counts.saturating_mul(count)
+}
+
 /// Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to
 /// act. `before_change` is the part of `moved` before this second reading.
 #[unsafe(no_mangle)]
@@ -223,7 +242,7 @@ pub extern "C" fn ts_guard_tick_with_change(
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
     memory::value(guard).map_or_else(
         |status| status,
-        |guard| {
+        |Limited { guard, .. }| {
             guard.commanded(Force(fixed(force)));
             ts_status::TS_OK
         },
@@ -236,7 +255,7 @@ pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> t
 pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
     memory::value(guard).map_or_else(
         |status| status,
-        |guard| {
+        |Limited { guard, .. }| {
             guard.switched_off();
             ts_status::TS_OK
         },
@@ -250,7 +269,7 @@ pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
 pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     memory::value(guard).map_or_else(
         |status| status,
-        |guard| {
+        |Limited { guard, .. }| {
             let before = *guard;
             *guard = Guarded::new(before.guard).resumed(&before);
             ts_status::TS_OK
@@ -264,7 +283,7 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_account(guard: *mut ts_guard, account: *mut ts_energy) -> ts_status {
     match memory::value(guard) {
-        Ok(guard) => memory::put(account, guard.account().0.to_bits()),
+        Ok(Limited { guard, .. }) => memory::put(account, guard.account().0.to_bits()),
         Err(status) => {
             memory::put(account, 0);
             status

@@ -51,6 +51,27 @@ pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_statu
     ts_status::TS_OK
 }
 
+/// Same as [`initialise`], for a large value that is a pair: the parts are written one by one, so that no copy of the pair is on the
+/// stack.
+#[inline(always)]
+pub(crate) fn initialise_pair<O: Object<Value = (A, B)>, A: Copy, B: Copy>(
+    object: *mut O,
+    first: A,
+    second: B,
+) -> ts_status {
+    if object.is_null() {
+        return ts_status::TS_NULL_POINTER;
+    }
+    let place = object.cast::<Marked<(A, B)>>();
+    // SAFETY: as in `initialise`; the pair counts as initialised after both parts and the mark are written.
+    unsafe {
+        (&raw mut (*place).value.0).write(first);
+        (&raw mut (*place).value.1).write(second);
+        (&raw mut (*place).mark).write(O::MARK);
+    }
+    ts_status::TS_OK
+}
+
 /// Removes the mark from a C object's memory, so that the object counts as not initialised until `initialise` writes a new value.
 pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     if object.is_null() {
@@ -92,6 +113,12 @@ pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
     }
     // SAFETY: not null; the caller of the C function has a whole `T` there.
     Ok(unsafe { place.read() })
+}
+
+/// Borrows an input structure through a pointer that C code passed. Error: the pointer is null.
+pub(crate) fn borrow<'a, T>(place: *const T) -> Result<&'a T, ts_status> {
+    // SAFETY: the caller of the C function has a whole `T` there, which nobody changes while the call lasts.
+    unsafe { place.as_ref() }.ok_or(ts_status::TS_NULL_POINTER)
 }
 
 /// Borrows the text of a C string. Errors: the pointer is null, or the text is not UTF-8.

@@ -48,6 +48,15 @@ fn number(value: impl Into<Si>) -> f64 {
 #[pyclass(name = "Guard", module = "touchstone")]
 struct PyGuard {
     inner: Guarded<Fixed32>,
+    /// The largest force of the motor. A motor that gives less than the commanded force would break the bound.
+    limit: Force<Fixed32>,
+}
+
+impl PyGuard {
+    /// Converts a requested force, limited to what the motor can give.
+    fn wanted(limit: Force<Fixed32>, value: f64) -> PyResult<Force<Fixed32>> {
+        Ok(Force(force(value)?.0.clamp(-limit.0, limit.0)))
+    }
 }
 
 #[pymethods]
@@ -103,17 +112,19 @@ impl PyGuard {
             .map_err(|problem| PyValueError::new_err(problem.to_string()))?;
         Ok(Self {
             inner: Guarded::new(guard),
+            limit: force(force_limit_n_m)?,
         })
     }
 
     /// Runs one control period: takes the displacement since the last call and the requested force, returns the force to command.
     ///
-    /// A force that resists a positive motion is positive. `before_change_rad` is for an encoder that is also read when the last
+    /// A force that resists a positive motion is positive. The returned force is at most `force_limit_n_m`. `before_change_rad` is for an encoder that is also read when the last
     /// force begins to act: the part of `moved_rad` before that moment.
     #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
     fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
         let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
-        let allowed = self.inner.moved(moved, before, force(wanted_n_m)?);
+        let wanted = Self::wanted(self.limit, wanted_n_m)?;
+        let allowed = self.inner.moved(moved, before, wanted);
         Ok(number(allowed.0))
     }
 
@@ -136,7 +147,7 @@ impl PyGuard {
         let pairs: Vec<_> = moved
             .iter()
             .zip(wanted)
-            .map(|(moved, wanted)| Ok((position(*moved)?, force(*wanted)?)))
+            .map(|(moved, wanted)| Ok((position(*moved)?, Self::wanted(self.limit, *wanted)?)))
             .collect::<PyResult<_>>()?;
         let guard = &mut self.inner;
         let allowed: Vec<f64> = py.detach(|| {

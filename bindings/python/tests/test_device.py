@@ -1,5 +1,6 @@
 """Tests ``GuardedDevice`` with a teleoperation handle whose follower's forces arrive late."""
 
+import dataclasses
 import math
 
 import pytest
@@ -115,3 +116,44 @@ def test_overspeed_writes_no_force():
     handle.angle = 1.0
     assert device.step(0.3) == 0.0
     assert device.guard.tripped
+
+
+KNOB = touchstone.Device(
+    rate_hz=1000, inertia_kg_m2=1e-3, damping_n_m_s_per_rad=2e-3, counts_per_rev=6_283_185, force_limit_n_m=2.0, delay_s=2e-4, lag_s=1e-4
+)
+
+
+def test_the_guards_settings_follow_from_the_device():
+    settings = KNOB.guard_settings(capacity_j=0.01)
+    assert settings.pop("count_rad") == pytest.approx(1e-6, rel=1e-6)
+    assert settings == dict(rate_hz=1000, force_limit_n_m=2.0, damping_n_m_s_per_rad=2e-3, delay_s=2e-4, lag_s=1e-4, capacity_j=0.01)
+    assert KNOB.kinetic_energy_j(5.0) == Handle(speed=5.0).energy
+
+
+def test_a_device_and_its_properties_are_two_functions_and_keywords():
+    one, other = Handle(), Handle()
+    short = touchstone.GuardedDevice(one, KNOB, capacity_j=0.05)
+    long = touchstone.GuardedDevice(other.read, other.write, **KNOB.guard_settings(capacity_j=0.05))
+    for tick in range(200):
+        wanted = math.sin(tick)
+        assert short.step(wanted) == long.step(wanted)
+        one.move()
+        other.move()
+    assert short.force_limit == 2.0
+
+
+def test_a_delay_costs_account():
+    """Without the delay from the device's properties the guard would allow more."""
+    quick = touchstone.GuardedDevice(Handle(), dataclasses.replace(KNOB, delay_s=0.0, lag_s=0.0), overspeed_rad_per_s=50)
+    late = touchstone.GuardedDevice(Handle(), KNOB, overspeed_rad_per_s=50)
+    forces = [[device.step((-1.0) ** tick) for tick in range(50)] for device in (quick, late)]
+    assert sum(map(abs, forces[1])) < 0.9 * sum(map(abs, forces[0]))
+
+
+def test_a_device_of_no_sense_is_refused():
+    with pytest.raises(ValueError, match="rate_hz"):
+        touchstone.GuardedDevice(Handle(), dataclasses.replace(KNOB, rate_hz=0))
+    with pytest.raises(ValueError, match="counts_per_rev = 0"):
+        dataclasses.replace(KNOB, counts_per_rev=0)
+    with pytest.raises(ValueError, match="inertia_kg_m2 = -1"):
+        dataclasses.replace(KNOB, inertia_kg_m2=-1.0)

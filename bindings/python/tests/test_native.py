@@ -62,6 +62,11 @@ def test_no_window_gives_more_than_the_promise(seed):
     assert energy_out(moved, free) > 1.0, "the hand gets far more without the guard"
 
 
+def test_no_force_is_larger_than_the_motor_gives():
+    assert [guard().tick(0.0, wanted) for wanted in (10.0, -10.0, 0.3)] == pytest.approx([0.5, -0.5, 0.3], abs=1e-7)
+    assert guard().ticks(numpy.zeros(3), numpy.array([10.0, -10.0, math.inf])).tolist() == [0.5, -0.5, 0.5]
+
+
 def test_overspeed_stops_the_force_until_it_is_resumed():
     stage = guard()
     assert stage.tick(0.0, 0.3) == pytest.approx(0.3, abs=1e-6)

@@ -99,11 +99,3 @@ def test_a_mistake_is_told_as_without_an_executor(tmp_path):
 def test_parts_without_a_measure_are_refused(tmp_path):
     with concurrent.futures.ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="name at least one measure"):
         touchstone.sweep("tap", *AXES, out=tmp_path / "map", executor=pool)
-
-
-def test_a_cluster_of_dask_makes_the_same_bytes(whole, tmp_path):
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        with distributed.Client(cluster) as client:
-            _map(tmp_path / "map", executor=client, parts=5)
-    _same(whole[1], tmp_path / "map")

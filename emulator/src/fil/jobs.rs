@@ -12,6 +12,8 @@ use super::tally::Tally;
 use crate::bench::Setup;
 use crate::board::{Board, Encoder, FaultLink};
 use crate::cpu::elf::Program;
+use std::collections::BTreeSet;
+use touchstone_protocol::FaultCode;
 
 /// Slowest clock frequency of the independent watchdog, Hz.
 const SLOW_LSI: u64 = 29_500;
@@ -20,7 +22,7 @@ const FAST_LSI: u64 = 34_000;
 /// Number of injections per job: enough that starting and configuring a device takes little of the job's time.
 const PIECE: usize = 12;
 
-/// The short form of the campaign (the sample) runs one of this many injections.
+/// The short form of the campaign (the sample) runs one of this many injections, and what else it needs to latch every fault code.
 const OF_ROWS: usize = 3;
 
 /// The board on which the short form of the campaign (the sample) runs all checks. The other boards execute the same code.
@@ -100,7 +102,7 @@ pub struct Job<'a> {
 pub enum Asked<'a> {
     /// All checks and injections.
     Everything,
-    /// One of three injections on every board, all checks on the reference board, and a few checks on the others.
+    /// One of three injections on every board and at least one for each fault code, all checks on the reference board, and a few checks on the others.
     Sample,
     /// All injections and the checks that finish quickly.
     Brief,
@@ -191,9 +193,13 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
         ),
         on(Board::b_g431b_esc1(), SLOW_LSI, &[ON_ESC1, MOTION, MODEL]),
     ];
+    let mut lists: Vec<Vec<Injection>> = sets.iter().map(|(.., rows)| rows.clone()).collect();
+    if asked.is_sample() {
+        lists = sample(&lists);
+    }
     let mut jobs = Vec::new();
     let mut checked = Vec::new();
-    for (set, (program, setup, mut rows)) in sets.into_iter().enumerate() {
+    for ((program, setup, _), mut rows) in sets.into_iter().zip(lists) {
         let Some(program) = program else {
             continue;
         };
@@ -218,13 +224,6 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
             checked.push(board);
         }
         rows.retain(|row| is_named(&row.title()));
-        if asked.is_sample() {
-            rows = rows
-                .into_iter()
-                .skip(set % OF_ROWS)
-                .step_by(OF_ROWS)
-                .collect();
-        }
         for (index, rows) in rows.chunks(PIECE).enumerate() {
             add(Work::Rows {
                 is_first: index == 0,
@@ -233,6 +232,28 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
         }
     }
     jobs
+}
+
+/// The rows of a short form of the campaign, for each device: one of three rows, and the first row of each fault code that no other
+/// chosen row latches for certain.
+fn sample(lists: &[Vec<Injection>]) -> Vec<Vec<Injection>> {
+    let is_of_three = |list: usize, row: usize| row % OF_ROWS == list % OF_ROWS;
+    let rows = |list: usize| lists[list].iter().enumerate();
+    let mut latched: BTreeSet<FaultCode> = (0..lists.len())
+        .flat_map(|list| rows(list).filter(move |(row, _)| is_of_three(list, *row)))
+        .filter_map(|(_, row)| row.expect.only_code())
+        .collect();
+    (0..lists.len())
+        .map(|list| {
+            rows(list)
+                .filter(|(row, injection)| {
+                    is_of_three(list, *row)
+                        || (injection.expect.only_code()).is_some_and(|code| latched.insert(code))
+                })
+                .map(|(_, injection)| *injection)
+                .collect()
+        })
+        .collect()
 }
 
 impl Job<'_> {
@@ -303,5 +324,18 @@ mod tests {
             assert!(all.any(|(check, _)| *check == name), "{name}");
         }
         assert!(BOARDS.contains(&REFERENCE));
+    }
+
+    #[test]
+    fn a_sample_latches_every_fault_code_that_a_list_latches() {
+        let lists = [POWER, WITH_AS5047P, ON_IHM16M1, ON_ESC1, MOTION].map(<[_]>::to_vec);
+        let codes = |lists: &[Vec<Injection>]| -> BTreeSet<FaultCode> {
+            let rows = lists.iter().flatten();
+            rows.filter_map(|row| row.expect.only_code()).collect()
+        };
+        let sampled = sample(&lists);
+        assert_eq!(codes(&sampled), codes(&lists));
+        let count = |lists: &[Vec<Injection>]| lists.iter().map(Vec::len).sum::<usize>();
+        assert!(count(&sampled) < count(&lists) / 2);
     }
 }

@@ -116,6 +116,9 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
 }
 
 /// Starts the comparators, with DAC3 as threshold: they detect over-current in hardware, without the processor.
+///
+/// On chips of revisions Z and Y the comparators were not fully tested in production (errata sheet ES0431 rev 7, 2.6.1). The current
+/// loop checks the same currents in every PWM period (fault 1).
 fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     rcc::enable_and_reset::<peripherals::DAC3>();
     DAC3.mcr().write(|w| {

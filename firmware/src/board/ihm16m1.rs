@@ -88,8 +88,8 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones, which fails the parity
-    // check.
+    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones. Their parity is right,
+    // but the error bit is set, which is fault 16.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0

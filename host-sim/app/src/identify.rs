@@ -31,6 +31,9 @@ pub struct Options {
     push: f64,
 }
 
+/// Heading of the rows of findings.
+const HEADING: &str = "quantity          value ± one standard uncertainty";
+
 /// Fields of the scene that the damping search overwrites, each with a description of the value that it writes. `--set` refuses
 /// these fields.
 const REPLACED: [(&str, &str); 3] = [
@@ -104,7 +107,8 @@ pub fn main(options: &Options) -> Result<()> {
         )
     };
     tell!("");
-    tell!("free, from swings at three speeds both ways (± one standard uncertainty):");
+    tell!("free, from swings at three speeds both ways:");
+    tell!("{HEADING}");
     say!("{}", line("inertia", mechanics.inertia_kg_m2, "kg·m²"));
     say!(
         "{}",
@@ -121,11 +125,13 @@ pub fn main(options: &Options) -> Result<()> {
     );
     tell!("");
     tell!("held, by Algorithm 2.1, {} presses:", found.presses.len());
+    tell!("{HEADING}");
     say!(
-        "c_i               {:.4e} ± {:.1e} N·m·s/rad,  k_c = 2 c_i/T  {k_critical:.3} N·m/rad",
+        "c_i               {:.4e} ± {:.1e} N·m·s/rad",
         found.damping,
         found.uncertainty,
     );
+    say!("k_c = 2 c_i/T     {k_critical:.3} N·m/rad");
     if found.friction_share > found.resolution {
         say!(
             "of which dry friction makes some {:.1e} N·m·s/rad at the amplitude at which this was judged; it makes less of a larger one",

@@ -4,6 +4,7 @@
 //! name.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use touchstone_control::{Choice, LawKind};
 use touchstone_lab::scorecard::rivals::RIVALS;
 
 /// Names of the enhanced control law: first the one in a scorecard, second the one in a scene file.
@@ -18,6 +19,20 @@ pub fn of_scorecard() -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(names).map(|name| match name {
         name if name == ENHANCED.1 => ENHANCED.0.to_owned(),
         name => name,
+    })
+}
+
+/// Parser of a `--law` option that accepts every control law by its name in a scene file.
+pub fn of_kind() -> impl TypedValueParser<Value = LawKind> {
+    let names = LawKind::WORDS.iter().map(|name| match *name {
+        name if name == ENHANCED.1 => PossibleValue::new(name).alias(ENHANCED.0),
+        name => PossibleValue::new(name),
+    });
+    PossibleValuesParser::new(names).map(|name| {
+        let name = of_scene(name);
+        let same = |kind: &&LawKind| kind.word() == name;
+        // The parser has refused every other name.
+        LawKind::ALL.iter().find(same).copied().unwrap_or_default()
     })
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 /// A measured quantity whose magnitude is below this value, in its SI unit, is only rounding error.
-const ROUNDING: f64 = 1e-15;
+const ROUNDING: f64 = 1e-12;
 
 /// Formats a measured quantity for people, with this many digits after the decimal point. A value that is only rounding error is
 /// shown as 0.

@@ -204,6 +204,8 @@ fn a_simulated_device_plays_every_object_without_a_fault() {
             &[][..],
             &["--per-axis"],
             &["--law", "spring", "--k-desired", "2"],
+            // The name that scorecards have for the enhanced law.
+            &["--law", "enhanced", "--k-desired", "2"],
             &["--rate-hz", "1000"],
         ] {
             let mut arguments = vec!["device", "run", object];

@@ -26,6 +26,7 @@ use std::time::Instant;
 
 use crate::mutants::{self, Shard};
 use crate::outcome::Outcome;
+use crate::step::{Gates, Share};
 use crate::{inspect, shell, unit};
 use checker::{How, Left, MEMORY_KIB, Which};
 
@@ -40,6 +41,16 @@ const MEMO: &str = "proved.tsv";
 const AT_A_TIME: usize = 52;
 /// Number of harnesses (proofs) that run at the same time if `--jobs` is not given.
 const JOBS: u32 = 2;
+
+/// The full gate proves what is not yet proved of today's code; a harness whose functions did not change stands by its line in the
+/// lock.
+pub const GATES: Gates = Gates {
+    full: Share::Part(
+        &["--resume"],
+        "harnesses whose line in `proofs/harnesses.lock` is of today's code: `cargo xtask prove` proves them again; wrong changes (`--mutants`)",
+    ),
+    ..Gates::NONE
+};
 
 /// Runs `cargo xtask prove` with these arguments, from any folder of the workspace.
 pub fn run(args: &[String]) -> Outcome {

@@ -1,6 +1,8 @@
 /* A knob with a virtual wall, on SimpleFOC: a gimbal motor with an encoder AS5048A on a three-pin driver. Change pins, pole pairs and the motor's
- * figures to yours. Tests compile this file against the declarations in `tests/stand_in`; nobody has run it on a board. */
+ * figures to yours. A test compiles this file against the declarations in `tests/stand_in` and runs it on a simulated knob; nobody has run it on a
+ * board. */
 #include <SimpleFOC.h>
+#include <math.h>
 #include <touchstone.h>
 
 const uint32_t RATE_HZ = 1000, COUNTS_PER_REV = 16384;
@@ -59,7 +61,7 @@ void loop() {
   if ((int32_t)(micros() - next_us) < 0) return;
   next_us += 1000000 / RATE_HZ;
   if (!works) return;
-  int64_t count = (int64_t)(sensor.getAngle() * (COUNTS_PER_REV / 6.2831853f));
+  int64_t count = (int64_t)floorf(sensor.getAngle() * (COUNTS_PER_REV / 6.2831853f) + 0.5f);
   ts_force force;
   /* Any other status, such as a knob that is too fast for the guard: the motor is off until somebody resets the board. */
   if (ts_wall_tick(&wall, ts_penetration(count, COUNTS_PER_REV, TS_SI(0.5)), &force) != TS_OK) {

@@ -10,12 +10,12 @@ period per call, with the firmware's results to the last bit. ``run``, ``scoreca
     0.05
 """
 
-from ._device import GuardedDevice
+from ._board import Board
+from ._campaign import campaign
+from ._device import Device, GuardedDevice
+from ._errors import Failed, MayBeOn, Mistake, NotMet
 from ._native import Guard, __version__
 from ._program import (
-    Failed,
-    Mistake,
-    NotMet,
     Run,
     certify,
     program,
@@ -24,18 +24,23 @@ from ._program import (
     scorecard,
     tune,
 )
-from ._sweep import sweep
+from ._sweep import Sweep, sweep
 from ._wall import Wall
 
 __all__ = [
+    "Board",
+    "Device",
     "Failed",
     "Guard",
     "GuardedDevice",
+    "MayBeOn",
     "Mistake",
     "NotMet",
     "Run",
+    "Sweep",
     "Wall",
     "__version__",
+    "campaign",
     "certify",
     "program",
     "run",

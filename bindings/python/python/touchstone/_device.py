@@ -2,28 +2,99 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from typing import Any, Callable
+from typing import Any, Callable, Protocol, overload
 
 from ._native import Guard
+
+
+@dataclasses.dataclass(frozen=True)
+class Device:
+    """The properties of a haptic device from which the settings of guard and wall follow.
+
+    Units are rad and N·m; with m and N the same numbers serve a linear device, and ``counts_per_rev`` counts one encoder count each ``2 pi /
+    counts_per_rev`` m. ``damping_n_m_s_per_rad`` is that of the device without a hand, as measured: the guard counts on 0.8 of it.
+    """
+
+    #: Control rate, Hz.
+    rate_hz: int
+    #: Inertia of the part that moves.
+    inertia_kg_m2: float
+    #: Damping without a hand, as measured.
+    damping_n_m_s_per_rad: float
+    #: Encoder counts in one revolution.
+    counts_per_rev: int
+    #: Largest torque of the motor.
+    force_limit_n_m: float
+    #: Time from reading the position until the new torque begins to act, s.
+    delay_s: float = 0.0
+    #: Time constant with which the torque then rises, s.
+    lag_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        # The guard checks the other properties.
+        for name in ("inertia_kg_m2", "counts_per_rev"):
+            value = getattr(self, name)
+            if not 0 < value < math.inf:
+                raise ValueError(f"{name} = {value}: give a number above 0")
+
+    @property
+    def count_rad(self) -> float:
+        """Angle of one encoder count."""
+        return 2 * math.pi / self.counts_per_rev
+
+    def guard_settings(self, **more: Any) -> dict[str, Any]:
+        """The keywords of ``Guard`` for this device. ``more`` adds others, such as ``capacity_j``."""
+        return {
+            "rate_hz": self.rate_hz,
+            "force_limit_n_m": self.force_limit_n_m,
+            "count_rad": self.count_rad,
+            "damping_n_m_s_per_rad": self.damping_n_m_s_per_rad,
+            "delay_s": self.delay_s,
+            "lag_s": self.lag_s,
+            **more,
+        }
+
+    def kinetic_energy_j(self, speed_rad_per_s: float) -> float:
+        """Energy of the moving device, J. A hand may get it out beside what the guard allows."""
+        return 0.5 * self.inertia_kg_m2 * speed_rad_per_s**2
+
+
+class Readable(Protocol):
+    """A device that gives its position and takes a force."""
+
+    def read(self) -> float:
+        """The position, rad (m)."""
+
+    def write(self, force: float, /) -> object:
+        """Commands the motor's force along the position, N·m (N)."""
 
 
 class GuardedDevice:
     """Commands requested forces on a haptic device through the energy guard; a force that is too old counts as 0.
 
-    ``read()`` gives the device's position, rad (m); ``write(force)`` commands its motor along the position, N·m (N). ``guard`` takes the keywords of
-    ``Guard``. Call ``step`` once every ``1 / rate_hz`` seconds, from one thread. Give the age of a force that comes from another thread or a
-    network; a force older than ``stale_after_s`` counts as 0.
+    ``device.read()`` gives the position, rad (m); ``device.write(force)`` commands the motor along the position, N·m (N). ``Device`` has the device's
+    properties. Call ``step`` once every ``1 / rate_hz`` seconds, from one thread. Give the age of a force that comes from another thread or a
+    network; a force older than ``stale_after_s`` counts as 0. ``guard`` takes further keywords of ``Guard``.
 
-        >>> device = GuardedDevice(read, write, rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4)
-        >>> device.step(wanted=-0.2, age_s=0.003)
+        >>> knob = Device(rate_hz=1000, inertia_kg_m2=1e-4, damping_n_m_s_per_rad=4e-4, counts_per_rev=16384, force_limit_n_m=0.5, delay_s=1e-4)
+        >>> guarded = GuardedDevice(device, knob)
+        >>> guarded.step(wanted=-0.2, age_s=0.003)
+
+    Two functions and all keywords of ``Guard`` serve instead: ``GuardedDevice(read, write, rate_hz=1000, …)``.
 
     At most ``capacity_j + refill_w * time`` reaches the hand beyond what it put in, under the conditions of ``Guard``.
     """
 
-    def __init__(
-        self, read: Callable[[], float], write: Callable[[float], object], *, stale_after_s: float = 0.05, **guard: Any
-    ) -> None:
+    @overload
+    def __init__(self, read: Readable, write: Device, *, stale_after_s: float = 0.05, **guard: Any) -> None: ...
+    @overload
+    def __init__(self, read: Callable[[], float], write: Callable[[float], object], *, stale_after_s: float = 0.05, **guard: Any) -> None: ...
+    def __init__(self, read: Any, write: Any, *, stale_after_s: float = 0.05, **guard: Any) -> None:
+        if isinstance(write, Device):
+            guard = write.guard_settings(**guard)
+            read, write = read.read, read.write
         if not stale_after_s >= 0:
             raise ValueError(f"stale_after_s = {stale_after_s}: give a time of at least 0 s")
         self.guard = Guard(**guard)

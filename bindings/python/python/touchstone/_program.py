@@ -13,32 +13,14 @@ from typing import Any, Mapping, Union
 
 import numpy
 
+from . import _frames
+from ._errors import Failed, Mistake, NotMet
 from ._text import text
 
 #: A scene (description of a simulation): the name of a shipped scene, the path of a TOML file, or a dict.
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 #: Changes of a scene: paths of its fields, such as "device.inertia_kg_m2", and their new values.
 Changes = Union[Mapping[str, Any], None]
-
-
-class Failed(RuntimeError):
-    """Error: the program ``touchstone`` ended without a result. ``code`` is its exit code."""
-
-    def __init__(self, message: str, code: int) -> None:
-        super().__init__(message)
-        self.code = code
-
-
-class Mistake(Failed, ValueError):
-    """Error: an option, a scene or a file of the call is wrong. The message names place, problem and remedy."""
-
-
-class NotMet(Failed):
-    """Error: the simulation ended, but a requirement on its result (such as ``expect=``) does not hold. ``results`` has the results."""
-
-    def __init__(self, message: str, code: int, results: dict[str, Any]) -> None:
-        super().__init__(message, code)
-        self.results = results
 
 
 def program() -> str:
@@ -148,6 +130,15 @@ class Run(dict[str, Any]):
             raise Failed("no trace was kept: run with trace=True", 2)
         names, values = self._columns
         return {name: numpy.ascontiguousarray(values[:, index]) for index, name in enumerate(names)}
+
+    def frame(self) -> Any:
+        """The measured values as a pandas dataframe with one row. Names of columns end with the unit: ``k_displayed_n_m_per_rad``."""
+        # Results of three axes have no table of units: their names contain them already.
+        return _frames.of_runs(self["runs"], self.get("units", {}))
+
+    def trace_frame(self) -> Any:
+        """The values of every control period as a pandas dataframe, with the columns of ``trace``."""
+        return _frames.pandas().DataFrame(self.trace())
 
 
 def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = False, **options: Any) -> Run:

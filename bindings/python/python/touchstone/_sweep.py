@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import os
 import tempfile
-from concurrent.futures import BrokenExecutor, as_completed
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
-from ._program import Changes, Failed, Scene, _ask, _changes, _options, _Scene
+from . import _executor, _frames
+from ._errors import Failed
+from ._program import Changes, Scene, _ask, _changes, _options, _Scene
 
-#: Number of attempts to compute a part of a sweep whose worker process or program was killed.
-ATTEMPTS = 3
+
+class Sweep(dict[str, Any]):
+    """The results of ``sweep``: a dict with the content of the program's ``results.json``. ``out`` is the folder with cells and maps."""
+
+    def __init__(self, results: dict[str, Any], out: str | os.PathLike[str]) -> None:
+        super().__init__(results)
+        self.out = Path(out)
+
+    def frame(self) -> Any:
+        """The cells as a pandas dataframe: one row for each pair of values. Names of columns end with the unit: ``k_displayed_n_m_per_rad``."""
+        return _frames.of_csv(self.out / "cells.csv")
 
 
 def sweep(
@@ -26,7 +36,7 @@ def sweep(
     parts: int | None = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
-) -> dict[str, Any]:
+) -> Sweep:
     """Simulates a scene once for every pair of values of two settings. Returns the results of ``touchstone sweep``, and writes files and maps to ``out``.
 
     ``x`` and ``y`` are axes in the program's format: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts. It is any
@@ -44,7 +54,7 @@ def sweep(
     asked = [*_changes(changes), *_options({"x": x, "y": y, "measure": measures, **options})]
     if executor is None:
         with _Scene(scene) as name:
-            return _ask("sweep", name, *asked, "--out", os.fspath(out))
+            return Sweep(_ask("sweep", name, *asked, "--out", os.fspath(out)), out)
     if not measures:
         # `sweep merge` cannot read parts without a measure.
         raise ValueError("measure = (): name at least one measure where an executor computes, such as \"penetration_max\"")
@@ -53,7 +63,23 @@ def sweep(
     kept = Path(os.fspath(out) + ".parts")
     kept.mkdir(parents=True, exist_ok=True)
     folders = [kept / f"{count}-{part}" for part in range(1, count + 1)]
-    _compute(executor, text, asked, folders, progress)
+
+    def keep(part: int, files: dict[str, bytes]) -> None:
+        _keep(folders[part], files)
+        if progress:
+            progress(done(), count)
+
+    def done() -> int:
+        return sum(folder.exists() for folder in folders)
+
+    _executor.compute(
+        executor,
+        _part,
+        lambda: [part for part, folder in enumerate(folders) if not folder.exists()],
+        lambda part: (text, asked, part + 1, count),
+        keep,
+        lambda: f"{done()} of {count} parts of the sweep are done, and are kept",
+    )
     drawn: dict[str, Any] = {name: options[name] for name in ("no_certificate", "overlay", "force") if name in options}
     results = _ask("sweep", "merge", *map(str, folders), *_options(drawn), "--out", os.fspath(out))
     for folder in folders:
@@ -62,39 +88,7 @@ def sweep(
         folder.rmdir()
     if not any(kept.iterdir()):
         kept.rmdir()
-    return results
-
-
-def _compute(
-    executor: Any, text: str | bytes, asked: list[str], folders: list[Path], progress: Callable[[int, int], object] | None
-) -> None:
-    """Lets the executor compute every part of the sweep whose folder does not exist yet."""
-    makes = callable(executor) and not hasattr(executor, "submit")
-    for attempt in range(ATTEMPTS):
-        missing = [part for part, folder in enumerate(folders) if not folder.exists()]
-        if not missing:
-            return
-        pool = executor() if makes else executor
-        # Dask's client has futures of its own type; its executor has those of the standard library.
-        pool = pool.get_executor() if hasattr(pool, "get_executor") else pool
-        try:
-            futures = {pool.submit(_part, text, asked, part + 1, len(folders)): part for part in missing}
-            for future in as_completed(futures):
-                _keep(folders[futures[future]], future.result())
-                if progress:
-                    progress(sum(folder.exists() for folder in folders), len(folders))
-            return
-        except BrokenExecutor as broken:
-            if not makes or attempt + 1 == ATTEMPTS:
-                done = sum(folder.exists() for folder in folders)
-                raise Failed(
-                    f"sweep: a worker of the executor was killed with {done} of {len(folders)} parts done; they are kept: call again with a "
-                    "new executor, or give a function that makes one",
-                    1,
-                ) from broken
-        finally:
-            if makes:
-                pool.shutdown(wait=True, cancel_futures=True)
+    return Sweep(results, out)
 
 
 def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
@@ -106,14 +100,14 @@ def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[st
             scene = str(Path(folder) / "scene.toml")
             Path(scene).write_bytes(text)
         made = Path(folder) / "part"
-        for attempt in range(ATTEMPTS):
+        for attempt in range(_executor.ATTEMPTS):
             try:
                 # One thread, because there are at least as many workers as cores.
                 _ask("sweep", scene, *asked, "--threads", "1", "--shard", f"{part}/{parts}", "--out", str(made))
                 break
             except Failed as failed:
                 # An exit code below 0: a signal killed the program. Its folder keeps the finished runs.
-                if failed.code >= 0 or attempt + 1 == ATTEMPTS:
+                if failed.code >= 0 or attempt + 1 == _executor.ATTEMPTS:
                     raise
         return {file.name: file.read_bytes() for file in made.iterdir()}
 

@@ -70,6 +70,17 @@ pub enum Expect {
     GoesOn,
 }
 
+impl Expect {
+    /// The fault code that the device must latch, if it is one and no other.
+    #[must_use]
+    pub const fn only_code(self) -> Option<Code> {
+        match self {
+            Self::Off(_, [code]) | Self::OffAtLast(_, [code]) => Some(*code),
+            _ => None,
+        }
+    }
+}
+
 /// A fault to inject, with the state it occurs in and the expected result.
 #[derive(Debug, Clone, Copy)]
 pub struct Injection {

@@ -1,13 +1,11 @@
 //! Chooses the wall that `touchstone device run` renders: tuned for the device, with the thesis' settings, or from a file.
 
+use crate::law_name;
 use crate::number;
 use crate::out::path_line;
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
-use touchstone_control::{
-    Choice, EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind,
-};
+use touchstone_control::{EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind};
 use touchstone_device::WallSettings;
 use touchstone_device::haptic::DataSheet;
 use touchstone_lab::identify::lever::{Lever, PRESS_SHARE};
@@ -34,7 +32,7 @@ pub struct WallOptions {
     #[arg(long, value_enum)]
     preset: Option<WallPreset>,
     /// The control law along the surface's normal, with the thesis' settings; default: enhanced-sfa.
-    #[arg(long, value_parser = PossibleValuesParser::new(LawKind::WORDS).map(|word| law(&word)))]
+    #[arg(long, value_parser = law_name::of_kind())]
     law: Option<LawKind>,
     /// Desired stiffness, N/mm, with the thesis' settings; default: 5, or 1 where nothing is known of the device.
     #[arg(long, value_name = "N_PER_MM", allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
@@ -58,12 +56,6 @@ pub struct WallOptions {
     /// Runs without the energy guard.
     #[arg(long)]
     pub no_guard: bool,
-}
-
-/// The control law with this name. The option's parser has checked that it exists.
-fn law(word: &str) -> LawKind {
-    let same = |kind: &&LawKind| kind.word() == word;
-    LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
 /// Default stiffness with the thesis' settings, N/mm. The next constant is that for a device of unknown mass and damping.

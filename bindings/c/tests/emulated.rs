@@ -1,0 +1,180 @@
+//! Runs the C programs of random motions on emulated microcontrollers: guard, estimator, every law and feels have the bits of the
+//! desktop. Prints sizes, and checks that no part of the library calculates with floats.
+//!
+//! Needs Rust's targets, `arm-none-eabi-gcc` and `qemu-system-arm`, and builds the library for each chip, which takes minutes:
+//! `cargo test -p touchstone-c --test emulated -- --ignored --nocapture`.
+
+mod program;
+
+use program::{Program, ROOT, file, is_here};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A microcontroller and the emulator's board that has it.
+struct Chip {
+    name: &'static str,
+    target: &'static str,
+    machine: &'static str,
+    flags: &'static [&'static str],
+    /// Where code and data begin, and how much memory there is for data.
+    memory: [&'static str; 3],
+}
+
+const CHIPS: [Chip; 4] = [
+    Chip {
+        name: "Cortex-M0",
+        target: "thumbv6m-none-eabi",
+        machine: "microbit",
+        flags: &["-mcpu=cortex-m0"],
+        memory: ["0", "0x20000000", "16K"],
+    },
+    // The emulator's only Cortex-M0 has too little memory for the stack that a feel needs, so the same code also runs on a Cortex-M3.
+    Chip {
+        name: "Cortex-M3 with a Cortex-M0's code",
+        target: "thumbv6m-none-eabi",
+        machine: "mps2-an385",
+        flags: &["-mcpu=cortex-m0"],
+        memory: ["0", "0x20000000", "4M"],
+    },
+    Chip {
+        name: "Cortex-M4F",
+        target: "thumbv7em-none-eabihf",
+        machine: "mps2-an386",
+        flags: &["-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
+        memory: ["0", "0x20000000", "4M"],
+    },
+    Chip {
+        name: "Cortex-M33",
+        target: "thumbv8m.main-none-eabihf",
+        machine: "mps2-an505",
+        flags: &["-mcpu=cortex-m33", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16"],
+        memory: ["0x10000000", "0x38000000", "2M"],
+    },
+];
+
+impl Chip {
+    /// Builds the library for this chip, in a folder of its own under cargo's. `None` without Rust's target.
+    fn library(&self) -> Option<PathBuf> {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("emulated");
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--quiet", "--jobs", "1", "--profile", "embedded"])
+            .args(["--package", "touchstone-c", "--target", self.target])
+            .arg("--target-dir")
+            .arg(&folder)
+            .current_dir(ROOT)
+            .output()
+            .expect("cargo can be started");
+        let complaint = String::from_utf8_lossy(&built.stderr);
+        if complaint.contains("target may not be installed") {
+            eprintln!(
+                "not run on {}: rustup target add {}",
+                self.name, self.target
+            );
+            return None;
+        }
+        assert!(built.status.success(), "{complaint}");
+        Some(folder.join(self.target).join("embedded/libtouchstone_c.a"))
+    }
+
+    /// Compiles a program for this chip.
+    fn program(&self, arguments: &[&str], sources: &[&str], library: &Path) -> PathBuf {
+        let program = library.with_file_name("program.elf");
+        let [code, data, size] = self.memory;
+        let built = Command::new("arm-none-eabi-gcc")
+            .args(self.flags)
+            .args(["-mthumb", "-Os", "-Wall", "-Wextra", "-Werror"])
+            .args(["-nostartfiles", "-Wl,--gc-sections"])
+            .args(arguments)
+            .arg(format!(
+                "-Wl,--defsym=code={code},--defsym=data={data},--defsym=data_size={size}"
+            ))
+            .arg(format!("-I{ROOT}/include"))
+            .arg("-T")
+            .arg(file("tests/emulated/program.ld"))
+            .args(sources.iter().map(|source| file(source)))
+            .arg(library)
+            .arg("-o")
+            .arg(&program)
+            .output()
+            .expect("the compiler can be started");
+        let complaint = String::from_utf8_lossy(&built.stderr);
+        assert!(built.status.success(), "{}: {complaint}", self.name);
+        program
+    }
+
+    /// Compiles a program for this chip and runs it in the emulator. Returns what it printed.
+    fn said(&self, source: &str, library: &Path) -> String {
+        let sources = ["tests/emulated/start.c", source];
+        let program = self.program(&["--specs=rdimon.specs"], &sources, library);
+        let ran = Command::new("qemu-system-arm")
+            .args(["-M", self.machine, "-nographic", "-monitor", "none"])
+            .args(["-serial", "none", "-semihosting-config"])
+            .args(["enable=on,target=native", "-kernel"])
+            .arg(&program)
+            .output()
+            .expect("the emulator can be started");
+        assert!(ran.status.success(), "{}: {}", self.name, ran.status);
+        String::from_utf8_lossy(&ran.stdout).into_owned()
+    }
+}
+
+/// Output of one of the compiler's tools about a program.
+fn tool(name: &str, program: &Path) -> String {
+    let ran = Command::new(name).arg(program).output();
+    let ran = ran.unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(ran.status.success(), "{name}: {}", ran.status);
+    String::from_utf8_lossy(&ran.stdout).into_owned()
+}
+
+/// Prints the size of a main loop with each part of the library. On a chip without a floating-point unit, a program that calculates
+/// with floats has functions for it.
+fn loops(chip: &Chip, library: &Path) {
+    for part in ["GUARD", "ESTIMATOR", "WALL", "FEEL"] {
+        let part_is = format!("-DPART={part}");
+        let arguments = ["--specs=nosys.specs", "-Wl,-e,main", &part_is];
+        let program = chip.program(&arguments, &["tests/emulated/loop.c"], library);
+        let size = tool("arm-none-eabi-size", &program);
+        let row = size.lines().nth(1).unwrap_or_default();
+        let bytes: Vec<&str> = row.split_whitespace().take(3).collect();
+        println!("{}, {part}: bytes of text, data, bss {bytes:?}", chip.name);
+        let names = tool("arm-none-eabi-nm", &program);
+        let is_of_float = |name: &&str| {
+            let of_arm = name.starts_with("__aeabi_f") || name.starts_with("__aeabi_d");
+            let is_division_of_integers = name.starts_with("__aeabi_div");
+            of_arm && !is_division_of_integers || name.ends_with("sf3") || name.ends_with("df3")
+        };
+        let words = names.split_whitespace();
+        assert_eq!(
+            words.clone().find(is_of_float),
+            None,
+            "{}, {part}",
+            chip.name
+        );
+        assert!(words.clone().any(|name| name.starts_with("ts_")));
+    }
+}
+
+#[test]
+#[ignore = "builds the library for three microcontrollers"]
+fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
+    if !(is_here("arm-none-eabi-gcc") && is_here("qemu-system-arm")) {
+        return;
+    }
+    for chip in CHIPS {
+        let Some(library) = chip.library() else {
+            continue;
+        };
+        loops(&chip, &library);
+        for (name, source) in [("hostile", "examples/hostile.c"), ("feel", "tests/feel.c")] {
+            let is_small = chip.memory.contains(&"16K");
+            if is_small && name == "feel" {
+                continue;
+            }
+            let Some(desktop) = Program::c(name, &[source]).said(&[]) else {
+                return;
+            };
+            assert_eq!(chip.said(source, &library), desktop, "{}", chip.name);
+            println!("{}: {source} has the same bits", chip.name);
+        }
+    }
+}
