@@ -371,6 +371,9 @@ def record(page, program, folder):
         check(done.returncode == 0, f"the recorded scene runs {done.stderr.strip()[-200:]}")
         if done.returncode:
             continue
+        with open(paths[0], encoding="ascii") as file:
+            bare = [cell for row in list(csv.reader(file))[1:] for cell in row if cell.lstrip("-").isdigit()]
+        check(not bare, f"{law}: each number of the record has a decimal point {bare[:1]}")
         live, again = read(paths[0]), read(glob.glob(os.path.join(out, "traces", "*.csv"))[0])
         differing = [name for name in live if len(live[name]) != len(again[name]) or not all(map(same, live[name], again[name]))]
         touched = sum(force != 0 for force in live["force_n_m"])

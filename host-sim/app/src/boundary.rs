@@ -10,6 +10,7 @@ use touchstone_lab::boundary::{BoundaryPlan, map};
 use touchstone_lab::report::{self, pages};
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::output;
 use touchstone_sim::scene::Scene;
 
 /// Options of the command `touchstone boundary`.
@@ -97,13 +98,14 @@ pub fn main(options: &Options) -> Result<()> {
         problem: error.to_string(),
         fix: "choose another folder".to_owned(),
     };
-    std::fs::create_dir_all(folder).map_err(unwritable)?;
     let file = folder.join(CELLS);
     if options.force && file.is_file() {
         std::fs::remove_file(&file).map_err(unwritable)?;
     }
     let bar = progress::bar(plan.places().len() as u64, "cells");
-    let cells = plan.fill(&file, |done| bar.set_position(done))?;
+    let cells = output::in_folder(folder, unwritable, || {
+        plan.fill(&file, |done| bar.set_position(done))
+    })?;
     bar.finish_and_clear();
     let value = map::results(&plan, &cells);
     let page = pages::Page {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::harmless::one_line;
+use touchstone_sim::output;
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::{NO_CONTACT, NOT_JUDGED, WORDS};
 use touchstone_sim::scene::list;
@@ -260,10 +261,8 @@ impl Checked {
         let text = report
             .to_string()
             .map_err(|error| place.error(&std::io::Error::other(error)))?;
-        if let Some(folder) = file.parent() {
-            std::fs::create_dir_all(folder).map_err(|error| place.error(&error))?;
-        }
-        place.write(text)
+        let folder = file.parent().unwrap_or(file);
+        output::in_folder(folder, |error| place.error(&error), || place.write(text))
     }
 }
 

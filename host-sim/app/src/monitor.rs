@@ -236,7 +236,13 @@ impl<'a> Table<'a> {
         };
         let begun = table.file.write_record(COLUMNS);
         begun.map_err(|error| place.error(&error.into()))?;
-        table.flush()?;
+        if let Err(error) = table.flush() {
+            // An empty file is not left. A device or a pipe is not the program's.
+            if place.path.symlink_metadata().is_ok_and(|it| it.is_file()) {
+                let _ = std::fs::remove_file(place.path);
+            }
+            return Err(error);
+        }
         Ok(table)
     }
 

@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::harmless::is_harmful;
+use touchstone_sim::output;
 
 /// This program's command line, quoted so that a shell parses it into the same arguments. Bytes that are not UTF-8 appear as
 /// U+FFFD.
@@ -65,10 +66,10 @@ pub fn completions(options: &Completions) -> Result<()> {
 pub fn man(options: &Man) -> Result<()> {
     match &options.folder {
         Some(folder) => {
-            std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
             let mut command = Cli::command().disable_help_subcommand(true);
             command.build();
-            pages(&command, folder)?;
+            let wrong = |error| io(folder, &error);
+            output::in_folder(folder, wrong, || pages(&command, folder))?;
             tell!("{}", folder.join("touchstone.1").display());
             Ok(())
         }

@@ -89,9 +89,13 @@ impl Journal {
         let text = writer
             .into_inner()
             .map_err(|error| wrong(error.to_string()))?;
-        self.file
-            .write_all(&text)
-            .map_err(|error| wrong(error.to_string()))?;
+        if let Err(error) = self.file.write_all(&text) {
+            if self.empty {
+                // Nothing was finished, so that nothing is kept.
+                let _ = std::fs::remove_file(&self.path);
+            }
+            return Err(wrong(error.to_string()));
+        }
         self.empty &= text.is_empty();
         Ok(())
     }

@@ -374,9 +374,11 @@ function save(name, type, text) {
 function saveEach(make) {
   recorded?.files.forEach((file, i) => { if (file) make(file, `live-${"ab"[i]}`); });
 }
+/** A number with a decimal point, as in every table of the program. Readers take a column that begins with many integers for one of integers. */
+const decimal = (number) => (Number.isInteger(number) && Math.abs(number) < 1e21 ? number.toFixed(1) : String(number));
 function csv({ rows }) {
   const names = content.row.slice(0, content.trace), lines = [names.join(",")];
-  for (let at = 0; at < rows.length; at += names.length) lines.push(Array.from(rows.subarray(at, at + names.length), String).join(","));
+  for (let at = 0; at < rows.length; at += names.length) lines.push(Array.from(rows.subarray(at, at + names.length), decimal).join(","));
   return `${lines.join("\n")}\n`;
 }
 

@@ -2,18 +2,92 @@
 //! then renamed to the final name. A symbolic link of the final name is never followed, and an older file is replaced only if the
 //! caller says so. Exceptions are devices, pipes and the files of [`begun`], which are written in place.
 
-use std::fs::{File, Metadata, OpenOptions};
+use std::ffi::{OsStr, OsString};
+use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Beginning of a temporary file's name; the number of the writing process and the final file's name follow.
 const PREFIX: &str = ".touchstone-";
 
-/// A temporary file in the folder of the final file, deleted on drop unless it was renamed. The program locks the file while using
-/// it; an unlocked one was left by a killed process.
-struct Beside {
+/// A temporary file beside an output, which is deleted on drop. The program locks the file while it uses it. The operating system
+/// unlocks it when the process ends in any way, so that an unlocked file was left by a killed process.
+#[derive(Debug)]
+pub struct Beside {
     path: PathBuf,
     file: File,
+}
+
+/// State of a temporary file that this or another process created.
+#[derive(Debug)]
+pub enum Found {
+    /// Its process has ended. The file is now locked by this process.
+    Left(Beside),
+    /// Its process is still running.
+    InUse,
+    /// It is no regular file, it cannot be opened, or the file system has no locks.
+    Unknown,
+}
+
+impl Beside {
+    /// Creates and locks a temporary file. `name` makes its name from a text that no other temporary file of this process has:
+    /// `PROCESS.COUNT`.
+    ///
+    /// # Errors
+    /// The operating system's error.
+    pub fn create(folder: &Path, name: impl Fn(&str) -> OsString) -> Result<Self> {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        loop {
+            let count = COUNT.fetch_add(1, Ordering::Relaxed);
+            let path = folder.join(name(&format!("{}.{count}", std::process::id())));
+            let file = match File::create_new(&path) {
+                // A killed process with the same number left this name.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
+                created => created?,
+            };
+            // Before the lock, another process may take the file for one that was left behind, and delete it. On a file system
+            // without locks, files of killed processes stay.
+            let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+            if !is_taken && path.symlink_metadata().is_ok() {
+                return Ok(Self { path, file });
+            }
+        }
+    }
+
+    /// Whether the temporary file's process has ended. A link is not followed, and a pipe is not waited for.
+    #[must_use]
+    pub fn find(path: &Path) -> Found {
+        if !std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file()) {
+            return Found::Unknown;
+        }
+        // Some file systems lock only files that are open for writing.
+        let Ok(file) = OpenOptions::new().read(true).write(true).open(path) else {
+            return Found::Unknown;
+        };
+        match file.try_lock() {
+            // Its process has deleted it in the meantime.
+            Ok(()) if path.symlink_metadata().is_err() => Found::InUse,
+            Ok(()) => Found::Left(Self {
+                path: path.to_owned(),
+                file,
+            }),
+            Err(TryLockError::WouldBlock) => Found::InUse,
+            Err(TryLockError::Error(_)) => Found::Unknown,
+        }
+    }
+
+    /// Path of the temporary file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The locked file, to write into or to read from.
+    #[must_use]
+    pub fn file(&self) -> &File {
+        &self.file
+    }
 }
 
 impl Drop for Beside {
@@ -21,6 +95,16 @@ impl Drop for Beside {
         // After the move the temporary file no longer exists, and the error is ignored.
         let _ = std::fs::remove_file(&self.path);
     }
+}
+
+/// Whether a text is `PROCESS.COUNT`, or `PROCESS` alone, as in the names of temporary files.
+#[must_use]
+pub fn is_number_of_process(text: &str) -> bool {
+    let mut parts = text.split('.');
+    let is_number = |part: &str| part.parse::<u32>().is_ok();
+    parts.next().is_some_and(is_number)
+        && parts.next().is_none_or(is_number)
+        && parts.next().is_none()
 }
 
 /// Whether the path is a device or a pipe, also through a link such as `/dev/stdout`. Such a path is written to, not replaced.
@@ -90,36 +174,39 @@ fn put(path: &Path, content: &[u8], replaces: bool) -> Result<()> {
     }
 }
 
+/// Folder of a file; `.` for a plain name.
+fn folder_of(path: &Path) -> &Path {
+    let folder = path.parent().filter(|dir| !dir.as_os_str().is_empty());
+    folder.unwrap_or(Path::new("."))
+}
+
 /// Creates the temporary file for `path`, and deletes temporary files that killed processes left for the same path.
 fn beside(path: &Path) -> Result<Beside> {
     let Some(name) = path.file_name() else {
         return Err(ErrorKind::InvalidFilename.into());
     };
-    let mut hidden = std::ffi::OsString::from(format!("{PREFIX}{}-", std::process::id()));
-    hidden.push(name);
-    let hidden = path.with_file_name(hidden);
-    sweep(path, &hidden);
-    let file = File::create_new(&hidden)?;
-    // On a file system without locks, temporary files of killed processes stay.
-    let _ = file.try_lock();
-    Ok(Beside { path: hidden, file })
+    sweep(path);
+    Beside::create(folder_of(path), |process| {
+        let mut hidden = OsString::from(format!("{PREFIX}{process}-"));
+        hidden.push(name);
+        hidden
+    })
 }
 
-fn sweep(path: &Path, own: &Path) {
-    // A killed process with the same number may have left the same name.
-    let _ = std::fs::remove_file(own);
-    let folder = path.parent().filter(|dir| !dir.as_os_str().is_empty());
-    let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+/// Deletes temporary files that killed processes left for `path`.
+fn sweep(path: &Path) {
+    let entries = std::fs::read_dir(folder_of(path));
     for entry in entries.into_iter().flatten().flatten() {
         let name = entry.file_name();
-        let of_this = name
-            .to_str()
-            .and_then(|name| name.strip_prefix(PREFIX)?.split_once('-'))
-            .is_some_and(|(process, of)| {
-                process.parse::<u32>().is_ok() && path.file_name() == Some(of.as_ref())
-            });
-        if of_this && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
-            let _ = std::fs::remove_file(entry.path());
+        let rest = name.as_encoded_bytes().strip_prefix(PREFIX.as_bytes());
+        let of_this = rest.is_some_and(|rest| {
+            let process = rest.split(|byte| *byte == b'-').next().unwrap_or_default();
+            std::str::from_utf8(process).is_ok_and(is_number_of_process)
+                && rest.get(process.len() + 1..) == path.file_name().map(OsStr::as_encoded_bytes)
+        });
+        if of_this {
+            // Dropping the file deletes it.
+            drop(Beside::find(&entry.path()));
         }
     }
 }
@@ -144,7 +231,42 @@ pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     if replaces && place.is_ok_and(|meta| !meta.is_dir()) {
         std::fs::remove_file(path)?;
     }
+    sweep(path);
     File::create_new(path)
+}
+
+/// Folders of a path that do not exist, innermost first: those that creating the path's folder makes.
+#[must_use]
+pub fn missing(folder: &Path) -> Vec<PathBuf> {
+    let missing = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
+    let dirs = folder.ancestors().take_while(missing);
+    dirs.map(Path::to_owned).collect()
+}
+
+/// Removes those of the folders that are empty.
+pub fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders {
+        let _ = std::fs::remove_dir(folder);
+    }
+}
+
+/// Creates a folder with its parents, and writes into it by `work`. If that fails, none of the new folders is left empty.
+///
+/// # Errors
+/// The operating system's error, converted by `wrong`; the error of `work`.
+pub fn in_folder<T, E>(
+    folder: &Path,
+    wrong: impl FnOnce(std::io::Error) -> E,
+    work: impl FnOnce() -> std::result::Result<T, E>,
+) -> std::result::Result<T, E> {
+    let made = missing(folder);
+    let done = std::fs::create_dir_all(folder)
+        .map_err(wrong)
+        .and_then(|()| work());
+    if done.is_err() {
+        remove_empty(&made);
+    }
+    done
 }
 
 #[cfg(test)]
@@ -186,21 +308,77 @@ mod tests {
     #[test]
     fn what_a_killed_process_left_goes_with_the_next_of_the_same_name() {
         let folder = folder("killed");
-        for name in [
-            ".touchstone-1-a",
-            ".touchstone-2-a",
+        let kept = [
+            ".touchstone-2.0-a",
             ".touchstone-1-b",
+            ".touchstone-1-a-a",
             ".touchstone-x-a",
-        ] {
-            fs::write(folder.join(name), "half").unwrap();
-        }
-        let at_work = File::open(folder.join(".touchstone-2-a")).unwrap();
+            ".touchstone-1.x-a",
+            ".touchstone-1.2.3-a",
+            ".touchstone--a",
+        ];
+        let fill = || {
+            for name in [".touchstone-1-a", ".touchstone-1.17-a"]
+                .iter()
+                .chain(&kept)
+            {
+                fs::write(folder.join(name), "half").unwrap();
+            }
+        };
+        fill();
+        let at_work = File::open(folder.join(kept[0])).unwrap();
         at_work.lock().unwrap();
+        let mut expected = kept.to_vec();
+        expected.push("a");
+        expected.sort_unstable();
         write(&folder.join("a"), "whole").unwrap();
-        assert_eq!(
-            names(&folder),
-            [".touchstone-1-b", ".touchstone-2-a", ".touchstone-x-a", "a"]
-        );
+        assert_eq!(names(&folder), expected);
+        // A file that grows at its place leaves none, but deletes what another command left.
+        fill();
+        begun(&folder.join("a"), true).unwrap();
+        assert_eq!(names(&folder), expected);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Tests that a link or a pipe with the name of a temporary file is neither opened nor deleted.
+    #[cfg(unix)]
+    #[test]
+    fn only_a_file_is_taken_for_what_a_killed_process_left() {
+        let folder = folder("odd");
+        fs::write(folder.join("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink("mine", folder.join(".touchstone-1-a")).unwrap();
+        fs::create_dir(folder.join(".touchstone-2-a")).unwrap();
+        let pipe = folder.join(".touchstone-3-a");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        let before = names(&folder);
+        write(&folder.join("a"), "whole").unwrap();
+        assert_eq!(names(&folder).len(), before.len() + 1);
+        assert_eq!(fs::read(folder.join("mine")).unwrap(), b"mine");
+        if !made.is_ok_and(|ended| ended.success()) {
+            println!("the pipe was skipped: there is no mkfifo");
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Tests that several threads write one file at once. Each of them takes the others' temporary files for ones in use, and none
+    /// deletes them.
+    #[test]
+    fn many_at_once_do_not_delete_each_others_files() {
+        let folder = folder("many");
+        let file = folder.join("a");
+        std::thread::scope(|scope| {
+            for letter in ["a", "b", "c", "d"] {
+                let file = &file;
+                scope.spawn(move || {
+                    for _ in 0..50 {
+                        write(file, letter.repeat(1000)).unwrap();
+                    }
+                });
+            }
+        });
+        let whole = fs::read_to_string(&file).unwrap();
+        assert_eq!(whole, whole[..1].repeat(1000));
+        assert_eq!(names(&folder), ["a"]);
         fs::remove_dir_all(folder).unwrap();
     }
 
@@ -240,6 +418,25 @@ mod tests {
         assert_eq!(fs::read(&other).unwrap(), b"mine");
         assert_eq!(fs::read(&link).unwrap(), b"new");
         assert_eq!(names(&folder), ["link", "nowhere", "other"]);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_folder_in_which_nothing_could_be_written_is_not_left() {
+        let folder = folder("new");
+        let new = folder.join("a/b");
+        let failed: Result<()> = in_folder(&new, |error| error, || write(&new.join("none/c"), "x"));
+        assert!(failed.is_err() && names(&folder).is_empty());
+        // What was written stays, and so does a folder that was there before.
+        let half = || {
+            write(&new.join("c"), "x")?;
+            write(&new.join("none/d"), "x")
+        };
+        assert!(in_folder(&new, |error| error, half).is_err());
+        assert_eq!(names(&new), ["c"]);
+        fs::remove_file(new.join("c")).unwrap();
+        let failed: Result<()> = in_folder(&new, |error| error, || write(&new.join("none/c"), "x"));
+        assert!(failed.is_err() && new.is_dir());
         fs::remove_dir_all(folder).unwrap();
     }
 

@@ -11,6 +11,17 @@ use scene::{Ended, TRIED_S, made, tried};
 use std::panic::catch_unwind;
 use std::time::Instant;
 
+/// Peak memory in MB that a campaign may need.
+const MEMORY_MB: f64 = 300.0;
+
+/// Peak memory of this process in MB; 0 where the system does not report it.
+fn peak_mb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = peak.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+    kib.map_or(0.0, |kib| kib * 1024e-6)
+}
+
 fn campaign(number: usize, seed: u64) {
     let mut seeded = Seeded(seed);
     let [mut runs, mut refused, mut long] = [0; 3];
@@ -39,10 +50,19 @@ fn campaign(number: usize, seed: u64) {
             }
         }
         if (at + 1) % 10_000 == 0 {
-            println!("{} made in {:.0} s", at + 1, begun.elapsed().as_secs_f64());
+            println!(
+                "{} made in {:.0} s: {runs} run, {refused} refused, {long} said to be long, {} wrong; at most {:.2} s, {:.0} MB",
+                at + 1,
+                begun.elapsed().as_secs_f64(),
+                wrong.len(),
+                slowest[0].0,
+                peak_mb()
+            );
         }
     }
-    println!("{runs} run, {refused} refused, {long} said to be long");
+    let memory_mb = peak_mb();
+    println!("{runs} run, {refused} refused, {long} said to be long; {memory_mb:.0} MB");
+    assert!(memory_mb < MEMORY_MB, "{memory_mb:.0} MB");
     let [quiet, said] = slowest;
     println!("without a word at most {:.2} s: {}", quiet.0, quiet.1);
     let estimates = said.0 / TRIED_S;

@@ -69,10 +69,9 @@ fn untouched(folder: &Path) -> Result<()> {
 }
 
 impl Kept {
-    /// Reads the progress from the folder; creates the folder if it does not exist.
+    /// Reads the progress from the folder. A folder that does not exist has none; it is created with the first file.
     pub fn open(folder: &Path) -> Result<Self> {
         let file = folder.join(NAME);
-        std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
         let done = match touchstone_sim::input::text(&file, touchstone_sim::input::MOST_OF_SETTINGS)
         {
             Ok(text) => serde_json::from_str(&text).map_err(|error| Error::Io {

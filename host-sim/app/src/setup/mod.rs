@@ -273,8 +273,8 @@ fn connect(options: &Options) -> Result<Client> {
     }
 }
 
-/// Prepares the folder and the board: checks that the folder belongs to this board, stops the board, and saves its settings if the
-/// folder is new. Errors: the folder belongs to another board, or the wall is on.
+/// Prepares the folder and the board: checks that the folder belongs to this board, or creates it, stops the board, and saves its
+/// settings if the folder is new. Errors: the folder belongs to another board or cannot be created, or the wall is on.
 fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     let number = number_of(client.identity());
     match kept.device() {
@@ -299,11 +299,17 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
         (_, Some(fault)) => note!("note: the board was in fault {}", name_of(fault)),
         _ => {}
     }
+    // Before the board is changed, and with the first file: where no board answers, no empty folder is left.
+    output::in_folder(
+        folder,
+        |error| io(folder, &error),
+        || match kept.device() {
+            None => kept.begin(&number),
+            Some(_) => Ok(()),
+        },
+    )?;
     if !matches!(status.phase, Phase::Boot | Phase::Stopped) {
         client.tell(&Request::Command(DeviceCommand::Stop))?;
-    }
-    if kept.device().is_none() {
-        kept.begin(&number)?;
     }
     // An interruption may have come before they were written.
     let before = folder.join(BEFORE);

@@ -8,7 +8,7 @@ use touchstone_world::motor::GIMBAL;
 use touchstone_world::plant::{Coulomb, Device, State};
 
 /// Records with `touchstone monitor` while a hand flicks the simulated knob.
-fn recorded(file: &Path) -> u32 {
+pub fn recorded(file: &Path) -> u32 {
     let knob = Device {
         inertia: 1e-4,
         damping: 4e-4,

@@ -75,16 +75,7 @@ fn an_interrupt_leaves_nothing_and_says_so() {
 fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     let here = folder("killed");
     let (mut child, hidden) = begun(&here);
-    // While the first run works, another run does not remove its hidden folder, however old the folder looks.
-    let age = |hidden: &Path| {
-        let lock = std::fs::File::options()
-            .write(true)
-            .open(hidden.join(".lock"))
-            .unwrap();
-        lock.set_modified(std::time::SystemTime::now() - Duration::from_secs(60))
-            .unwrap();
-    };
-    age(&hidden);
+    // While the first run works, another run does not remove its hidden folder.
     let next = || {
         run_in(&here, &["run", "tap", "--out", "new/other"])
             .ended(0)
@@ -103,8 +94,40 @@ fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     );
     assert_eq!(names(&here.join("new")), ["other"]);
 
-    // A hidden folder without a lock file may be in use. The program prints its name and does not remove it.
-    std::fs::create_dir(here.join("new/.touchstone-report-1")).unwrap();
+    // A hidden folder without its locked file may be in use. The program prints its name and does not remove it.
+    std::fs::create_dir(here.join("new/.touchstone-report-1.0")).unwrap();
     assert!(next().contains("may be left of a run that was ended"));
-    assert_eq!(names(&here.join("new")), [".touchstone-report-1", "other"]);
+    // Other names, and links, are not the program's.
+    let others = [".touchstone-report-1", ".touchstone-report-mine"];
+    for other in others {
+        std::fs::create_dir_all(here.join("new").join(other).join("kept")).unwrap();
+    }
+    std::fs::create_dir(here.join("mine")).unwrap();
+    std::fs::write(here.join("mine/kept"), "").unwrap();
+    let linked = here.join("new/.touchstone-report-2.0");
+    std::os::unix::fs::symlink("../mine", &linked).unwrap();
+    std::fs::write(linked.with_extension("0.lock"), "").unwrap();
+    next();
+    assert!(linked.is_symlink() && here.join("mine/kept").is_file());
+    for other in others {
+        assert!(
+            here.join("new").join(other).join("kept").is_dir(),
+            "{other}"
+        );
+    }
+}
+
+/// Checks that a report which another command writes to the same folder removes what a killed run left there, as the next write does,
+/// not only the next run.
+#[test]
+fn what_a_killed_run_left_is_removed_by_every_command_that_writes_a_report() {
+    let here = folder("killed-any");
+    let (mut child, hidden) = begun(&here);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(hidden.is_dir());
+    let device = ["device", "run", "plane", "--device", "simulated"];
+    let words = [&device[..], &["--seconds", "0.2", "--out", "new/device"]].concat();
+    run_in(&here, &words).ended(0);
+    assert_eq!(names(&here.join("new")), ["device"]);
 }

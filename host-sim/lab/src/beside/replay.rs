@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::output;
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
+use touchstone_sim::{input, output};
 
 /// Name of the file in the results folder that contains the computed motion of a hand that held the knob.
 pub const HAND_FILE: &str = "hand.csv";
@@ -246,17 +246,24 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
+    // A killed comparison of the same recording has written it.
+    let is_there = file.symlink_metadata().is_ok_and(|meta| meta.is_file())
+        && input::text(&file, input::MOST_OF_RECORDING).is_ok_and(|there| there == text);
+    if is_there {
+        return Ok(file);
+    }
     // In a folder with results the file belongs to them; in any other folder an existing file is not overwritten.
-    let written = std::fs::create_dir_all(folder).and_then(|()| {
+    let wrong = |error: std::io::Error| Error::Io {
+        path: file.clone(),
+        problem: error.to_string(),
+        fix: "choose another folder with --out, or remove the file".into(),
+    };
+    output::in_folder(folder, wrong, || {
         match folder.join("results.json").is_file() {
             true => output::write(&file, text),
             false => output::write_new(&file, text),
         }
-    });
-    written.map_err(|error| Error::Io {
-        path: file.clone(),
-        problem: error.to_string(),
-        fix: "choose another folder with --out".into(),
+        .map_err(wrong)
     })?;
     Ok(file)
 }

@@ -19,14 +19,20 @@ struct Previous {
 /// # Errors
 /// [`Error::Io`] with the folder, the other command and the remedy.
 pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
-    stale(folder, command, force, &[]).map(drop)
+    not_listed(folder, command, force, &[]).map(drop)
 }
 
-/// Files of the earlier results that are not among `names`, relative to `folder`; they are out of date.
+/// Removes what killed processes left in the folder. Returns the files of the earlier results that are not among `names`, relative
+/// to `folder`; they are out of date.
 ///
 /// # Errors
 /// The errors of [`check`]; also if a file of `names` exists that no earlier report lists.
 pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
+    super::staging::sweep(folder);
+    not_listed(folder, command, force, names)
+}
+
+fn not_listed(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
     let previous = read(folder);
     if !force {
         if let Some(previous) = &previous {

@@ -1,30 +1,39 @@
 //! A temporary folder in which a report is prepared. It is removed when the program ends, however it ends.
 //!
-//! The folder holds a file that is locked while its process runs; the operating system unlocks the file when the process ends in
-//! any way. Another process can thus distinguish a folder that is being written from one that was left behind, see [`sweep`].
+//! Beside the folder is a file that is locked while its process runs; the operating system unlocks the file when the process ends
+//! in any way. The file is created before the folder and deleted after it. Another process can thus distinguish a folder that is
+//! being written from one that was left behind, see [`sweep`]. While files are moved into an existing folder, the locked file lists
+//! them, so that the next sweep can undo a move that was killed half-way.
 
-use std::fs::{self, File, TryLockError};
-use std::io;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use touchstone_sim::error::Error;
+use touchstone_sim::output::{Beside, Found, is_number_of_process, missing, remove_empty};
 
-/// Beginning of a temporary folder's name; the number of the process follows.
+/// Beginning of a temporary folder's name; numbers of process and folder follow.
 const PREFIX: &str = ".touchstone-report-";
-/// Name of the locked file in a temporary folder.
+/// Ending of the name of a temporary folder's locked file.
 const LOCK: &str = ".lock";
 /// Ending that a temporary folder's name gets before the folder is removed.
 const GOING: &str = ".going";
-/// Age below which a lock file counts as in use, because its process may not have locked it yet.
-const SETTLED: Duration = Duration::from_secs(10);
 
-/// The temporary folders of this process, each with the parent folders that were created for it, innermost first.
-static PRESENT: Mutex<Vec<(PathBuf, Vec<PathBuf>)>> = Mutex::new(Vec::new());
+/// A temporary folder of this process.
+struct Present {
+    path: PathBuf,
+    /// Parent folders that were created for it, innermost first.
+    made: Vec<PathBuf>,
+    lock: Beside,
+}
+
+/// The temporary folders of this process.
+static PRESENT: Mutex<Vec<Present>> = Mutex::new(Vec::new());
 
 /// Locks the list of temporary folders. A panic under the lock does no harm, because entries are added and removed as a whole.
-fn present() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
+fn present() -> MutexGuard<'static, Vec<Present>> {
     PRESENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -35,8 +44,6 @@ pub(super) struct Staging {
     target: PathBuf,
     /// Whether the target folder did not exist before. The temporary folder is then renamed to the target as a whole.
     whole: bool,
-    /// The locked file; it is unlocked when it is dropped.
-    lock: Option<File>,
 }
 
 impl Staging {
@@ -49,56 +56,47 @@ impl Staging {
             Err(error) => return Err(error),
         };
         let beside = if whole { parent(target) } else { target };
-        let made: Vec<PathBuf> = beside
-            .ancestors()
-            .take_while(|dir| !dir.as_os_str().is_empty() && !dir.exists())
-            .map(Path::to_owned)
-            .collect();
-        let mut staging = Staging {
-            path: beside.join(format!("{PREFIX}{}", std::process::id())),
-            target: target.to_owned(),
-            whole,
-            lock: None,
-        };
+        let made = missing(beside);
         let mut present = present();
         let begun = fs::create_dir_all(beside).and_then(|()| {
-            // Two reports of one process into one folder, as in tests, must not share a temporary folder.
-            for attempt in 0.. {
-                match fs::create_dir(&staging.path) {
-                    Err(error)
-                        if error.kind() == io::ErrorKind::AlreadyExists && attempt < 1000 =>
-                    {
-                        staging.path =
-                            beside.join(format!("{PREFIX}{}-{attempt}", std::process::id()));
-                    }
-                    result => return result,
+            loop {
+                let lock =
+                    Beside::create(beside, |process| format!("{PREFIX}{process}{LOCK}").into())?;
+                let path = lock.path().with_extension("");
+                match fs::create_dir(&path) {
+                    // Something without a locked file has the name.
+                    Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                    made => return made.map(|()| (path, lock)),
                 }
             }
-            Ok(())
         });
-        if let Err(error) = begun {
-            remove_empty(&made);
-            return Err(error);
-        }
-        present.push((staging.path.clone(), made));
-        drop(present);
-        let lock = File::create(staging.path.join(LOCK))?;
-        // On a file system without locks other processes report the folder as left behind, but never remove it.
-        let _ = lock.try_lock();
-        staging.lock = Some(lock);
-        Ok(staging)
+        let (path, lock) = match begun {
+            Ok(begun) => begun,
+            Err(error) => {
+                remove_empty(&made);
+                return Err(error);
+            }
+        };
+        present.push(Present {
+            path: path.clone(),
+            made,
+            lock,
+        });
+        Ok(Staging {
+            path,
+            target: target.to_owned(),
+            whole,
+        })
     }
 
     /// Moves `files` to the target folder, then removes the files `stale` in it.
-    pub fn publish(mut self, files: &[PathBuf], stale: &[PathBuf]) -> io::Result<()> {
-        // The lock is kept until the end. An interruption has to wait, because a report that is moved half-way would be worse than
-        // a complete one.
+    pub fn publish(self, files: &[PathBuf], stale: &[PathBuf]) -> io::Result<()> {
+        // The list is locked until the end. An interruption has to wait, because a report that is moved half-way would be worse
+        // than a complete one.
         let mut present = present();
-        self.lock = None;
         if self.whole {
-            fs::remove_file(self.path.join(LOCK))?;
             fs::rename(&self.path, &self.target)?;
-            present.retain(|(path, _)| *path != self.path);
+            present.retain(|it| it.path != self.path);
             return Ok(());
         }
         // Everything that could stop the move half-way is checked before the first file is moved.
@@ -112,39 +110,100 @@ impl Staging {
             }
         }
         // If a folder of the report were a symbolic link, files would go elsewhere.
-        for file in files {
-            let within = file.parent().unwrap_or(file).ancestors();
-            for folder in within.filter(|it| !it.as_os_str().is_empty()) {
-                if self.target.join(folder).is_symlink() {
-                    let problem = format!("{} is a link, which is not followed", folder.display());
-                    return Err(io::Error::new(io::ErrorKind::NotADirectory, problem));
-                }
-            }
+        if let Some(folder) = files.iter().find_map(|file| link(&self.target, file)) {
+            let problem = format!("{} is a link, which is not followed", folder.display());
+            return Err(io::Error::new(io::ErrorKind::NotADirectory, problem));
         }
         for file in files {
             fs::create_dir_all(self.target.join(file).parent().unwrap_or(&self.target))?;
         }
+        let files = results_last(files);
+        if let Some(it) = present.iter().find(|it| it.path == self.path) {
+            it.lock.file().write_all(&listed(&files, &self.target))?;
+        }
         for file in files {
             fs::rename(self.path.join(file), self.target.join(file))?;
         }
-        for file in stale {
-            // A file that is already gone is no error. A folder that holds other files stays.
-            let _ = fs::remove_file(self.target.join(file));
-            if let Some(parent) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
-                let _ = fs::remove_dir(self.target.join(parent));
-            }
-        }
+        stale.iter().for_each(|file| take_away(&self.target, file));
         Ok(())
+    }
+}
+
+/// The folder of a report's file that is a symbolic link, if there is one.
+fn link<'a>(target: &Path, file: &'a Path) -> Option<&'a Path> {
+    let mut within = file.ancestors().skip(1);
+    within.find(|it| !it.as_os_str().is_empty() && target.join(it).is_symlink())
+}
+
+/// The files in the order in which they are moved: the results, which list the others, come last.
+fn results_last(files: &[PathBuf]) -> Vec<&PathBuf> {
+    let is_last = |file: &&PathBuf| file.as_path() == Path::new("results.json");
+    let (last, first): (Vec<&PathBuf>, Vec<&PathBuf>) = files.iter().partition(is_last);
+    [first, last].concat()
+}
+
+/// Mark of a file that the target folder does not have yet, in the list of files that are moved.
+const NEW: u8 = b'+';
+/// Mark of a file that replaces an older one.
+const REPLACES: u8 = b'=';
+
+/// The list of files that are moved, in their order: each with its mark, and ended by a zero byte.
+fn listed(files: &[&PathBuf], target: &Path) -> Vec<u8> {
+    let entry = |file: &&PathBuf| {
+        let mark = match target.join(file).exists() {
+            true => REPLACES,
+            false => NEW,
+        };
+        [&[mark], file.as_os_str().as_encoded_bytes(), &[0]].concat()
+    };
+    files.iter().flat_map(entry).collect()
+}
+
+/// Undoes a move from a temporary folder into the folder around it, if it ended half-way: removes the new files that were moved.
+/// Without this, the next command would take them for another command's files.
+fn undo(path: &Path, lock: &Beside) {
+    let (mut list, mut file) = (Vec::new(), lock.file());
+    let read = file.rewind().and_then(|()| file.read_to_end(&mut list));
+    let (Ok(_), Some(target)) = (read, path.parent()) else {
+        return;
+    };
+    let entries: Vec<(u8, &Path)> = list
+        .split(|byte| *byte == 0)
+        .filter_map(|entry| {
+            let (mark, name) = entry.split_first()?;
+            Some((*mark, Path::new(std::str::from_utf8(name).ok()?)))
+        })
+        // No name leads out of the folder.
+        .filter(|(_, name)| {
+            name.components()
+                .all(|it| matches!(it, Component::Normal(_)))
+        })
+        .collect();
+    let is_moved = |name: &Path| !path.join(name).exists();
+    if entries.last().is_none_or(|(_, last)| is_moved(last)) {
+        return;
+    }
+    let moved = entries
+        .iter()
+        .filter(|(mark, name)| *mark == NEW && is_moved(name));
+    moved
+        .filter(|(_, name)| link(target, name).is_none())
+        .for_each(|(_, name)| take_away(target, name));
+}
+
+/// Removes a file of a report, and its folder within the report if it is then empty. A file that is already gone is no error.
+fn take_away(target: &Path, file: &Path) {
+    let _ = fs::remove_file(target.join(file));
+    if let Some(parent) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
+        let _ = fs::remove_dir(target.join(parent));
     }
 }
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        self.lock = None;
         let mut present = present();
-        if let Some(place) = present.iter().position(|(path, _)| *path == self.path) {
-            let (path, made) = present.swap_remove(place);
-            remove(&path, &made);
+        if let Some(place) = present.iter().position(|it| it.path == self.path) {
+            remove(present.swap_remove(place));
         }
     }
 }
@@ -158,34 +217,50 @@ fn parent(folder: &Path) -> &Path {
     }
 }
 
-/// Removes a temporary folder, and the empty parent folders that were created for it.
-fn remove(path: &Path, made: &[PathBuf]) {
-    // The folder is renamed first. A thread that still writes into it by its old name then fails, and cannot keep it from becoming
-    // empty. If it cannot be renamed (open files on some systems), it is removed under its own name. A failure is ignored.
-    let going = path.with_extension(&GOING[1..]);
-    let path = match fs::rename(path, &going) {
-        Ok(()) => &going,
-        Err(_) => path,
-    };
-    let _ = fs::remove_dir_all(path);
-    remove_empty(made);
+/// Removes a temporary folder with its locked file, and the empty parent folders that were created for it.
+fn remove(Present { path, made, lock }: Present) {
+    undo(&path, &lock);
+    remove_folder(&path);
+    drop(lock);
+    remove_empty(&made);
 }
 
-fn remove_empty(made: &[PathBuf]) {
-    for dir in made {
-        let _ = fs::remove_dir(dir);
+/// Removes a temporary folder; returns whether it is gone. A link is not followed.
+fn remove_folder(path: &Path) -> bool {
+    let going = with_ending(path, GOING);
+    let remove = |path: &Path| {
+        if is_folder(path) {
+            let _ = fs::remove_dir_all(path);
+        }
+        !is_folder(path)
+    };
+    // A removal was interrupted.
+    remove(&going);
+    // The folder is renamed first. A thread that still writes into it by its old name then fails, and cannot keep it from becoming
+    // empty. If it cannot be renamed (open files on some systems), it is removed under its own name.
+    if is_folder(path) {
+        let _ = fs::rename(path, &going);
     }
+    remove(path) & remove(&going)
+}
+
+/// Whether the path itself is a folder, not a link to one.
+fn is_folder(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|meta| meta.is_dir())
+}
+
+fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut named = path.as_os_str().to_owned();
+    named.push(ending);
+    named.into()
 }
 
 /// Removes every temporary folder before the process ends, then calls `last`, which ends the process. Other threads that want to
 /// start or publish a report wait in the meantime.
 pub fn abandon(last: impl FnOnce(&[PathBuf])) {
     let mut present = present();
-    let folders: Vec<(PathBuf, Vec<PathBuf>)> = present.drain(..).collect();
-    for (path, made) in &folders {
-        remove(path, made);
-    }
-    let removed: Vec<PathBuf> = folders.into_iter().map(|(path, _)| path).collect();
+    let removed: Vec<PathBuf> = present.iter().map(|it| it.path.clone()).collect();
+    present.drain(..).for_each(remove);
     last(&removed);
 }
 
@@ -198,51 +273,50 @@ pub struct Stale {
     pub removed: bool,
 }
 
-/// Finds temporary folders of ended processes in and beside `target`, and removes them. A folder whose process may still be running
-/// is returned but not removed.
-#[must_use]
+/// Finds temporary folders of ended processes in and beside `target`, and removes them with their locked files. A folder whose
+/// process may still be running is returned but not removed.
 pub fn sweep(target: &Path) -> Vec<Stale> {
-    let mut found: Vec<Stale> = Vec::new();
-    for place in [target, parent(target)] {
-        let Ok(entries) = fs::read_dir(place) else {
-            continue;
-        };
-        for entry in entries.flatten() {
-            let named = entry.file_name();
-            let ours = named.to_str().is_some_and(|name| name.starts_with(PREFIX));
-            let path = entry.path();
-            if !ours || present().iter().any(|(other, _)| *other == path) {
-                continue;
-            }
-            match ended(&path) {
-                Some(true) => {
-                    let removed = fs::remove_dir_all(&path).is_ok();
-                    found.push(Stale { path, removed });
-                }
-                Some(false) => {}
-                None => found.push(Stale {
-                    path,
-                    removed: false,
-                }),
-            }
-        }
+    let mut found = Vec::new();
+    for place in BTreeSet::from([target, parent(target)]) {
+        let entries = fs::read_dir(place).into_iter().flatten().flatten();
+        let names: BTreeSet<String> = entries
+            .filter_map(|entry| stem(entry.file_name().to_str()?))
+            .collect();
+        found.extend(names.iter().filter_map(|name| swept(&place.join(name))));
     }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
-    found.dedup();
     found
 }
 
-/// Whether the process that wrote a folder has ended; `None` if that is unknown.
-fn ended(path: &Path) -> Option<bool> {
-    let lock = File::open(path.join(LOCK)).ok()?;
-    match lock.try_lock() {
-        Ok(()) => {
-            let written = lock.metadata().and_then(|meta| meta.modified()).ok()?;
-            // After a clock was set back the lock seems new; the folder then stays until the clock has passed that time.
-            Some(written.elapsed().is_ok_and(|age| age > SETTLED))
+/// Name of a temporary folder, from its own name, that of its locked file, or that during its removal. `None` for other names.
+fn stem(name: &str) -> Option<String> {
+    let stem = [LOCK, GOING]
+        .iter()
+        .find_map(|ending| name.strip_suffix(ending));
+    let stem = stem.unwrap_or(name);
+    let process = stem.strip_prefix(PREFIX)?;
+    is_number_of_process(process).then(|| stem.to_owned())
+}
+
+/// Removes a temporary folder and its locked file, if its process has ended.
+fn swept(path: &Path) -> Option<Stale> {
+    let going = with_ending(path, GOING);
+    let was_there = is_folder(path) || is_folder(&going);
+    let lock = with_ending(path, LOCK);
+    let said = |removed| {
+        was_there.then(|| Stale {
+            path: path.to_owned(),
+            removed,
+        })
+    };
+    match Beside::find(&lock) {
+        Found::Left(lock) => {
+            undo(path, &lock);
+            let removed = remove_folder(path);
+            drop(lock);
+            said(removed)
         }
-        Err(TryLockError::WouldBlock) => Some(false),
-        Err(TryLockError::Error(_)) => None,
+        Found::InUse => None,
+        Found::Unknown => said(false),
     }
 }
 
@@ -267,5 +341,96 @@ pub fn io_error(folder: &Path, error: &io::Error) -> Error {
         path: folder.to_owned(),
         problem,
         fix: fix.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A report's folder, and in it the temporary folder of an ended process with `left` in it. Its locked file has this list.
+    fn killed(test: &str, list: &str, left: &[&str]) -> (PathBuf, PathBuf) {
+        let around =
+            std::env::temp_dir().join(format!("touchstone-staging-{test}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&around);
+        let target = around.join("out");
+        let hidden = target.join(".touchstone-report-4194305.0");
+        fs::create_dir_all(&hidden).unwrap();
+        for name in left {
+            fs::write(hidden.join(name), "").unwrap();
+        }
+        fs::write(with_ending(&hidden, LOCK), list).unwrap();
+        (target, hidden)
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entry = |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name();
+        let names = fs::read_dir(folder).unwrap().map(entry);
+        let mut names: Vec<String> = names.map(|name| name.into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// A killed process had moved a new and an older file, but not yet its results.
+    #[test]
+    fn a_move_that_was_killed_half_way_is_undone() {
+        let list = "+traces/a.csv\0=scene.toml\0+b.csv\0+results.json\0";
+        let (target, hidden) = killed("half", list, &["b.csv", "results.json"]);
+        fs::create_dir(target.join("traces")).unwrap();
+        for name in ["traces/a.csv", "scene.toml", "b.csv", "mine.txt"] {
+            fs::write(target.join(name), "").unwrap();
+        }
+        let found = sweep(&target);
+        assert_eq!(
+            found,
+            [Stale {
+                path: hidden,
+                removed: true
+            }]
+        );
+        // `b.csv` was not moved, so that it is somebody else's.
+        assert_eq!(names(&target), ["b.csv", "mine.txt", "scene.toml"]);
+        fs::remove_dir_all(parent(&target)).unwrap();
+    }
+
+    #[test]
+    fn a_move_that_was_complete_is_not_undone() {
+        let (target, _) = killed("whole", "+a.csv\0+results.json\0", &[]);
+        for name in ["a.csv", "results.json"] {
+            fs::write(target.join(name), "").unwrap();
+        }
+        assert!(sweep(&target)[0].removed);
+        assert_eq!(names(&target), ["a.csv", "results.json"]);
+        fs::remove_dir_all(parent(&target)).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_outside_of_the_folder_is_removed() {
+        let list = "+../mine\0+linked/mine\0+/mine\0+results.json\0";
+        let (target, _) = killed("outside", list, &["results.json"]);
+        let outside = target.with_file_name("outside");
+        fs::create_dir(&outside).unwrap();
+        fs::write(outside.join("mine"), "").unwrap();
+        fs::write(target.with_file_name("mine"), "").unwrap();
+        std::os::unix::fs::symlink(&outside, target.join("linked")).unwrap();
+        sweep(&target);
+        assert_eq!(names(&target), ["linked"]);
+        assert!(outside.join("mine").is_file() && target.with_file_name("mine").is_file());
+        fs::remove_dir_all(parent(&target)).unwrap();
+    }
+
+    /// A temporary folder in use, and one without its locked file, stay.
+    #[test]
+    fn what_is_in_use_or_unknown_stays() {
+        let (target, hidden) = killed("used", "", &["a.csv"]);
+        let lock = fs::File::open(with_ending(&hidden, LOCK)).unwrap();
+        lock.lock().unwrap();
+        assert_eq!(sweep(&target), []);
+        assert!(hidden.join("a.csv").is_file());
+        drop(lock);
+        fs::remove_file(with_ending(&hidden, LOCK)).unwrap();
+        assert!(!sweep(&target)[0].removed && hidden.is_dir());
+        fs::remove_dir_all(parent(&target)).unwrap();
     }
 }

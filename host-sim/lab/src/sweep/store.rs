@@ -70,7 +70,11 @@ impl Store {
     /// # Errors
     /// The folder holds another sweep, another program is writing it, or it cannot be written.
     pub fn open(folder: &Path, sweep: &Sweep, force: bool) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        let wrong = |error| unwritable(folder, &error);
+        output::in_folder(folder, wrong, || Self::opened(folder, sweep, force))
+    }
+
+    fn opened(folder: &Path, sweep: &Sweep, force: bool) -> Result<Self> {
         let (plan, asked) = (folder.join(PLAN), sweep.plan());
         let mut known = plan_of(folder)?;
         if let Some(other) = &known

@@ -3,6 +3,7 @@
 mod column;
 mod held;
 mod odd;
+mod once;
 mod press;
 mod recording;
 mod resample;

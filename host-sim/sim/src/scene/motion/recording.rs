@@ -1,8 +1,10 @@
 //! Reads recordings of a hand's motion: CSV files with a column of time and a column of angle, whose units are in the header.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::column::{Column, cell, cut, find, own_angle};
+use super::once;
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
 use crate::input;
@@ -41,10 +43,16 @@ impl Recording {
     /// A trace of a simulation and a file of `touchstone monitor` have several columns of angles. From such a file the first
     /// existing column of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` is read.
     ///
+    /// The recording that was read last is kept, so that a command with many runs reads it once.
+    ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer than
     /// two rows, a missing or non-finite number, times that do not rise, or more than 3.6 million steps.
-    pub fn read(file: &Path) -> Result<Recording> {
+    pub fn read(file: &Path) -> Result<Arc<Recording>> {
+        once::read(file, Recording::read_anew)
+    }
+
+    fn read_anew(file: &Path) -> Result<Recording> {
         let text = input::text(file, input::MOST_OF_RECORDING).map_err(|error| {
             let (problem, fix) = match error.kind() {
                 std::io::ErrorKind::NotFound => (

@@ -1,0 +1,68 @@
+//! Keeps the recording that was read last. A command that runs many variants of a scene thus reads its recording once.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use super::recording::Recording;
+use crate::error::Result;
+
+/// A recording, with the state of its file before it was read.
+struct Kept {
+    file: PathBuf,
+    state: State,
+    recording: Arc<Recording>,
+}
+
+/// The recording that was read last. One is enough, because all runs of a command have the same.
+static LAST: Mutex<Option<Kept>> = Mutex::new(None);
+
+/// State of a file, by which a changed content is noticed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    File {
+        bytes: u64,
+        modified: SystemTime,
+    },
+    /// A pipe or a device, whose content [`crate::input`] keeps.
+    Pipe,
+}
+
+/// Age below which a file is not kept: a change within the file system's unit of time would not be noticed. The largest usual unit
+/// is 2 s.
+const SETTLED: Duration = Duration::from_secs(3);
+
+/// State of a file; `None` for a file that has just changed or whose state is not known.
+fn state(file: &Path) -> Option<State> {
+    let meta = std::fs::metadata(file).ok()?;
+    if !meta.is_file() {
+        return Some(State::Pipe);
+    }
+    let modified = meta.modified().ok()?;
+    let is_settled = modified.elapsed().is_ok_and(|age| age > SETTLED);
+    is_settled.then_some(State::File {
+        bytes: meta.len(),
+        modified,
+    })
+}
+
+/// Returns the kept recording, or reads it if another one is kept or the file has changed. Other threads wait in the meantime.
+pub fn read(file: &Path, read: impl Fn(&Path) -> Result<Recording>) -> Result<Arc<Recording>> {
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let state = state(file);
+    if let Some(kept) = &*last
+        && kept.file == file
+        && Some(kept.state) == state
+    {
+        return Ok(Arc::clone(&kept.recording));
+    }
+    // Frees the memory of the other recording before this one is read.
+    *last = None;
+    let recording = Arc::new(read(file)?);
+    *last = state.map(|state| Kept {
+        file: file.to_owned(),
+        state,
+        recording: Arc::clone(&recording),
+    });
+    Ok(recording)
+}
