@@ -1,4 +1,5 @@
-//! `touchstone events`: prints the position of a knob for other programs, a line on every change, and sends it as OSC messages.
+//! `touchstone events`: prints the position of a knob for other programs, a line on every change, and sends it as OSC messages and
+//! to the clients of a WebSocket.
 //!
 //! | OSC message | arguments | when |
 //! |---|---|---|
@@ -6,6 +7,9 @@
 //! | `/touchstone/state` | the device's state, its fault or an empty text | sent on every change |
 //! | `/touchstone/position` | the number that the present position gets | received |
 //! | `/touchstone/feel` | name of a shipped feel, which the device renders from now on | received |
+//!
+//! A client of the WebSocket gets the lines of `events --json`, and sends the same requests as `{"position": 3}` and
+//! `{"feel": "on-off"}`.
 
 use super::config::environment::{as_scene, of_scene};
 use super::number;
@@ -13,6 +17,8 @@ use super::osc::{Message, Osc, Value};
 use super::out::{self, note, print, say, tell};
 use super::port::PortOption;
 use super::stream::{self, Until};
+use super::websocket::WebSocketServer;
+use serde_json::{Value as Json, json};
 use touchstone_device::Client;
 use touchstone_link::words::name_of;
 use touchstone_protocol::settings::environment::Surround;
@@ -51,18 +57,32 @@ pub struct Options {
     /// present position.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
+    /// Also gives every change, as --json prints it, to clients of a WebSocket on a port of this computer, and takes their requests
+    /// {"position": N} and {"feel": "NAME"}. Prints its address, which has a secret token. With HOST:PORT other computers can
+    /// connect.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
+    websocket: Option<String>,
+    /// Lets pages of this web site connect as well, e.g. https://example.org; `null` is a page opened from a file. Without this
+    /// option only programs and pages of http://localhost may.
+    #[arg(long, value_name = "ORIGIN", requires = "websocket")]
+    websocket_origin: Vec<String>,
 }
 
 /// Runs the command `touchstone events`.
 pub fn main(options: &Options) -> Result<()> {
     let stop = super::interrupt::noted()?;
     let osc = Osc::open(options.osc.as_deref(), options.osc_listen)?;
+    let websocket = options.websocket.as_deref();
+    let websocket = websocket.map(|place| WebSocketServer::open(place, &options.websocket_origin));
+    let websocket = websocket.transpose()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     let environment = environment(&mut client)?;
     // A program that chooses the feel may begin with a knob that has none.
     let mut positions = match positions(options, &environment) {
-        Err(_) if osc.listens() => Positions::every(std::f64::consts::TAU, 0.0),
+        Err(_) if osc.listens() || websocket.is_some() => {
+            Positions::every(std::f64::consts::TAU, 0.0)
+        }
         positions => positions?,
     };
     positions.hysteresis = options.hysteresis;
@@ -74,12 +94,24 @@ pub fn main(options: &Options) -> Result<()> {
     if let Some((first, last)) = positions.numbers() {
         tell!("positions {first} to {last}, Ctrl-C ends");
     }
+    if let Some(websocket) = &websocket {
+        let address = &websocket.address;
+        match out::json() {
+            true => {
+                let line = json!({ "event": "websocket", "address": address });
+                print(format_args!("{line}\n"))?;
+            }
+            false => say!("websocket  {address}"),
+        }
+    }
     let mut line = Lines {
         first: None,
         rate_hz,
         left: options.lines,
         state: None,
         osc,
+        websocket,
+        told: [const { None }; 2],
     };
     let mut called = options.position;
     let watched = stream::records(
@@ -90,16 +122,16 @@ pub fn main(options: &Options) -> Result<()> {
             unread: false,
         },
         |client, record| {
-            while let Some(message) = line.osc.next() {
-                match wish(&message) {
-                    Some(Wish::Number(number)) => called = Some(number),
-                    Some(Wish::Feel(name)) => {
-                        if let Some(mut after) = render(client, &settings, &name)? {
+            for (from, wish) in line.wishes() {
+                match wish {
+                    Wish::Position(number) => called = Some(number.into()),
+                    Wish::Feel(name) => match render(client, &settings, &name)? {
+                        Ok(mut after) => {
                             after.hysteresis = options.hysteresis;
                             positions = after;
                         }
-                    }
-                    None => note!("note: {} is no message for a knob", message.address),
+                        Err(problem) => line.refuse(from, &problem),
+                    },
                 }
             }
             let angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
@@ -137,39 +169,55 @@ fn environment(client: &mut Client) -> Result<Surround> {
     }
 }
 
-/// What an OSC message asks for.
+/// What a program asks for.
+#[derive(Debug, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 enum Wish {
     /// The number that the present position gets.
-    Number(i64),
+    Position(i32),
     /// The feel to render.
     Feel(String),
 }
 
-fn wish(message: &Message) -> Option<Wish> {
-    match (&*message.address, &*message.values) {
-        ("/touchstone/position", [Value::Int(number)]) => Some(Wish::Number((*number).into())),
-        ("/touchstone/feel", [Value::Text(name)]) => Some(Wish::Feel(name.clone())),
-        _ => None,
+impl Wish {
+    fn of_message(message: &Message) -> Option<Self> {
+        match (&*message.address, &*message.values) {
+            ("/touchstone/position", [Value::Int(number)]) => Some(Self::Position(*number)),
+            ("/touchstone/feel", [Value::Text(name)]) => Some(Self::Feel(name.clone())),
+            _ => None,
+        }
     }
 }
 
-/// Sends a shipped feel to the device and returns its positions. A feel that is none, or that the device refuses, is noted and
-/// changes nothing.
-fn render(client: &mut Client, settings: &DeviceSettings, name: &str) -> Result<Option<Positions>> {
+/// Where a wish came from.
+#[derive(Debug, Clone, Copy)]
+enum Asker {
+    Osc,
+    /// The WebSocket's client with this number.
+    Client(u64),
+}
+
+/// Sends a shipped feel to the device and returns its positions. A feel that is none, or that the device refuses, changes nothing;
+/// the reason is returned.
+fn render(
+    client: &mut Client,
+    settings: &DeviceSettings,
+    name: &str,
+) -> Result<std::result::Result<Positions, String>> {
     // Only shipped feels: a message must not make this program read a file.
     if !feels().contains(&name) {
-        note!("note: there is no feel {name}; give {}", list(&feels()));
-        return Ok(None);
+        return Ok(Err(format!(
+            "there is no feel {name}; give {}",
+            list(&feels())
+        )));
     }
     if !client.identity().board.is_large() {
-        note!("note: this board has no room for feels");
-        return Ok(None);
+        return Ok(Err("this board has no room for feels".to_owned()));
     }
     let around = Scene::load(name)?.environment.unwrap_or_default();
     let environment = of_scene(&around);
     if let Err(error) = environment.check(settings) {
-        note!("note: the device refuses the feel {name}: {error}");
-        return Ok(None);
+        return Ok(Err(format!("the device refuses the feel {name}: {error}")));
     }
     match client.ask(&Request::SetEnvironment(environment))? {
         Reply::Taken(_) => {}
@@ -177,7 +225,7 @@ fn render(client: &mut Client, settings: &DeviceSettings, name: &str) -> Result<
     }
     tell!("feel {name}");
     let unnumbered = Positions::every(std::f64::consts::TAU, 0.0);
-    Ok(Some(Positions::of(&around).unwrap_or(unnumbered)))
+    Ok(Ok(Positions::of(&around).unwrap_or(unnumbered)))
 }
 
 fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
@@ -207,9 +255,50 @@ struct Lines {
     left: Option<u64>,
     state: Option<(Phase, u8)>,
     osc: Osc,
+    websocket: Option<WebSocketServer>,
+    /// The newest lines of state and position, for the WebSocket's next client.
+    told: [Option<Json>; 2],
 }
 
 impl Lines {
+    /// The wishes of all programs since the last call. A message without a wish is noted, or answered by an error.
+    fn wishes(&mut self) -> Vec<(Asker, Wish)> {
+        let mut wishes = Vec::new();
+        while let Some(message) = self.osc.next() {
+            match Wish::of_message(&message) {
+                Some(wish) => wishes.push((Asker::Osc, wish)),
+                None => note!("note: {} is no message for a knob", message.address),
+            }
+        }
+        let Some(websocket) = &mut self.websocket else {
+            return wishes;
+        };
+        let news = websocket.turn();
+        for client in news.arrived {
+            for line in self.told.iter().flatten() {
+                websocket.answer(client, line);
+            }
+        }
+        for asked in news.asked {
+            let from = Asker::Client(asked.client);
+            match serde_json::from_str(&asked.text) {
+                Ok(wish) => wishes.push((from, wish)),
+                Err(error) => self.refuse(from, &format!("this is no request: {error}")),
+            }
+        }
+        wishes
+    }
+
+    /// Tells a program why its wish was refused.
+    fn refuse(&mut self, from: Asker, problem: &str) {
+        match (from, &mut self.websocket) {
+            (Asker::Client(client), Some(websocket)) => {
+                websocket.answer(client, &json!({ "event": "error", "problem": problem }));
+            }
+            _ => note!("note: {problem}"),
+        }
+    }
+
     fn goes_on(&self) -> bool {
         self.left != Some(0)
     }
@@ -248,10 +337,14 @@ impl Lines {
                 Value::Text(fault.clone().unwrap_or_default()),
             ],
         );
+        let line = json!({
+            "event": "state", "time_s": time_s, "state": record.phase.name(), "fault": fault,
+        });
+        if let Some(websocket) = &mut self.websocket {
+            websocket.send(&line);
+            self.told[0] = Some(line.clone());
+        }
         if out::json() {
-            let line = serde_json::json!({
-                "event": "state", "time_s": time_s, "state": record.phase.name(), "fault": fault,
-            });
             return print(format_args!("{line}\n"));
         }
         say!(
@@ -286,13 +379,24 @@ impl Lines {
             "/touchstone/position",
             [whole(position), whole(change), Value::Float(beside as f32)],
         );
+        let (first, last) = positions.numbers().unzip();
+        let mut line = json!({
+            "event": "position", "time_s": time_s, "position": position, "change": change,
+            "beside": beside, "angle_rad": angle_rad, "first": first, "last": last,
+        });
+        if let Some(websocket) = &mut self.websocket {
+            websocket.send(&line);
+        }
         if out::json() {
-            let (first, last) = positions.numbers().unzip();
-            let line = serde_json::json!({
-                "event": "position", "time_s": time_s, "position": position, "change": change,
-                "beside": beside, "angle_rad": angle_rad, "first": first, "last": last,
-            });
-            return print(format_args!("{line}\n"));
+            print(format_args!("{line}\n"))?;
+        }
+        if self.websocket.is_some() {
+            // A client that comes later has seen no change.
+            line["change"] = 0.into();
+            self.told[1] = Some(line);
+        }
+        if out::json() {
+            return Ok(());
         }
         say!("{time_s:>9.3} s  position {position:>5} ({change:+})  {degrees:>9.2}°");
         Ok(())

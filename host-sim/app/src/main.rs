@@ -22,6 +22,7 @@ mod feel_card;
 mod flash;
 mod haptic;
 mod hard;
+mod http;
 mod identify;
 mod interrupt;
 mod json_schema;
@@ -48,6 +49,7 @@ mod thesis;
 mod thesis_space;
 mod tune;
 mod wall_options;
+mod websocket;
 mod whole;
 
 use clap::{CommandFactory, Parser, Subcommand};

@@ -4,22 +4,15 @@
 //! program opens in the browser has the token. A foreign host name that resolves to this machine (DNS rebinding) fails the check of
 //! the header `Host`. A WebSocket is opened only for a request with the right header `Origin`.
 
-use std::io::{ErrorKind, Read, Write};
+use crate::http::{HEAD_LIMIT, Head, Request, answer, head, refuse, take, token};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::{Duration, Instant};
 use touchstone_sim::error::{Error, Result};
 use tungstenite::WebSocket;
 use tungstenite::protocol::WebSocketConfig;
 
-/// Largest size of a request's header in bytes; longer requests are refused.
-const HEAD_MAX: usize = 8192;
-/// Time in which the header of a request must be complete, from its first byte on.
-const HEAD_LIMIT: Duration = Duration::from_secs(2);
-/// Time for which a connection may be open without a first byte: browsers open connections before they need them.
-const IDLE_LIMIT: Duration = Duration::from_secs(60);
 /// Largest number of connections at the same time.
 const VISITORS: usize = 32;
 /// Largest message from the page, in bytes: each message is one short command.
@@ -55,19 +48,6 @@ struct Inside {
     sockets: Sender<Socket>,
     taken: Arc<AtomicBool>,
     visitors: AtomicUsize,
-}
-
-/// Makes the secret token: 128 random bits as text.
-fn token() -> Result<String> {
-    let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| {
-        Error::device(
-            "random numbers",
-            error.to_string(),
-            "the system has none; try again",
-        )
-    })?;
-    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 impl Door {
@@ -165,117 +145,28 @@ impl Inside {
 
     /// Parses the header of a request and decides how the server answers.
     fn wish(&self, head: &[u8]) -> Wish {
-        let mut headers = [httparse::EMPTY_HEADER; 64];
-        let mut request = httparse::Request::new(&mut headers);
-        if !request.parse(head).is_ok_and(|done| done.is_complete()) {
+        let Some(request) = Request::read(head) else {
             return Wish::Refused("400 Bad Request", "this is no request");
-        }
-        let named = |name: &str| {
-            let mut all = request
-                .headers
-                .iter()
-                .filter(|header| header.name.eq_ignore_ascii_case(name))
-                .map(|header| header.value);
-            // A header that occurs twice is as invalid as one with another value.
-            (all.next(), all.next().is_some())
         };
-        if named("host") != (Some(self.host.as_bytes()), false) {
+        if request.header("host") != (Some(self.host.as_bytes()), false) {
             return Wish::Refused("403 Forbidden", "wrong Host");
         }
         let origin = format!("http://{}", self.host);
-        let own_origin = named("origin") == (Some(origin.as_bytes()), false);
-        if named("origin").0.is_some() && !own_origin {
+        let own_origin = request.header("origin") == (Some(origin.as_bytes()), false);
+        if request.header("origin").0.is_some() && !own_origin {
             return Wish::Refused("403 Forbidden", "wrong Origin");
         }
-        let (path, query) = request
-            .path
-            .unwrap_or("")
-            .split_once('?')
-            .unwrap_or_default();
-        let given = query.strip_prefix("token=").unwrap_or("");
-        if !same(given, &self.token) {
+        if !request.has_token(&self.token) {
             return Wish::Refused(
                 "403 Forbidden",
                 "wrong or missing token: open the address that `touchstone live` printed",
             );
         }
-        match (request.method, path) {
-            (Some("GET"), "/") => Wish::Page,
-            (Some("GET"), "/socket") if !own_origin => {
-                Wish::Refused("403 Forbidden", "missing Origin")
-            }
-            (Some("GET"), "/socket") => Wish::Socket,
+        match (&*request.method, &*request.path) {
+            ("GET", "/") => Wish::Page,
+            ("GET", "/socket") if !own_origin => Wish::Refused("403 Forbidden", "missing Origin"),
+            ("GET", "/socket") => Wish::Socket,
             _ => Wish::Refused("404 Not Found", "there is no such thing"),
         }
     }
-}
-
-/// Whether two texts are equal. The time of the comparison does not depend on where they differ, so it reveals nothing of the
-/// token.
-fn same(given: &str, token: &str) -> bool {
-    let (given, token) = (given.as_bytes(), token.as_bytes());
-    let differing = given.iter().zip(token).fold(0, |sum, (a, b)| sum | (a ^ b));
-    given.len() == token.len() && differing == 0
-}
-
-/// Result of waiting for the header of a request.
-enum Head {
-    /// The complete header. Its bytes stay in the TCP stream for the WebSocket library to read.
-    Whole(Vec<u8>),
-    /// The browser sent no byte.
-    Silent,
-    /// The header was not complete in time, or was too long.
-    Broken,
-}
-
-fn head(stream: &TcpStream) -> std::io::Result<Head> {
-    let begun = Instant::now();
-    let mut said: Option<Instant> = None;
-    let mut bytes = vec![0; HEAD_MAX];
-    stream.set_read_timeout(Some(Duration::from_millis(100)))?;
-    loop {
-        let count = match stream.peek(&mut bytes) {
-            Ok(0) if said.is_none() => return Ok(Head::Silent),
-            Ok(count) => count,
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
-            Err(error) => return Err(error),
-        };
-        let found = bytes[..count].windows(4).position(|end| end == b"\r\n\r\n");
-        if let Some(end) = found {
-            bytes.truncate(end + 4);
-            return Ok(Head::Whole(bytes));
-        }
-        if count > 0 {
-            said.get_or_insert_with(Instant::now);
-        }
-        match said {
-            Some(since) if count == HEAD_MAX || since.elapsed() > HEAD_LIMIT => {
-                return Ok(Head::Broken);
-            }
-            None if begun.elapsed() > IDLE_LIMIT => return Ok(Head::Silent),
-            _ => {}
-        }
-        // `peek` returns at once with the bytes that it returned before, so this loop must pause.
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
-/// Reads `count` bytes that were only peeked at before, and drops them.
-fn take(stream: &mut TcpStream, count: usize) -> std::io::Result<()> {
-    stream.read_exact(&mut vec![0; count])
-}
-
-fn refuse(stream: &mut TcpStream, status: &str, why: &str) -> std::io::Result<()> {
-    let kind = "Content-Type: text/plain; charset=utf-8\r\n";
-    answer(stream, status, kind, &format!("{why}\n"))
-}
-
-fn answer(stream: &mut TcpStream, status: &str, head: &str, body: &str) -> std::io::Result<()> {
-    let head = format!(
-        "HTTP/1.1 {status}\r\n{head}Content-Length: {}\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n\r\n",
-        body.len()
-    );
-    stream.write_all(head.as_bytes())?;
-    stream.write_all(body.as_bytes())?;
-    stream.flush()
 }

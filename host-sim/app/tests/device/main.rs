@@ -27,6 +27,8 @@ mod setup_outputs;
 mod silence;
 mod spun;
 mod start;
+#[cfg(unix)]
+mod websocket;
 #[cfg(target_os = "linux")]
 mod writers;
 
