@@ -8,6 +8,7 @@
 //! | `/touchstone/feel` | name of a shipped feel, which the device renders from now on | received |
 
 use super::config::environment::{as_scene, of_scene};
+use super::device::warn_unwatched;
 use super::number;
 use super::osc::{Message, Osc, Value};
 use super::out::{self, note, print, say, tell};
@@ -59,6 +60,7 @@ pub fn main(options: &Options) -> Result<()> {
     let osc = Osc::open(options.osc.as_deref(), options.osc_listen)?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
+    warn_unwatched(&settings);
     let environment = environment(&mut client)?;
     // A program that chooses the feel may begin with a knob that has none.
     let mut positions = match positions(options, &environment) {

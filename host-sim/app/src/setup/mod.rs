@@ -7,7 +7,7 @@ mod sheet;
 pub(crate) mod spin;
 
 use super::config::toml_file;
-use super::device::{calibrated, cogging, eccentricity, start, status_of};
+use super::device::{calibrated, cogging, eccentricity, start, status_of, warn_unwatched};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -179,6 +179,7 @@ fn stepped(options: &Options) -> Result<()> {
     tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
     let all = with_knob(settings, &motor, &law_file, &client)?;
     take(&mut client, &all)?;
+    warn_unwatched(&all);
     if options.keep_alignment {
         tell!("    keeps its alignment, and checks it: the shaft moves a little");
         start::keep(&mut client)?;
