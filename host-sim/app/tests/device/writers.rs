@@ -102,7 +102,12 @@ const FOLDERS: [Output; 6] = [
 /// Outputs of commands that compute for long before they write. They must refuse an existing file of another command before they
 /// compute.
 const SLOW: [Output; 5] = [
-    Output("tune --out", "tune thesis-knob -q --out OUT", false, true),
+    Output(
+        "tune --out",
+        "tune thesis-knob -q --out OUT.toml",
+        false,
+        true,
+    ),
     Output(
         "tune --report",
         "tune thesis-knob -q --report OUT",
@@ -300,12 +305,13 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
         std::fs::write(here.join("mine"), "mine").unwrap();
         let begun = std::time::Instant::now();
         if output.0 == "tune --out" {
-            std::fs::write(here.join("out"), "mine").unwrap();
+            let out = here.join("out.toml");
+            std::fs::write(&out, "mine").unwrap();
             output.fails(&output.run(&here, &board), "is there");
-            std::fs::remove_file(here.join("out")).unwrap();
-            symlink("mine", here.join("out")).unwrap();
+            std::fs::remove_file(&out).unwrap();
+            symlink("mine", &out).unwrap();
             output.fails(&output.run(&here, &board), "is there");
-            assert_eq!(names(&here), ["mine", "out"], "{}", output.0);
+            assert_eq!(names(&here), ["mine", "out.toml"], "{}", output.0);
         } else {
             std::fs::create_dir(here.join("out")).unwrap();
             symlink("../mine", here.join("out/index.html")).unwrap();
