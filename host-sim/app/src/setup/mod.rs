@@ -435,7 +435,19 @@ fn with_knob(
 ) -> Result<DeviceSettings> {
     let law = touchstone_sim::input::text(law_file, touchstone_sim::input::MOST_OF_SETTINGS)
         .map_err(|error| io(law_file, &error))?;
-    let (mut all, lines) = toml_file::read(&law, law_file, &settings)?;
+    let (told, lines) = toml_file::read(&law, law_file, &settings)?;
+    // Only settings of the law: another encoder or drive in the file would be a better device than the board's.
+    let is_of_law = |path: &str| {
+        let table = path.split('.').next();
+        matches!(table, Some("timing" | "wall" | "law"))
+    };
+    for path in lines.keys().filter(|path| !is_of_law(path)) {
+        if value::shown(&told, named(path)?) != value::shown(&settings, named(path)?) {
+            note!("note: not taken from the law's file: {path}; give it with --settings");
+        }
+    }
+    let mut all = settings;
+    (all.timing, all.wall, all.law) = (told.timing, told.wall, told.law);
     let of = |value: f64| Si::saturating_from_num(value);
     let board = client.identity().board;
     let mut sure = DeviceSettings::defaults(board);
