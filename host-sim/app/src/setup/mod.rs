@@ -212,6 +212,11 @@ fn stepped(options: &Options) -> Result<()> {
         },
         || {
             say!("ready; the wall is at {} rad", all.wall.surface_rad);
+            say!("promise    {}", guard::promise(&all, board));
+            say!(
+                "           {}",
+                guard::by_torque_constant(constant_error(&motor))
+            );
             say!("page       {}", page.display());
             say!("feel it    touchstone device arm");
             if may_keep(&client, &all).is_ok() && !options.keep_alignment {
@@ -227,6 +232,12 @@ fn stepped(options: &Options) -> Result<()> {
             Ok(())
         },
     )
+}
+
+/// Relative error that the measured torque constant may have: two standard uncertainties.
+fn constant_error(motor: &MeasuredMotor) -> f64 {
+    let constant = &motor.torque_constant_n_m_per_a;
+    2.0 * constant.uncertainty / constant.value
 }
 
 /// Measures the motor's cogging, saves the map that compensates it on the board, and calibrates the board again.
