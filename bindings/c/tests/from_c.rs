@@ -5,7 +5,7 @@ use std::process::Command;
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::{
     Choice, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, LawKind,
-    Position, Settings, Si,
+    Position, PositionSettings, Settings, Si,
 };
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -145,6 +145,47 @@ fn a_million_hostile_ticks_from_c_have_the_bits_of_the_rust_code() {
     if let Some(ran) = run("hostile", &example("hostile.c"), &["-fsanitize=undefined"]) {
         assert!(ran.status.success(), "{:?}", ran.status);
         assert_eq!(String::from_utf8_lossy(&ran.stdout).trim(), expected);
+    }
+}
+
+/// The settings that `touchstone tune` wrote for a simulated knob, as Rust and, beside it, as C.
+mod tuned {
+    include!("tuned/sample.rs");
+}
+
+#[test]
+fn tuned_settings_in_c_are_those_in_rust() {
+    let expected = tuned::tuned_settings();
+    let mut wall = Controller::<Fixed32>::new(&expected).expect("a wall");
+    let digest = (0..2000_i32).fold(0_u32, |digest, tick| {
+        let depth = (tick % 200).min(200 - tick % 200) * 1342;
+        let force = wall.tick(Position(I8F24::from_bits(depth)));
+        digest
+            .wrapping_mul(31)
+            .wrapping_add(force.0.to_bits().cast_unsigned())
+    });
+    let source = Path::new(ROOT).join("tests/tuned/print.c");
+    for name in ["sample.c", "sample.h"] {
+        let included = format!("-DTUNED=\"{ROOT}/tests/tuned/{name}\"");
+        let Some(ran) = run(&name.replace('.', "_"), &source, &[&included]) else {
+            return;
+        };
+        let said = String::from_utf8_lossy(&ran.stdout);
+        assert!(ran.status.success(), "{name}: {:?}: {said}", ran.status);
+        let mut settings = Settings::default();
+        for line in said.lines() {
+            let (path, value) = line.split_once(' ').expect("two words");
+            let number = value.parse();
+            match path {
+                "counts" => {
+                    settings.position = PositionSettings::of_counts_per_rev(number.expect("counts"))
+                }
+                "digest" => assert_eq!(number, Ok(digest), "{name}"),
+                path => assert_eq!(settings.set_by_path(path, value), Ok(()), "{line}"),
+            }
+        }
+        assert!(said.contains("digest"), "{name}: {said}");
+        assert_eq!(settings, expected, "{name}");
     }
 }
 
