@@ -134,9 +134,9 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => {
             // Requested before arming: if this request fails, the device must not be left armed.
-            let silence_s = client.settings()?.limits.host_silence_s;
+            let settings = client.settings()?;
             client.tell(&Request::Command(DeviceCommand::Arm))?;
-            note_silence(silence_s);
+            note_silence(&settings);
         }
         BoardAction::Disarm => client.stop_by(DeviceCommand::Disarm)?,
         BoardAction::Stop => client.stop_by(DeviceCommand::Stop)?,
@@ -159,13 +159,20 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     state(status_of(&mut client)?.phase.name())
 }
 
-/// Prints after which silence of the computer an armed device switches off, or that it never does.
-pub fn note_silence(silence_s: Si) {
-    if silence_s == Si::ZERO {
+/// Warns if the host watchdog is off: an armed device then stays on when the computer hangs.
+pub fn warn_unwatched(settings: &DeviceSettings) {
+    if settings.limits.host_silence_s == Si::ZERO {
         note!(
             "nothing switches this device off when its desktop hangs or is gone; `touchstone config set limits.host_silence_s 2` does, after 2 s"
         );
-    } else {
+    }
+}
+
+/// Prints after which silence of the computer an armed device switches off, or that it never does.
+fn note_silence(settings: &DeviceSettings) {
+    warn_unwatched(settings);
+    let silence_s = settings.limits.host_silence_s;
+    if silence_s != Si::ZERO {
         note!(
             "it switches off {silence_s} s after the last word of a program: keep `touchstone monitor` or `live` running (limits.host_silence_s; 0 for a knob that needs no desktop)"
         );

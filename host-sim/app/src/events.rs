@@ -12,6 +12,7 @@
 //! `{"feel": "on-off"}`.
 
 use super::config::environment::{as_scene, of_scene};
+use super::device::warn_unwatched;
 use super::number;
 use super::osc::{Message, Osc, Value};
 use super::out::{self, note, print, say, tell};
@@ -77,6 +78,7 @@ pub fn main(options: &Options) -> Result<()> {
     let websocket = websocket.transpose()?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
+    warn_unwatched(&settings);
     let environment = environment(&mut client)?;
     // A program that chooses the feel may begin with a knob that has none.
     let mut positions = match positions(options, &environment) {

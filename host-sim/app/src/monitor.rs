@@ -1,6 +1,6 @@
 //! `touchstone monitor`: prints a device's measurements and commands live, and writes every control period (tick) as CSV.
 
-use super::device::note_silence;
+use super::device::warn_unwatched;
 use super::number;
 use super::out::{self, print_over, say, tell};
 use super::port::PortOption;
@@ -11,7 +11,6 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
@@ -53,9 +52,7 @@ pub fn main(options: &Options) -> Result<()> {
     csv.map_or(Ok(()), |place| place.check())?;
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
-    if settings.limits.host_silence_s == Si::ZERO {
-        note_silence(Si::ZERO);
-    }
+    warn_unwatched(&settings);
     let mut table = match csv {
         Some(place) => Some(Table::new(place, settings.timing.rate_hz)?),
         None => None,

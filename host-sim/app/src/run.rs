@@ -48,7 +48,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         return space_scene::main(&scene, &asked);
     }
     options.expectations.validate(strict)?;
-    let (scene, warnings) = options.changes.load(&options.scene)?;
+    let (scene, mut notes) = options.changes.load(&options.scene)?;
     if options.print {
         match json() {
             true => {
@@ -75,6 +75,10 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         report::check_folder(folder, &command, files.force)?;
     }
     let runs = [played(&scene, options.out.is_some())?];
+    for note in runs.iter().filter_map(|run| run.summary.note()) {
+        note!("note: {note}");
+        notes.push(note);
+    }
     // A shipped scene is part of the program, so that it is no input file.
     let mut inputs = vec![PathBuf::from(&options.scene)];
     inputs.retain(|_| !scene::is_shipped(&options.scene));
@@ -90,7 +94,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             2.0 * scene.law.device_damping_n_m_s_per_rad * f64::from(scene.timing.rate_hz),
         ),
         runs: &runs,
-        notes: &warnings,
+        notes: &notes,
         live_page: Some(&super::live::page_without_scene()),
         ..ReportInput::default()
     };

@@ -3,17 +3,18 @@
 use super::expect::NOT_MET;
 use super::interrupt;
 use super::number;
-use super::out::{self, json, say, tell};
+use super::out::{self, json, path_line, say, tell};
 use super::progress;
 use super::report_options::program;
 use super::wall_options::WallOptions;
 use super::whole::{Named, is_of_same_command};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_lab::report::{self, Block, Section, pages};
 use touchstone_lab::scorecard::rivals::{MOST_DELAY_TICKS, Rival, delay_ticks};
 use touchstone_lab::scorecard::{self, Entry, Scorecard, page};
 use touchstone_lab::tune::diagnosis::{FailureCause, of_row};
+use touchstone_lab::tune::own_firmware::{self, CFile, OwnFirmware};
 use touchstone_lab::tune::pareto::{self, Point};
 use touchstone_lab::tune::{self, Effort, Tuned, settings};
 use touchstone_sim::error::{Error, Result};
@@ -40,8 +41,9 @@ pub struct Options {
     /// differences that is stable at the same delays; 1.1 times if the delay is a whole control period.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
-    /// Writes the settings to this file, for `touchstone config import` and for `--settings`; not if they fail a limit (exit code
-    /// 3). Of an existing file, only settings of the same law and scene are replaced.
+    /// Writes the settings to this file: FILE.toml for `touchstone config import` and for `--settings`, FILE.rs, FILE.c or FILE.h
+    /// for a firmware of your own. Not if they fail a limit (exit code 3). Of an existing file, only settings of the same law and
+    /// scene are replaced.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
@@ -52,13 +54,50 @@ pub struct Options {
     force: bool,
 }
 
+/// The language of a settings file, which follows from the file's ending; TOML without one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Language {
+    Toml,
+    Rust,
+    C(CFile),
+}
+
+impl Language {
+    fn of(file: &Path) -> Result<Self> {
+        match file.extension().and_then(|ending| ending.to_str()) {
+            None | Some("toml") => Ok(Self::Toml),
+            Some("rs") => Ok(Self::Rust),
+            Some("c") => Ok(Self::C(CFile::Source)),
+            Some("h") => Ok(Self::C(CFile::Header)),
+            _ => Err(Error::Option {
+                option: format!("--out {}", path_line(file)),
+                problem: "the file's ending does not say which language to write".to_owned(),
+                fix: "give a file that ends in .toml, .rs (Rust), .c or .h (C)".to_owned(),
+            }),
+        }
+    }
+
+    fn text(self, tuned: &Tuned) -> Result<String> {
+        Ok(match self {
+            Self::Toml => settings::toml(tuned),
+            Self::Rust => OwnFirmware::new(tuned)?.rust(),
+            Self::C(file) => OwnFirmware::new(tuned)?.c(file),
+        })
+    }
+}
+
 /// Runs `touchstone tune`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.device)?;
     refuse_late(&scene)?;
     let rival = Rival::named(&options.law)?;
     let command = super::command_line();
-    let mark = format!("# {} for {}:", rival.about, scene.name);
+    let mark = settings::title(rival, &scene);
+    let language = options.out.as_deref().map(Language::of).transpose()?;
+    if !matches!(language, None | Some(Language::Toml)) {
+        // Refused before the search, which takes minutes.
+        own_firmware::settings(&rival.to_tune(&scene))?;
+    }
     let place = options.out.as_deref().map(|path| Named {
         path,
         option: "--out",
@@ -99,7 +138,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let cause = of_row(&tuned.scene, row, &tuned.reference);
     let kept = cause.is_none() || options.force;
     if let Some(place) = place.filter(|_| kept) {
-        place.write(&text)?;
+        place.write(language.map_or(Ok(text.clone()), |it| it.text(&tuned))?)?;
     }
     if let Some(folder) = options.report.as_ref().filter(|_| kept) {
         written(options, folder, &command, &tuned, &card, &points, &text)?;
@@ -229,7 +268,7 @@ fn table(points: &[Point]) -> Vec<Vec<String>> {
 
 fn written(
     options: &Options,
-    folder: &std::path::Path,
+    folder: &Path,
     command: &str,
     tuned: &Tuned,
     card: &Scorecard,

@@ -140,12 +140,40 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
         ChangeOfForce::Measured => "",
         ChangeOfForce::Estimated => ", the delay is the one told",
     };
+    let joules = kinetic_j(settings);
+    let moving = if joules > 0.0 {
+        format!(
+            ". At {SHOWN_RAD_PER_S:.0} rad/s the knob's own motion is {:.2} mJ, by law.estimator.inertia_kg_m2",
+            milli(joules)
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "this board, as it is set, gives a hand at most {:.2} mJ at once and {:.2} mW beside it, beyond what the hand put in and the knob's own motion; if the knob alone has {:.3e} N·m·s/rad of damping, {} counts a turn are right to half of one, and the motor gives the torque that it is told{delay} (docs/guard-promise.md)",
+        "this board, as it is set, gives a hand at most {:.2} mJ at once and {:.2} mW beside it, beyond what the hand put in and the knob's own motion; if the knob alone has {:.3e} N·m·s/rad of damping, {} counts a turn are right to half of one, and the motor gives the torque that it is told{delay} (docs/guard-promise.md){moving}",
         milli(bound.at_once_j),
         milli(bound.refill_w),
         trusted(guard).to_num::<f64>(),
         settings.encoder.counts_per_rev,
+    )
+}
+
+/// Speed at which the kinetic energy of a knob is told, rad/s: a brisk turn by hand.
+const SHOWN_RAD_PER_S: f64 = 10.0;
+
+/// Kinetic energy of the knob at that speed, J, with the inertia that the estimator supposes.
+fn kinetic_j(settings: &DeviceSettings) -> f64 {
+    let inertia: f64 = settings.law.estimator.inertia_kg_m2.to_num();
+    0.5 * inertia * SHOWN_RAD_PER_S * SHOWN_RAD_PER_S
+}
+
+/// What an uncertain torque constant means for the bound, in a sentence. Takes the relative error that the constant may have.
+#[must_use]
+pub fn by_torque_constant(error: f64) -> String {
+    format!(
+        "the torque constant is known to {:.1} %: with this error the bound is {:.3} times as large",
+        100.0 * error,
+        1.0 + error
     )
 }
 
@@ -281,6 +309,15 @@ mod tests {
             assert!(bound.refill_w <= 0.000_59 && bound.refill_w > 0.000_49);
             let text = promise(&settings, board);
             assert!(text.contains("at most 45.15 mJ at once"), "{text}");
+            // 1e-4 kg·m² at 10 rad/s; nothing is said of an inertia that is not known.
+            settings.law.estimator.inertia_kg_m2 = Si::lit("0.0001");
+            let text = promise(&settings, board);
+            assert!(
+                text.contains(". At 10 rad/s the knob's own motion is 5.01 mJ, by"),
+                "{text}"
+            );
+            settings.law.estimator.inertia_kg_m2 = Si::ZERO;
+            assert!(!promise(&settings, board).contains("rad/s the knob"));
             settings.law.guard.on = false;
             assert!(promise(&settings, board).contains("promises nothing"));
             assert_eq!(super::bound(&settings, board), None);

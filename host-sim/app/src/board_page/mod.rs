@@ -12,6 +12,7 @@ mod door;
 mod visitor;
 
 use super::browser::open;
+use super::device::warn_unwatched;
 use super::interrupt::noted;
 use super::out::{note, result, tell};
 use device_side::DeviceSide;
@@ -26,6 +27,7 @@ use visitor::Visitor;
 pub fn main(address: &Address, opens: bool) -> Result<()> {
     let stop = noted()?;
     let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;
+    warn_unwatched(&link.settings);
     let program = super::report_options::program_name();
     let door = Door::open(|socket| {
         page::render(&page::Content {

@@ -7,6 +7,7 @@
 mod feel;
 mod messages;
 
+use super::device::warn_unwatched;
 use super::number;
 use super::out::{self, note, say, tell};
 use super::port::PortOption;
@@ -64,6 +65,7 @@ pub fn main(options: &Options) -> Result<()> {
         ));
     }
     let settings = client.settings()?;
+    warn_unwatched(&settings);
     let mut terminal = Terminal::open(options.link.as_deref())?;
     let path = terminal.path.clone();
     out::result(

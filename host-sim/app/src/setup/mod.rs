@@ -7,7 +7,7 @@ mod sheet;
 pub(crate) mod spin;
 
 use super::config::toml_file;
-use super::device::{calibrated, cogging, eccentricity, start, status_of};
+use super::device::{calibrated, cogging, eccentricity, start, status_of, warn_unwatched};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
@@ -179,6 +179,7 @@ fn stepped(options: &Options) -> Result<()> {
     tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
     let all = with_knob(settings, &motor, &law_file, &client)?;
     take(&mut client, &all)?;
+    warn_unwatched(&all);
     if options.keep_alignment {
         tell!("    keeps its alignment, and checks it: the shaft moves a little");
         start::keep(&mut client)?;
@@ -211,6 +212,11 @@ fn stepped(options: &Options) -> Result<()> {
         },
         || {
             say!("ready; the wall is at {} rad", all.wall.surface_rad);
+            say!("promise    {}", guard::promise(&all, board));
+            say!(
+                "           {}",
+                guard::by_torque_constant(constant_error(&motor))
+            );
             say!("page       {}", page.display());
             say!("feel it    touchstone device arm");
             if may_keep(&client, &all).is_ok() && !options.keep_alignment {
@@ -226,6 +232,12 @@ fn stepped(options: &Options) -> Result<()> {
             Ok(())
         },
     )
+}
+
+/// Relative error that the measured torque constant may have: two standard uncertainties.
+fn constant_error(motor: &MeasuredMotor) -> f64 {
+    let constant = &motor.torque_constant_n_m_per_a;
+    2.0 * constant.uncertainty / constant.value
 }
 
 /// Measures the motor's cogging, saves the map that compensates it on the board, and calibrates the board again.
@@ -440,7 +452,19 @@ fn with_knob(
 ) -> Result<DeviceSettings> {
     let law = touchstone_sim::input::text(law_file, touchstone_sim::input::MOST_OF_SETTINGS)
         .map_err(|error| io(law_file, &error))?;
-    let (mut all, lines) = toml_file::read(&law, law_file, &settings)?;
+    let (told, lines) = toml_file::read(&law, law_file, &settings)?;
+    // Only settings of the law: another encoder or drive in the file would be a better device than the board's.
+    let is_of_law = |path: &str| {
+        let table = path.split('.').next();
+        matches!(table, Some("timing" | "wall" | "law"))
+    };
+    for path in lines.keys().filter(|path| !is_of_law(path)) {
+        if value::shown(&told, named(path)?) != value::shown(&settings, named(path)?) {
+            note!("note: not taken from the law's file: {path}; give it with --settings");
+        }
+    }
+    let mut all = settings;
+    (all.timing, all.wall, all.law) = (told.timing, told.wall, told.law);
     let of = |value: f64| Si::saturating_from_num(value);
     let board = client.identity().board;
     let mut sure = DeviceSettings::defaults(board);

@@ -43,6 +43,8 @@ pub struct Trouble {
     pub kit: bool,
     /// Whether the device is a board without current sensors.
     pub no_current: bool,
+    /// The board that the device is, in place of those above.
+    pub board: Option<Board>,
 }
 
 /// Number of control periods that the fake device runs between two reads of the socket. One read waits at most `LOOK`.
@@ -115,7 +117,9 @@ impl Fake {
     }
 
     fn switched_on(trouble: Trouble) -> Arc<Mutex<(Session, World)>> {
-        let board = if trouble.small {
+        let board = if let Some(board) = trouble.board {
+            board
+        } else if trouble.small {
             Board::BG431bEsc1
         } else if trouble.kit {
             Board::NucleoG431rbIhm16m1

@@ -27,6 +27,7 @@ mod setup_outputs;
 mod silence;
 mod spun;
 mod start;
+mod unwatched;
 #[cfg(unix)]
 mod websocket;
 #[cfg(target_os = "linux")]

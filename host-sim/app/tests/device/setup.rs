@@ -5,7 +5,11 @@ use super::fake::{Fake, Trouble};
 use super::spun::{Pulled, Spun};
 use super::{folder, run};
 use std::path::{Path, PathBuf};
-use touchstone_protocol::{Board, DeviceSettings, MeasuringPart, Phase};
+use touchstone_control::ChangeOfForce;
+use touchstone_drive::change::law_settings;
+use touchstone_drive::wire::hardware;
+use touchstone_link::guard::bound;
+use touchstone_protocol::{Board, DeviceSettings, MeasuringPart, Phase, stored};
 use touchstone_world::motor::{GIMBAL, MotorParameters};
 use touchstone_world::plant::{Coulomb, Device};
 
@@ -124,6 +128,87 @@ fn a_board_becomes_a_tuned_knob() {
         .as_f64()
         .unwrap();
     assert!(guard.damping_n_m_s_per_rad.to_num::<f64>() <= 0.8 * measured);
+}
+
+/// The measured values of a setup's progress file: the motor is that of the board's first settings.
+fn measured(board: Board, damping: f64, uncertainty: f64) -> serde_json::Value {
+    let settings = DeviceSettings::defaults(board);
+    let motor = &settings.motor;
+    let sure = |value: f64| serde_json::json!({ "value": value, "uncertainty": 0.01 * value });
+    serde_json::json!({
+        "resistance_ohm": sure(motor.resistance_ohm.to_num()),
+        "inductance_h": sure(motor.inductance_h.to_num()),
+        "flux_linkage_wb": sure(5e-3),
+        "torque_constant_n_m_per_a": sure(motor.torque_constant_n_m_per_a.to_num()),
+        "inertia_kg_m2": sure(3e-5),
+        "damping_n_m_s_per_rad": { "value": damping, "uncertainty": uncertainty },
+        "friction_n_m": sure(1e-3),
+        "residual_rms_rad": 1e-3,
+    })
+}
+
+/// A control law's settings that claim a better device than any.
+const TOO_GOOD: &str = "[encoder]\ncounts_per_rev = 1000000
+[drive]\nkind = \"analogue\"
+[limits]\nhost_silence_s = 0
+[law.guard]\non = false\nchange = \"estimated\"\ndelay_s = 0\nlag_s = 0
+damping_n_m_s_per_rad = 1\nshare_of_damping = 1\ncapacity_j = 1\nrefill_w = 1\n";
+
+#[test]
+fn what_is_left_on_every_board_is_within_the_conditions_of_the_bound() {
+    // With the second uncertainty, two of it are more than a fifth of the damping.
+    let (damping, cases) = (1e-4, [(1e-6, 0.8e-4), (3e-5, 0.4e-4)]);
+    for board in Board::ALL.into_iter().filter(|it| it.senses_current()) {
+        for (uncertainty, sure) in cases {
+            let device = Fake::with(Trouble {
+                board: Some(board),
+                ..Trouble::default()
+            });
+            let (out, law) = place("setup-left");
+            std::fs::write(&law, TOO_GOOD).unwrap();
+            std::fs::create_dir(&out).unwrap();
+            let before = out.join("before.toml").display().to_string();
+            device.run(&["config", "export", &before, "-q"]).done();
+            let progress = serde_json::json!({
+                "device": "ab".repeat(12),
+                "measured": measured(board, damping, uncertainty),
+            });
+            std::fs::write(out.join("setup.json"), progress.to_string()).unwrap();
+            let out = out.display().to_string();
+            let said = device.run(&["setup", "--out", &out, "--law", &law]);
+            assert_eq!(said.code, Some(0), "{board:?}: {}", said.err);
+            for path in ["encoder.counts_per_rev", "drive.kind", "law.guard.on"] {
+                assert!(said.err.contains(path), "{board:?}: {}", said.err);
+            }
+
+            let (session, world) = &*device.world();
+            let (left, shipped) = (session.settings(), DeviceSettings::defaults(board));
+            let saved = stored::decode_with(world.saved.as_ref().unwrap(), &|_| Ok(()));
+            assert_eq!(saved.unwrap().settings, *left, "{board:?}");
+            let guard = &left.law.guard;
+            assert!(guard.on, "{board:?}");
+            assert_eq!(guard.change, ChangeOfForce::Measured, "{board:?}");
+            let told: f64 = guard.damping_n_m_s_per_rad.to_num();
+            assert!(told <= sure + 1e-9, "{board:?}: {told}");
+            assert!(guard.share_of_damping <= shipped.law.guard.share_of_damping);
+            assert!(guard.capacity_j <= shipped.law.guard.capacity_j);
+            assert!(guard.refill_w <= shipped.law.guard.refill_w);
+            assert_eq!(left.encoder, shipped.encoder, "{board:?}");
+            assert_eq!(left.drive, shipped.drive, "{board:?}");
+            assert_eq!(left.limits, shipped.limits, "{board:?}");
+            // What the board itself makes of the settings: its own delay, and a count that is not too small.
+            let (law, change) = law_settings(left, hardware(board)).unwrap();
+            let (own, _) = law_settings(&shipped, hardware(board)).unwrap();
+            assert!(change.is_some(), "{board:?}");
+            assert!(law.guard.delay >= own.guard.delay && law.guard.delay > 0);
+            assert!(law.guard.lag >= own.guard.lag);
+            let count = std::f64::consts::TAU / f64::from(shipped.encoder.counts_per_rev);
+            assert!(law.position.count.to_num::<f64>() >= count, "{board:?}");
+            // `board_window` of proofs/coq/Boards.v.
+            let bound = bound(left, board).unwrap();
+            assert!(bound.at_once_j <= 0.045_145, "{board:?}: {bound:?}");
+        }
+    }
 }
 
 #[test]

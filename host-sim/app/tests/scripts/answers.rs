@@ -386,6 +386,36 @@ fn no_name_of_a_scene_reaches_a_log_as_a_command() {
 }
 
 #[test]
+fn a_wall_that_is_further_than_positions_reach_is_named_once() {
+    let here = folder("beyond-reach");
+    let detents = "environment.detents.strength_n_m=0.01";
+    for (surface, others, notes) in [
+        ("wall.surface_rad=-130", &[][..], 1),
+        ("wall.surface_rad=-130", &["--set", detents], 1),
+        ("wall.surface_rad=-120", &[], 0),
+        // Outside of a wall there is nothing to feel, however far it is.
+        ("wall.surface_rad=130", &[], 0),
+    ] {
+        let start = "device.initial_angle_rad=0";
+        let words = [
+            "run", "tap", "--set", surface, "--set", start, "--out", "page", "--force",
+        ];
+        let said = run_in(&here, &[&words[..], others].concat()).ended(0);
+        let page = std::fs::read_to_string(here.join("page/index.html")).unwrap();
+        for text in [&said.err, &page] {
+            let note =
+                "a wall is off from 0.000 s on: the device is deeper inside it than positions";
+            assert_eq!(
+                text.matches(note).count(),
+                notes,
+                "{surface} {others:?}: {}",
+                said.err
+            );
+        }
+    }
+}
+
+#[test]
 fn a_demand_that_three_axes_do_not_have_is_refused_by_its_name() {
     for option in ["--max-penetration", "--min-stiffness", "--baseline"] {
         run(&["run", "delta-ball", option, "0.01"]).refused(&[option, "three axes"]);

@@ -8,6 +8,7 @@ mod inputs;
 #[cfg(unix)]
 mod interrupt;
 mod motion;
+mod own_firmware;
 mod readers;
 mod strict;
 mod sweep;

@@ -110,6 +110,41 @@ fn what_does_not_hold_is_written_only_where_that_is_asked_for() {
 }
 
 #[test]
+fn tuned_settings_are_written_in_the_language_of_the_files_ending() {
+    let folder = folder("tune-languages");
+    for name in ["found", "found.txt", "found.TOML", ".rs"] {
+        run_in(&folder, &["tune", "--out", name])
+            .refused(&[name, ".toml, .rs (Rust), .c or .h (C)"]);
+    }
+    let blind = folder.join("blind.toml");
+    std::fs::write(&blind, "[device]\ninertia_kg_m2 = 1e-4\n").unwrap();
+    run_in(&folder, &["tune", "blind.toml", "--out", "found.rs"])
+        .refused(&["encoder.counts_per_rev"]);
+    // A law with a single parameter, so that the search is short.
+    for (name, part) in [
+        ("found.rs", "pub fn tuned_settings() -> Settings {"),
+        ("found.c", "{\"law.kind\", \"fba\"},"),
+    ] {
+        let tune = [
+            "tune",
+            "--law",
+            "fba",
+            "--quick",
+            "--k-desired",
+            "1",
+            "--force",
+        ];
+        run_in(&folder, &[&tune[..], &["--out", name]].concat()).ended(3);
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        assert!(
+            text.starts_with("// force bounding approach for thesis-knob:"),
+            "{text}"
+        );
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
 fn a_certificate_speaks_of_the_grips_first() {
     let said = run(&["certify", "low-stiffness", "--no-margins"]).ended(0);
     let text = &said.out;

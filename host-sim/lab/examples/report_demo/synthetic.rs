@@ -217,6 +217,7 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
         guard_account_min_j: None,
         guard_limited_ticks: None,
         guard_tripped_s: None,
+        wall_off_s: None,
         settle_from_ramp_end_s: (held && verdict <= Verdict::Active).then_some(0.21),
         rate_hardness: held.then_some(if law == LawKind::Fba { k.min(1.0) } else { k }),
         extended_rate_hardness: held.then_some(k),

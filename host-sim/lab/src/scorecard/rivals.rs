@@ -179,6 +179,9 @@ const MOST_CAPACITY_J: f64 = 16.0;
 /// would charge more energy for each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
+/// Largest share of the device's damping that the energy guard relies on, whatever a scene says.
+const MOST_SHARE: f64 = 0.8;
+
 /// Longest delay in ticks (control periods) that the energy guard covers, with a margin for rounding. With a longer delay the guard
 /// is off.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
@@ -213,6 +216,10 @@ fn told(scene: &mut Scene) {
         true => device.damping_n_m_s_per_rad,
         false => said.min(device.damping_n_m_s_per_rad),
     };
+    let most = MOST_SHARE * device.damping_n_m_s_per_rad;
+    if guard.share_of_damping * guard.damping_n_m_s_per_rad > most {
+        guard.share_of_damping = most / guard.damping_n_m_s_per_rad;
+    }
     // The delay is never below the one that the scene sets for its guard.
     guard.delay_s = guard.delay_s.max(scene.timing.computational_delay_s);
     guard.on = late <= MOST_DELAY_TICKS;

@@ -3,7 +3,7 @@
 //!
 //! Settings are evaluated by the worst measure of their [scorecard](crate::scorecard), over three simulated grips (light, medium,
 //! firm) and every varied device, including the torque ripple. [`search`] minimises that measure, starting from a rule in
-//! [`parameters`]. [`settings`] writes the result. [`pareto`] shows the trade-off between stiffness, ripple and delay.
+//! [`parameters`]. [`settings`] writes the result, [`own_firmware`] as Rust and C. [`pareto`] shows the trade-off between stiffness, ripple and delay.
 
 pub mod campaign;
 pub mod cost;
@@ -12,6 +12,7 @@ mod eigenvalue;
 mod evolution;
 pub mod linear;
 pub mod outcome;
+pub mod own_firmware;
 pub mod parameters;
 pub mod pareto;
 pub mod search;

@@ -1,12 +1,19 @@
 //! Writes tuned settings as a file: control rate, wall and law, with the fields that scene files and devices share.
 
 use super::Tuned;
+use crate::scorecard::rivals::Rival;
 use serde_json::Value;
 use std::fmt::Write;
 use touchstone_sim::scene::Scene;
 
 /// Fields of the law that only a scene has.
 const OF_SCENES_ONLY: [&str; 1] = ["number"];
+
+/// First words of every file with tuned settings, by which `tune` knows its own files: the law and the scene's name.
+#[must_use]
+pub fn title(rival: &Rival, scene: &Scene) -> String {
+    format!("{} for {}:", rival.about, scene.name)
+}
 
 /// The tuned settings as TOML. `touchstone config import` accepts them, as does the option `--settings` of every command that takes
 /// a scene.
@@ -23,9 +30,8 @@ pub fn toml(tuned: &Tuned) -> String {
     // Writing into a string cannot fail.
     let _ = writeln!(
         text,
-        "# {} for {}: inertia {:e} kg·m², damping {:e} N·m·s/rad, friction {friction:e} N·m,\n# {counts} counts, {} Hz, delay {:e} s. Seed {}, {} settings looked at.",
-        tuned.rival.about,
-        scene.name,
+        "# {} inertia {:e} kg·m², damping {:e} N·m·s/rad, friction {friction:e} N·m,\n# {counts} counts, {} Hz, delay {:e} s. Seed {}, {} settings looked at.",
+        title(tuned.rival, scene),
         device.inertia_kg_m2,
         device.damping_n_m_s_per_rad,
         scene.timing.rate_hz,

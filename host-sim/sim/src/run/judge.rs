@@ -25,6 +25,7 @@ pub struct Judge {
     shown: (f64, f64),
     felt: Felt,
     guard: Option<GuardWatch>,
+    beyond_reach_tick: Option<u64>,
     touching: bool,
     contact_ticks: u64,
     force_max: f64,
@@ -177,6 +178,8 @@ pub struct Judgement {
     pub energy_out_wall_worst_window_j: f64,
     /// Interventions of the energy guard; `None` for a scene without a guard.
     pub guard: Option<GuardWatch>,
+    /// First tick in which a wall was off, because the device was deeper inside it than the number format of positions reaches.
+    pub beyond_reach_tick: Option<u64>,
     /// Time until the press had settled, in ticks.
     pub settled: Option<Settled>,
     /// Largest penetration of the device into the wall, rad.
@@ -203,6 +206,7 @@ impl Judge {
             energy_observed_min: f64::INFINITY,
             shown: (0.0, 0.0),
             guard: None,
+            beyond_reach_tick: None,
             touching: false,
             contact_ticks: 0,
             force_max: 0.0,
@@ -279,6 +283,7 @@ impl Judge {
             energy_out_worst_window_j: felt.hand_window.worst_j(),
             energy_out_wall_worst_window_j: felt.wall_window.worst_j(),
             guard: self.guard,
+            beyond_reach_tick: self.beyond_reach_tick,
             settled: if verdict < Verdict::LimitCycle && has_wall {
                 felt.settle.and_then(|settle| settle.settled())
             } else {
@@ -341,6 +346,9 @@ impl Recorder for Judge {
         self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
         if let Some(guard) = &tick.inside.guard {
             GuardWatch::record(&mut self.guard, tick.index, guard);
+        }
+        if tick.inside.beyond_reach {
+            self.beyond_reach_tick.get_or_insert(tick.index);
         }
         self.press(tick, e);
         // The force is also 0 in the middle of a detent, where there is no wall to leave.

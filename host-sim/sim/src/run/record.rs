@@ -79,6 +79,10 @@ pub struct Summary {
     /// Time at which the energy guard switched the force off, s, because of overspeed or the end of the range of positions. `None`
     /// if it did not, or without a guard.
     pub guard_tripped_s: Option<f64>,
+    /// Time from which a wall was off, s, because the device was deeper inside it than the number format of positions reaches.
+    /// `None` if it never was.
+    #[serde(skip)]
+    pub wall_off_s: Option<f64>,
     /// Settling time, s: from the first touch until force over penetration stays within 5 % of the requested stiffness. `None` if
     /// it never settles.
     pub settle_time: Option<f64>,
@@ -103,6 +107,17 @@ impl Summary {
             Some(name) => name.to_lowercase(),
             None => self.law.word().to_owned(),
         }
+    }
+
+    /// A note on a wall that was off in the run, because the device was too deep inside it; `None` if none was.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        self.wall_off_s.map(|from_s| {
+            format!(
+                "a wall is off from {from_s:.3} s on: the device is deeper inside it than positions of law.number = {} reach; move the wall, or choose another number format",
+                self.number
+            )
+        })
     }
 
     /// Name of the run's verdict.
@@ -159,6 +174,7 @@ impl Summary {
                 .guard
                 .and_then(|guard| guard.tripped_tick)
                 .map(seconds),
+            wall_off_s: judged.beyond_reach_tick.map(seconds),
             settle_time: judged.settled.map(|s| seconds(s.from_first_touch)),
             settle_from_ramp_end_s: judged.settled.map(|s| seconds(s.from_ramp_end)),
             penetration_max: judged.penetration_max,

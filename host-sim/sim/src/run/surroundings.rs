@@ -93,10 +93,11 @@ impl<N: Reported> Wall for Surroundings<N> {
     }
 
     fn inside(&self) -> Inside {
-        inside(
-            self.environment.view().as_ref(),
-            self.environment.guard.as_ref(),
-        )
+        let view = self.environment.view();
+        Inside {
+            beyond_reach: self.environment.is_beyond_reach(),
+            ..inside(view.as_ref(), self.environment.guard.as_ref())
+        }
     }
 }
 

@@ -17,6 +17,8 @@ pub struct Inside {
     pub mass_rad: Option<f64>,
     /// Internal values of the energy guard that limits the law's force; `None` without a guard.
     pub guard: Option<InsideGuard>,
+    /// Whether a wall is off, because the device is deeper inside it than the number format of positions reaches.
+    pub beyond_reach: bool,
 }
 
 /// Internal values of the energy guard after a tick.
@@ -102,10 +104,12 @@ impl<N: Reported> Wall for Controlled<N> {
     }
 
     fn inside(&self) -> Inside {
-        inside(
-            Some(&self.controller.view()),
-            self.controller.guard.as_ref(),
-        )
+        let guard = self.controller.guard.as_ref();
+        let last = guard.and_then(|guard| guard.last);
+        Inside {
+            beyond_reach: last.is_some_and(|e| self.controller.is_beyond_reach(e)),
+            ..inside(Some(&self.controller.view()), guard)
+        }
     }
 }
 
@@ -122,5 +126,6 @@ pub(super) fn inside<N: Reported>(view: Option<&View<N>>, guard: Option<&Guarded
             limited: guard.limited,
             tripped: guard.tripped,
         }),
+        beyond_reach: false,
     }
 }

@@ -174,6 +174,7 @@ impl BoardRecording {
                     offset_rad: f64::NAN,
                     mass_rad: None,
                     guard: None,
+                    beyond_reach: false,
                 },
             }
         };
