@@ -286,7 +286,8 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     drop(many);
 
     demo.happens("turn 90");
-    assert_eq!(good.until("position")["change"], 1);
+    // On a busy machine the knob may still have been on its way to its first place.
+    while good.until("position")["change"] != 1 {}
     // Reads on, because a client that answers no ping is disconnected.
     while silent_since.elapsed() < Duration::from_secs(12) {
         let _ = good

@@ -52,9 +52,9 @@ fn json_and_silence_go_with_every_command() {
         );
     }
     let quiet = run(&["identify", "--steps", "2", "--quiet"]).ended(0).out;
-    // Six lines: inertia, damping, friction, the unexplained remainder, the damping that FBA may rely on, and the plant's own
-    // damping.
-    assert_eq!(quiet.lines().count(), 6, "{quiet}");
+    // Seven lines: inertia, damping, friction, the unexplained remainder, the damping that FBA may rely on, the critical stiffness,
+    // and the plant's own damping.
+    assert_eq!(quiet.lines().count(), 7, "{quiet}");
     // With `--quiet` the explicitly requested output is still printed, and so is every error.
     assert!(!run(&["scenes", "--quiet"]).ended(0).out.is_empty());
     run(&["run", "tapp", "--quiet"]).refused(&["tapp", "did you mean the shipped scene tap?"]);
