@@ -13,8 +13,7 @@ use crate::outcome::Outcome;
 use crate::{ladder, packages, shell};
 
 /// Most instructions per tick that a configuration may take. `held-guarded-f64` (simulated motor, encoder, control law and guard in
-/// double precision) takes 388 since the wall has a damper and a pulse at the touch, 367 before; the rest is a margin of 5 % for other
-/// compilers.
+/// double precision) takes 388; the rest is a margin of 5 % for other compilers.
 const LIMITS: &[(&str, f64)] = &[("held-guarded-f64", 407.0)];
 
 /// The example program to count, its two numbers of ticks and its arguments.

@@ -27,7 +27,7 @@ pub const ONE_BOARD: Share = Share::Part(
 /// The part of the firmware-in-the-loop tests that the full gate (`cargo xtask test --full`) runs.
 pub const SAMPLED: Share = Share::Part(
     &[SAMPLE],
-    "most of two in three injections and the map of the cogging; most checks of the boards that are not the reference",
+    "some two of three injections (every fault code has one) and the map of the cogging; most checks of the boards that are not the reference",
 );
 
 pub fn run(args: &[String]) -> Outcome {

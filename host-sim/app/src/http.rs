@@ -1,7 +1,9 @@
 //! What the program's servers need of HTTP: a request's header with limits of size and time, its secret token, answers.
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_sim::error::{Error, Result};
 
@@ -11,6 +13,29 @@ const HEAD_MAX: usize = 8192;
 pub const HEAD_LIMIT: Duration = Duration::from_secs(2);
 /// Time for which a connection may be open without a first byte: browsers open connections before they need them.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
+
+/// Largest number of connections whose request is read at the same time.
+const VISITORS: usize = 32;
+
+/// Takes connections until the program ends, and calls `welcome` with each in a thread of its own. Connections beyond the largest
+/// number are closed.
+pub fn serve(listener: TcpListener, welcome: impl Fn(TcpStream) + Send + Sync + 'static) {
+    let shared = Arc::new((welcome, AtomicUsize::new(0)));
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let shared = Arc::clone(&shared);
+            if shared.1.fetch_add(1, Ordering::Relaxed) >= VISITORS {
+                shared.1.fetch_sub(1, Ordering::Relaxed);
+                continue;
+            }
+            std::thread::spawn(move || {
+                let (welcome, visitors) = &*shared;
+                welcome(stream);
+                visitors.fetch_sub(1, Ordering::Relaxed);
+            });
+        }
+    });
+}
 
 /// Makes the secret token: 128 random bits as text.
 pub fn token() -> Result<String> {

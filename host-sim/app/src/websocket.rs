@@ -1,10 +1,11 @@
 //! A WebSocket for programs and web pages that use the knob: every client gets the same lines of JSON, and may send requests.
 //!
-//! Any page in the browser can try to connect to this port. Three checks keep strange pages out: the secret token in the address;
-//! the header `Origin`, which must name a page of this computer or a given one; and the header `Host`, which must name no foreign
-//! host that resolves to this computer (DNS rebinding).
+//! Any page in the browser can try to connect to this port. Three checks keep strange pages out:
+//! - the address must have the secret token;
+//! - the header `Origin` must name a page of this computer or a given one;
+//! - the header `Host` must not name a foreign host that resolves to this computer (DNS rebinding).
 
-use super::http::{HEAD_LIMIT, Head, Request, answer, head, refuse, take, token};
+use super::http::{HEAD_LIMIT, Head, Request, answer, head, refuse, serve, take, token};
 use super::out::note;
 use serde_json::Value;
 use std::io::ErrorKind;
@@ -17,8 +18,6 @@ use touchstone_sim::error::{Error, Result};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Largest number of connections whose request is still being read.
-const VISITORS: usize = 32;
 /// Largest number of clients.
 const CLIENTS: usize = 8;
 /// Largest message from a client, bytes.
@@ -77,7 +76,6 @@ struct Inside {
     origins: Vec<String>,
     arrivals: Sender<WebSocket<TcpStream>>,
     taken: Arc<AtomicUsize>,
-    visitors: AtomicUsize,
 }
 
 fn failed(problem: String, fix: &str) -> Error {
@@ -115,28 +113,16 @@ impl WebSocketServer {
         let token = token()?;
         let (arrived, arrivals) = channel();
         let taken = Arc::new(AtomicUsize::new(0));
-        let inside = Arc::new(Inside {
+        let inside = Inside {
             token: token.clone(),
             host: host_of(&full).to_owned(),
             origins: origins.to_vec(),
             arrivals: arrived,
             taken: Arc::clone(&taken),
-            visitors: AtomicUsize::new(0),
-        });
-        // This thread ends with the program.
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                let inside = Arc::clone(&inside);
-                if inside.visitors.fetch_add(1, Ordering::Relaxed) >= VISITORS {
-                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
-                    continue;
-                }
-                std::thread::spawn(move || {
-                    // A client that closes the connection again is no error of this program.
-                    let _ = inside.welcome(stream);
-                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
-                });
-            }
+        };
+        serve(listener, move |stream| {
+            // A client that closes the connection again is no error of this program.
+            let _ = inside.welcome(stream);
         });
         Ok(Self {
             address: format!("ws://{own}/?token={token}"),

@@ -4,17 +4,15 @@
 //! program opens in the browser has the token. A foreign host name that resolves to this machine (DNS rebinding) fails the check of
 //! the header `Host`. A WebSocket is opened only for a request with the right header `Origin`.
 
-use crate::http::{HEAD_LIMIT, Head, Request, answer, head, refuse, take, token};
+use crate::http::{HEAD_LIMIT, Head, Request, answer, head, refuse, serve, take, token};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use touchstone_sim::error::{Error, Result};
 use tungstenite::WebSocket;
 use tungstenite::protocol::WebSocketConfig;
 
-/// Largest number of connections at the same time.
-const VISITORS: usize = 32;
 /// Largest message from the page, in bytes: each message is one short command.
 const MESSAGE_MAX: usize = 4096;
 
@@ -47,7 +45,6 @@ struct Inside {
     page: String,
     sockets: Sender<Socket>,
     taken: Arc<AtomicBool>,
-    visitors: AtomicUsize,
 }
 
 impl Door {
@@ -68,7 +65,7 @@ impl Door {
         let (page, policy) = page(&format!("ws://{host}/socket?token={token}"));
         let (sender, sockets) = channel();
         let taken = Arc::new(AtomicBool::new(false));
-        let inside = Arc::new(Inside {
+        let inside = Inside {
             host,
             token,
             head: format!(
@@ -77,22 +74,10 @@ impl Door {
             page,
             sockets: sender,
             taken: Arc::clone(&taken),
-            visitors: AtomicUsize::new(0),
-        });
-        // This thread ends with the program.
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                let inside = Arc::clone(&inside);
-                if inside.visitors.fetch_add(1, Ordering::Relaxed) >= VISITORS {
-                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
-                    continue;
-                }
-                std::thread::spawn(move || {
-                    // A browser that closes the connection or sends an invalid request is no error of this program.
-                    let _ = inside.welcome(stream);
-                    inside.visitors.fetch_sub(1, Ordering::Relaxed);
-                });
-            }
+        };
+        serve(listener, move |stream| {
+            // A browser that closes the connection or sends an invalid request is no error of this program.
+            let _ = inside.welcome(stream);
         });
         Ok(Self {
             address,
