@@ -63,7 +63,7 @@ pub struct Options {
     /// connect.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     websocket: Option<String>,
-    /// Lets pages of this web site connect as well, e.g. https://example.org; `null` is a page opened from a file. Without this
+    /// Lets pages of this web site connect as well, e.g. `https://example.org`; `null` is a page opened from a file. Without this
     /// option only programs and pages of http://localhost may.
     #[arg(long, value_name = "ORIGIN", requires = "websocket")]
     websocket_origin: Vec<String>,
