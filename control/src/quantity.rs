@@ -171,6 +171,14 @@ impl<N: Number> Ratio<N> {
         Position(N::scale_both_fitting(self.0, x.0, spring.0, f.0))
     }
 }
+impl<N: Number> Ratio<N> {
+    /// This share of a force, rounded towards zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(self, force: Force<N>) -> Force<N> {
+        Force(N::scale(self.0, force.0))
+    }
+}
 impl<N: Number> Mul<Position<N>> for Ratio<N> {
     type Output = Position<N>;
     #[inline(always)]

@@ -119,6 +119,24 @@ const BOUNDS: [Bound; 27] = [
         "0",
         "2",
     ),
+    (
+        Field::ImpactVibration,
+        |s, x| s.impact.vibration = x,
+        "0",
+        "1",
+    ),
+    (
+        Field::ImpactFrequency,
+        |s, x| s.impact.frequency_hz = x,
+        "1",
+        "1000",
+    ),
+    (
+        Field::ImpactDecay,
+        |s, x| s.impact.decay_s = x,
+        "0.001",
+        "1",
+    ),
 ];
 
 fn with(set: fn(&mut Settings, Si), value: Si) -> Settings {

@@ -252,7 +252,7 @@ impl<N: Number> Environment<N> {
             let sample = states.sample(e);
             let mut force = law.tick(sample);
             if let Some(impact) = impact {
-                force = impact.with_pulse(sample, force);
+                force = impact.tick(sample, force);
             }
             wanted = wanted + side.seen(force);
         }
