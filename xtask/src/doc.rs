@@ -1,12 +1,103 @@
-//! `cargo xtask doc`: builds the documentation of all crates; any warning, also about a broken link, is an error.
+//! `cargo xtask doc`: builds the documentation of all crates; any warning, also about a broken link, is an error. Packs the two crates
+//! that others use, and builds and runs the examples of their README files in a crate outside of the workspace.
+
+use std::path::Path;
 
 use crate::outcome::Outcome;
 use crate::shell;
+
+/// The crates that are published, in the order of their dependence.
+const PUBLISHED: [&str; 2] = ["touchstone-control", "touchstone-protocol"];
 
 pub fn run(_: &[String]) -> Outcome {
     let mut command = shell::cargo_locked("doc");
     command
         .args(["--workspace", "--no-deps"])
         .env("RUSTDOCFLAGS", "-D warnings");
-    shell::run(&mut command)
+    match shell::run(&mut command).went_well() {
+        Ok(()) => outside().unwrap_or_else(|outcome| outcome),
+        Err(outcome) => outcome,
+    }
+}
+
+/// Packs the published crates and runs their README examples in a crate that has only the packed files.
+fn outside() -> Result<Outcome, Outcome> {
+    let mut package = shell::cargo_locked("package");
+    package.args(["--allow-dirty", "--no-verify"]);
+    for name in PUBLISHED {
+        package.args(["-p", name]);
+    }
+    shell::run(&mut package).went_well()?;
+
+    let folder = shell::target("outside");
+    let bins = folder.join("src/bin");
+    let _ = std::fs::remove_dir_all(&bins);
+    done(std::fs::create_dir_all(&bins), &bins)?;
+    let version = env!("CARGO_PKG_VERSION");
+    let mut manifest =
+        "[package]\nname = \"outside\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n"
+            .to_owned();
+    let mut patch = "\n[patch.crates-io]\n".to_owned();
+    let mut examples = Vec::new();
+    for name in PUBLISHED {
+        let packed = shell::target("package").join(format!("{name}-{version}"));
+        let mut unpack = shell::program("tar");
+        unpack.arg("-xzf").arg(packed.with_added_extension("crate"));
+        unpack.arg("-C").arg(shell::target("package"));
+        shell::run(&mut unpack).went_well()?;
+        manifest += &format!("{name} = \"{version}\"\n");
+        patch += &format!("{name} = {{ path = {:?} }}\n", packed.display().to_string());
+        let readme = packed.join("README.md");
+        let text = done(std::fs::read_to_string(&readme), &readme)?;
+        for (number, code) in (1..).zip(blocks(&text)) {
+            let example = format!("{}-{number}", name.trim_start_matches("touchstone-"));
+            let file = bins.join(format!("{example}.rs"));
+            done(std::fs::write(&file, whole(code)), &file)?;
+            examples.push(example);
+        }
+    }
+    let file = folder.join("Cargo.toml");
+    done(std::fs::write(&file, manifest + &patch), &file)?;
+    for example in &examples {
+        let mut run = shell::cargo("run");
+        run.args(["--quiet", "--bin", example]).current_dir(&folder);
+        run.arg("--target-dir").arg(folder.join("target"));
+        shell::run(&mut run).went_well()?;
+    }
+    Ok(Outcome::Ok(format!(
+        "{} README examples run in a crate outside",
+        examples.len()
+    )))
+}
+
+/// The Rust code blocks of a Markdown text.
+fn blocks(text: &str) -> Vec<&str> {
+    let after = text.split("```rust\n").skip(1);
+    after.filter_map(|rest| rest.split("```").next()).collect()
+}
+
+/// A program of a code block, which may be a program already or statements only.
+fn whole(code: &str) -> String {
+    if code.contains("fn main()") {
+        code.to_owned()
+    } else {
+        format!("fn main() {{\n{code}}}\n")
+    }
+}
+
+fn done<T>(result: std::io::Result<T>, path: &Path) -> Result<T, Outcome> {
+    result.map_err(|why| Outcome::Failed(format!("{}: {why}", path.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rust_blocks_are_found_and_made_programs() {
+        let text = "a\n```rust\nlet b = 1;\n```\n```sh\nc\n```\n```rust\nfn main() {}\n```\n";
+        assert_eq!(blocks(text), ["let b = 1;\n", "fn main() {}\n"]);
+        assert_eq!(whole(blocks(text)[0]), "fn main() {\nlet b = 1;\n}\n");
+        assert_eq!(whole(blocks(text)[1]), "fn main() {}\n");
+    }
 }

@@ -100,7 +100,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "doc",
-        about: "the documentation builds without a warning",
+        about: "the documentation builds without a warning; README examples of the published crates run in a crate outside",
         gates: Gates::FULL_ONLY,
         run: doc::run,
     },
