@@ -104,12 +104,23 @@ fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
         if page.starts_with(site.join("api")) {
             continue;
         }
-        for link in links(&text) {
-            let to = resolved(page.parent().unwrap_or(site), link);
+        for (link, place) in links(&text) {
+            let to = if link.is_empty() {
+                page.clone()
+            } else {
+                resolved(page.parent().unwrap_or(site), link)
+            };
             if !to.starts_with(site) {
                 wrong.push(format!("{name}: leaves the site: {link}"));
             } else if !to.exists() && !bring(site, &to)? {
                 wrong.push(format!("{name}: leads nowhere: {link}"));
+            } else if to.extension().is_some_and(|ending| ending == "html") && !place.is_empty() {
+                let target = done(std::fs::read_to_string(&to), &to)?;
+                if !target.contains(&format!("id=\"{place}\"")) {
+                    wrong.push(format!(
+                        "{name}: no such place on that page: {link}#{place}"
+                    ));
+                }
             }
         }
     }
@@ -156,16 +167,22 @@ fn resolved(folder: &Path, link: &str) -> PathBuf {
     path
 }
 
-/// Links in a page's `href` and `src` to targets within the site, without the part after `#` or `?`.
-fn links(html: &str) -> Vec<&str> {
+/// Links in a page's `href` and `src` to targets within the site: the page, empty for the page itself, and the place on it, empty
+/// for its top. The part after `?` is left out, and so is a live page's list of settings after `#`.
+fn links(html: &str) -> Vec<(&str, &str)> {
     let after = html
         .split(" href=\"")
         .skip(1)
         .chain(html.split(" src=\"").skip(1));
     after
         .filter_map(|rest| rest.split('"').next())
-        .filter_map(|link| link.split(['#', '?']).next())
-        .filter(|link| !link.is_empty() && !link.contains(':') && !link.contains(['$', '{', '+']))
+        .filter(|link| !link.contains(['$', '{', '+']))
+        .map(|link| {
+            let (to, place) = link.split_once('#').unwrap_or((link, ""));
+            let place = if place.contains('=') { "" } else { place };
+            (to.split('?').next().unwrap_or_default(), place)
+        })
+        .filter(|(to, place)| !(to.is_empty() && place.is_empty()) && !to.contains(':'))
         .collect()
 }
 
@@ -250,7 +267,12 @@ mod tests {
     fn links_of_the_site_are_read_and_resolved() {
         let html =
             "<a href=\"../b.html#c\"><a href=\"https://a/\"><a href=\"#d\"><img src=\"e.png\">";
-        assert_eq!(links(html), ["../b.html", "e.png"]);
+        let expected = [("../b.html", "c"), ("", "d"), ("e.png", "")];
+        assert_eq!(links(html), expected);
+        assert_eq!(
+            links("<a href=\"live.html?a=1#set=b%3D1\">"),
+            [("live.html", "")]
+        );
         assert_eq!(
             resolved(Path::new("/site/docs"), "../b.html"),
             Path::new("/site/b.html")
