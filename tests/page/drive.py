@@ -22,6 +22,7 @@ import time
 import chromium
 import firefox
 from board import board
+from editor import editor
 from emulated import emulated
 from pace import pace
 from report import report
@@ -96,10 +97,9 @@ def feels(page, folder):
         told = page.run("document.getElementById('told').textContent")
         turned = page.run("Math.max(...runs[0].ring.columns.angle_rad.slice(0, runs[0].ring.end)) > 0.01")
         drawn = page.run("(runs[0].profile?.shape ?? []).filter((point) => point !== 0).length")
-        # A spring to the centre, friction and clicks are not drawn: there the torque shows the effect.
-        pushed = page.run("runs[0].ring.columns.force_n_m.slice(0, runs[0].ring.end).some((force) => Math.abs(force) > 0.0005)")
-        felt = name == "smooth" or facts[1] > 0 or facts[2] > 0 or drawn > 0 or pushed
-        check(shown(page) == "" and facts[0] == 0 and felt and turned and told.startswith(f"{name}."), f"feel {name}: {facts[1]:.0f} detents a turn, {facts[2]} walls, {drawn} points of a profile")
+        parts = page.run("Object.values(runs[0].parts).filter((part) => part).length")
+        felt = name == "smooth" or facts[2] > 0 or drawn > 0 or parts > 0
+        check(shown(page) == "" and facts[0] == 0 and felt and turned and told.startswith(f"{name}."), f"feel {name}: {facts[1]:.0f} detents a turn, {facts[2]} walls, {drawn} points of a profile, {parts} other parts")
         if folder:
             page.picture(os.path.join(folder, f"feel-{name}.png"))
     choose(page, "feel", "coarse-detents")
@@ -532,6 +532,7 @@ def main():
                 emulated(browser, program, emulator, firmware, its, folder, check)
             report(browser, program, its, folder, check)
             space(browser, program, its, folder, min(seconds, 5), asked_for, check)
+            editor(browser, program, its, folder, check)
         simulated(browser, program, seconds if first else min(seconds, 5), asked_for, its)
     if not browsers:
         print("NOT RUN: neither Chromium nor Firefox here: install one, or name it in CHROMIUM or FIREFOX")

@@ -51,7 +51,10 @@ pub fn scene() -> Value {
     let about = "the shipped scene from which everything comes that is not written here";
     let base = json!({"type": "string", "enum": names()});
     let base = std::iter::once(("base", described(base, about, "")));
-    file("A scene of Touchstone", base.chain(leaves))
+    let about = "CSV file of the profile, with a column of angles and one of torques; in place of start_rad, end_rad, strength_n_m and shape";
+    let file_of = described(json!({"type": "string"}), about, "");
+    let profile = std::iter::once(("environment.profile.file", file_of));
+    file("A scene of Touchstone", base.chain(leaves).chain(profile))
 }
 
 fn number(range: Range) -> Value {

@@ -60,7 +60,7 @@ pub fn main(options: &Options) -> Result<()> {
         return board_page::main(address, !options.no_open);
     }
     if options.dof.as_deref() == Some("3") {
-        return finish(options, &space(&options.scene)?);
+        return finish((&options.out, options.no_open), &space(&options.scene)?);
     }
     if options.serial {
         let (page, _) = board::render(&board::Content {
@@ -69,20 +69,47 @@ pub fn main(options: &Options) -> Result<()> {
             place: "serial port",
             program: &program_name(),
         });
-        return finish(options, &page);
+        return finish((&options.out, options.no_open), &page);
     }
-    let (scene, _) = options.changes.load(&options.scene)?;
+    let page = knob(&options.scene, &options.changes, "live")?;
+    finish((&options.out, options.no_open), &page)
+}
+
+/// Options of `touchstone feels edit`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct EditOptions {
+    /// Name of a feel (see `touchstone feels`) or path of a scene's TOML file.
+    #[arg(value_name = "NAME")]
+    pub scene: String,
+    #[command(flatten)]
+    changes: SceneOptions,
+    /// HTML file to write; an existing file that is no such page is not replaced.
+    #[arg(long, value_name = "PAGE.html", default_value = "touchstone-feel.html")]
+    out: PathBuf,
+    /// Writes the page without opening it.
+    #[arg(long)]
+    no_open: bool,
+}
+
+/// Runs `touchstone feels edit`: writes the page of `touchstone live` for a feel, with the editor open.
+pub fn edit(options: &EditOptions) -> Result<()> {
+    let page = knob(&options.scene, &options.changes, "edit")?;
+    finish((&options.out, options.no_open), &page)
+}
+
+/// Text of the page of a simulated knob. `word` is the command's word after which its options begin; `edit` opens the editor.
+fn knob(name: &str, changes: &SceneOptions, word: &str) -> Result<String> {
+    let (scene, _) = changes.load(name)?;
     let scene = without_files(scene)?;
     let command = super::command_line();
-    let source = source(&options.scene, &command);
-    let page = page::render(&Content {
+    Ok(page::render(&Content {
         scene: &scene.to_toml(),
         name: &scene.name,
         description: &scene.description,
-        source: &source,
+        source: &source(name, &command, word),
         program: &program_name(),
-    });
-    finish(options, &page)
+        edits: word == "edit",
+    }))
 }
 
 /// Text of the page for three axes, with the objects and control laws of the thesis (§5.2). The page starts with the enhanced
@@ -116,9 +143,9 @@ fn space(object: &str) -> Result<String> {
 }
 
 /// Writes the page, prints its path and opens the page in a browser.
-fn finish(options: &Options, page: &str) -> Result<()> {
-    write(&options.out, page)?;
-    let path = std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone());
+fn finish((out, no_open): (&Path, bool), page: &str) -> Result<()> {
+    write(out, page)?;
+    let path = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
     result(
         || serde_json::json!({ "page": path, "bytes": page.len() }),
         || {
@@ -126,7 +153,7 @@ fn finish(options: &Options, page: &str) -> Result<()> {
             Ok(())
         },
     )?;
-    if !options.no_open && !open(path.as_os_str()) {
+    if !no_open && !open(path.as_os_str()) {
         note!("note: no browser was found; open {} in one", path.display());
     }
     Ok(())
@@ -140,15 +167,14 @@ pub fn page_without_scene() -> String {
         description: "",
         source: "",
         program: &program_name(),
+        edits: false,
     })
 }
 
 /// This program's command line, reduced to the scene's name and the options that change the scene. Options that concern only the
-/// page, such as `--out`, are left out.
-fn source(scene: &str, command: &str) -> String {
-    let mut words = command
-        .split_whitespace()
-        .skip_while(|word| *word != "live");
+/// page, such as `--out`, are left out. The options begin after the word `first`.
+fn source(scene: &str, command: &str, first: &str) -> String {
+    let mut words = command.split_whitespace().skip_while(|word| *word != first);
     words.next();
     let mut kept = vec![scene.to_owned()];
     while let Some(word) = words.next() {

@@ -19,6 +19,7 @@ mod events;
 mod expect;
 mod family;
 mod feel_card;
+mod feels;
 mod flash;
 mod haptic;
 mod hard;
@@ -124,7 +125,7 @@ enum Command {
         json_schema: bool,
     },
     /// Lists haptic effects of a knob: detents, switches, dials, each a short scene to run, to change and to send to a board.
-    Feels,
+    Feels(feels::Options),
     /// Sets up a connected board: measures motor and knob, tunes the wall, saves the settings; resumes if interrupted. THE SHAFT
     /// SPINS.
     Setup(setup::Options),
@@ -240,7 +241,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }
         Command::Scenes { json_schema: false } => scenes(),
-        Command::Feels => feels(),
+        Command::Feels(options) => feels::main(options),
         Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
         Command::Log(options) => log::main(options),
@@ -260,15 +261,6 @@ fn scenes() -> Result<()> {
     let mut scenes = described(scene::names())?;
     scenes.push((space_scene::SHIPPED.0, space_scene::SHIPPED.1.to_owned()));
     listed("scenes", &scenes, &[])
-}
-
-fn feels() -> Result<()> {
-    let ways = [
-        "touchstone run NAME                  one run of it under a hand that turns",
-        "touchstone run NAME --print          the whole scene; keep it as a file, and change it",
-        "touchstone config environment NAME   sends it to a board, or to a knob of `touchstone demo`",
-    ];
-    listed("feels", &described(scene::feels())?, &ways)
 }
 
 /// Names of shipped scenes, each with its description.

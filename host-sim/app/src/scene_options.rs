@@ -110,6 +110,7 @@ impl SceneOptions {
     /// standard error.
     pub fn load(&self, name: &str) -> Result<(Scene, Vec<String>)> {
         let mut scene = Scene::load(name)?;
+        say_notes(&scene);
         if let Some(file) = &self.operator_motion {
             scene = scene.with_recording(file)?;
         }
@@ -129,6 +130,13 @@ impl SceneOptions {
         }
         let warnings = check(&scene, self.strict_passive)?;
         Ok((scene, warnings))
+    }
+}
+
+/// Prints what a scene took from other files than they say.
+pub fn say_notes(scene: &Scene) {
+    for sentence in scene.origin.notes() {
+        note!("note: {sentence}");
     }
 }
 

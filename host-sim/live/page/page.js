@@ -97,16 +97,27 @@ function show() {
   $("warned").hidden = !warnings;
   $("warned").firstElementChild.textContent = nobody ? nobody.trim() : many === 1 ? "One warning" : `${many} warnings`;
   if ($("all").open) showAll();
-  if ($("draw").open) showProfile();
+  if ($("draw").open) showParts();
+  $("undo").disabled = !steps.length;
+  const felt = runs[0], there = felt ? { ...felt.parts, wall: felt.facts.has_wall !== 0 || walls(felt.facts).length > 0, profile: felt.profile } : {};
+  for (const mark of document.querySelectorAll("[data-part]")) mark.hidden = !there[mark.dataset.part];
 }
 
 // The drawn knob: a torque profile that the user draws.
 /** Starts with a torque profile to change by drawing: five clicks in a turn, in place of the wall. */
 function startDrawing() {
+  remember("draw");
   closeFile();
   const shape = `[${SHAPES[0][1].map((v) => v.toFixed(1)).join(", ")}]`;
   chosen = { base: "smooth", step: 0, sets: new Map([[`${PROFILE}.per_rev`, "5"], [`${PROFILE}.strength_n_m`, "0.02"], [`${PROFILE}.shape`, shape]]), b: null, automatic: !wantsStill, speed: 1, strength: 0.3 };
   begin();
+}
+/** Whether the scene has a part besides a wall. */
+const hasFeel = () => PARTS.some((part) => !part.flag && hasPart(fields, part));
+function showParts() {
+  if (!fields.size) return;
+  partControls.take();
+  showProfile();
 }
 function showProfile() {
   const profile = runs[0]?.profile;
@@ -147,6 +158,7 @@ function showAll() {
 
 /** Sets how the knob is held. The grip `none` also removes the hand's motion. */
 function setGrip(grip) {
+  remember("operator.grip");
   chosen.sets.delete("operator.grip");
   chosen.sets.delete("operator.motion.kind");
   if (grip === "none") {
@@ -158,6 +170,7 @@ function setGrip(grip) {
 
 /** Changes a setting while the simulation runs. */
 function set(path, value) {
+  remember(path);
   chosen.sets.delete(path);
   if (value === "none" || path === path.split(".")[0]) for (const key of [...chosen.sets.keys()]) if (key.startsWith(`${path}.`)) chosen.sets.delete(key);
   chosen.sets.set(path, value);
@@ -312,12 +325,12 @@ function opened({ a, b, keep }) {
     const title = `${laws.get("law.kind").value}, ${number(side.facts.k_desired_n_m_per_rad)} N·m/rad${guarded}`;
     const length = Math.max(2000, Math.ceil(Math.min(side.facts.rate_hz, 4000) * WINDOW_S * 1.1));
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
-    return { ...side, title, ring, profile: profileOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
+    return { ...side, title, ring, profile: profileOf(laws), parts: partsOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
   // With a changed setting or a second law, the run is no longer comparable with the opened file.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
   if (chosen.automatic && !runs[0].facts.motion_s) automatic(false);
-  if (!keep) $("draw").open = Boolean(runs[0].profile);
+  if (!keep && !content.edits) $("draw").open = Boolean(runs[0].profile);
   show();
 }
 
@@ -342,7 +355,9 @@ function took({ a, b, count, recorded: ticks }) {
 }
 
 worker.onmessage = ({ data }) => {
-  if (data.type === "ready") { if (!fromAddress()) preset(0, !wantsStill); else begin(); }
+  if (data.type === "ready") {
+    if (content.edits) { $("draw").open = true; $("head").textContent = "A feel under your hand"; $("begin").textContent = "Drag the knob, and change its parts under Edit the feel."; }
+    if (!fromAddress()) preset(0, !wantsStill); else begin(); }
   if (data.type === "opened") opened(data);
   if (data.type === "rows") took(data);
   if (data.type === "back") turnedBack(data);
@@ -358,6 +373,8 @@ worker.onmessage = ({ data }) => {
   if (data.type === "error") {
     pending = false;
     complain(data.text);
+    // A refused change is no step to undo.
+    if (good && steps.length && textOf(steps.at(-1)) === textOf(good)) steps.pop();
     if (good) { restoring = true; pending = true; chosen = copy(good); tell("open", { a: textOf(chosen), b: chosen.b && textOf(chosen, chosen.b), keep: true }); good = null; share(); }
   }
 };

@@ -87,17 +87,14 @@ class Stage {
         }
       });
     }
-    // Each detent is drawn as a mark.
-    const { detents_per_rev: detents, detent_rad: detent } = run.facts;
-    if (detents > 0) {
-      stroke(g, ink.muted, 2, [], () => { for (let i = 0; i < Math.min(detents, MOST_MARKS); i += 1) { const a = detent + (i * 2 * Math.PI) / detents; g.moveTo(...at(a, r * 1.03)); g.lineTo(...at(a, r * 1.12)); } });
-    }
+    if (run.parts && row) this.parts(g, run.parts, row.angle_rad, at, { x, y, r });
     g.fillStyle = ink.panel;
     g.beginPath();
     g.arc(x, y, r, 0, 7);
     g.fill();
     stroke(g, ink.muted, 2, [], () => g.arc(x, y, r, 0, 7));
     if (!row) return;
+    if (run.parts) this.inside(g, run.parts, row.angle_rad, at, { x, y, r });
     stroke(g, ink.line, 2, [], () => { for (let i = 0; i < 24; i += 1) { const a = row.angle_rad + (i * Math.PI) / 12; g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); } });
     // Draws the wall's surface as the control law uses it, moved outwards by the law's offset.
     if (run.facts.has_wall !== 0 && row.surface_shifted_rad < surface - 1e-4) {
@@ -129,6 +126,33 @@ class Stage {
     g.beginPath();
     g.arc(x, y, r * 0.12, 0, 7);
     g.fill();
+  }
+  /** The parts of a feel around the knob: detents as lines, clicks as triangles, friction as two brake pads. Too many marks are drawn as a ring. */
+  parts(g, { detents, clicks, friction }, angle, at, { x, y, r }) {
+    const around = (ring) => marksOf(ring, angle - Math.PI, angle + Math.PI, MOST_MARKS);
+    if (detents) {
+      const list = around(detents);
+      if (list) stroke(g, ink.muted, 2, [], () => { for (const a of list) { g.moveTo(...at(a, r * 1.03)); g.lineTo(...at(a, r * 1.12)); } });
+      else stroke(g, ink.muted, r * 0.06, [1, 2], () => g.arc(x, y, r * 1.07, 0, 7));
+    }
+    if (clicks) {
+      const list = around(clicks);
+      g.fillStyle = ink.mass;
+      g.beginPath();
+      for (const a of list ?? []) { const w = Math.min(0.03, clicks.pitch / 3); g.moveTo(...at(a, r * 1.14)); g.lineTo(...at(a - w, r * 1.22)); g.lineTo(...at(a + w, r * 1.22)); }
+      g.fill();
+      if (!list) stroke(g, ink.mass, r * 0.05, [1, 3], () => g.arc(x, y, r * 1.18, 0, 7));
+    }
+    if (friction) for (const from of [0.45, 2.4]) stroke(g, ink.hand, r * 0.1, [], () => g.arc(x, y, r * 1.07, from, from + 0.3));
+  }
+  /** The parts of a feel on the knob: the spring from its centre to the knob as a coil, the damper as a ring of oil. */
+  inside(g, { spring, damper }, angle, at, { x, y, r }) {
+    if (damper) stroke(g, ink.a, r * 0.05, [2, 6], () => g.arc(x, y, r * 0.46, 0, 7));
+    if (!spring) return;
+    // Beyond nearly half a turn the coil would begin to lie on itself.
+    const way = Math.max(-2.9, Math.min(2.9, spring.centre - angle)), coils = 24;
+    stroke(g, ink.shift, 2, [], () => { for (let i = 0; i <= coils; i += 1) g.lineTo(...at(angle + (way * i) / coils, r * (0.8 + (i % 2 ? 0.04 : -0.04) * (i > 0 && i < coils)))); });
+    stroke(g, ink.shift, 3, [], () => { g.moveTo(...at(angle + way, r * 0.7)); g.lineTo(...at(angle + way, r * 1.1)); });
   }
 }
 
@@ -164,13 +188,7 @@ class Lens {
         }
       });
     }
-    // Each detent is a line, as long as the lines can be told apart.
-    const { detents_per_rev: detents, detent_rad: detent } = facts, pitch = (2 * Math.PI) / detents;
-    if (detents > 0 && X(pitch) - X(0) > 6) {
-      stroke(g, ink.muted, 1, [2, 3], () => {
-        for (let i = Math.ceil((surface - half - detent) / pitch); detent + i * pitch < surface + half; i += 1) { g.moveTo(X(detent + i * pitch), top); g.lineTo(X(detent + i * pitch), low); }
-      });
-    }
+    if (run.parts) this.felt(g, run.parts, { box, surface, half, X, top, line, strip, low });
     g.fillStyle = ink.muted;
     g.textBaseline = "bottom";
     g.textAlign = "center";
@@ -191,6 +209,22 @@ class Lens {
       this.parts(g, box, run, row, X, top, line, strip, colour);
     }
     g.restore();
+  }
+  /** The parts of a feel in the lens: each detent as a line and each click as a triangle, as long as they can be told apart; the spring's centre. */
+  felt(g, { detents, clicks, spring }, { box, surface, half, X, top, line, strip, low }) {
+    const seen = (ring) => (ring ? marksOf(ring, surface - half, surface + half, box.w / 6) ?? [] : []);
+    stroke(g, ink.muted, 1, [2, 3], () => { for (const a of seen(detents)) { g.moveTo(X(a), top); g.lineTo(X(a), low); } });
+    g.fillStyle = ink.mass;
+    g.beginPath();
+    for (const a of seen(clicks)) { g.moveTo(X(a), line + 12); g.lineTo(X(a) - 4, line + 22); g.lineTo(X(a) + 4, line + 22); }
+    g.fill();
+    if (!spring) return;
+    const at = X(spring.centre), x = Math.max(box.x + 4, Math.min(box.x + box.w - 4, at)), beyond = Math.sign(at - x);
+    if (!beyond) stroke(g, ink.shift, 2, [6, 3], () => { g.moveTo(x, top); g.lineTo(x, strip); });
+    g.fillStyle = ink.shift;
+    g.textBaseline = "top";
+    g.textAlign = beyond > 0 || x > box.x + box.w * 0.8 ? "right" : "left";
+    g.fillText(beyond < 0 ? "◂ centre of the spring" : beyond > 0 ? "centre of the spring ▸" : "centre of the spring", x + (g.textAlign === "left" ? 4 : -4), top + 2);
   }
   /** The last 0.6 s, the newest at the top: a limit cycle is a zigzag. Each row of pixels spans the lowest to the highest value, so that no tick is lost. */
   strip(g, { ring, facts }, X, top, low, colour) {

@@ -130,6 +130,8 @@ function turn(now) {
 }
 const KEYS = { " ": () => run(!running), ".": () => $("step").click(), ",": () => turnBack(1), b: () => turnBack(backTicks()), r: restart, p: () => automatic(!chosen.automatic), s: sound, c: () => record(!recording), h: letGo, Home: letGo };
 addEventListener("keydown", (event) => {
+  // In a text field, the browser undoes what was typed.
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !/^(number|text)$/.test(event.target.type)) { event.preventDefault(); undo(); return; }
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   held[event.shiftKey ? "add" : "delete"]("Shift");
   if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return;
@@ -190,8 +192,10 @@ on("strength", "input", () => { chosen.strength = Number($("strength").value); $
 on("friction", "change", () => { if ($("friction").checked) { chosen.sets.delete("device.friction"); set("device.friction.kinetic_n_m", "3e-4"); } else set("device.friction", "none"); });
 on("guard", "change", () => { const path = guardField(), words = fields.get(path).words; set(path, words ? ($("guard").checked ? words.find((w) => !["none", "off"].includes(w)) : words.find((w) => ["none", "off"].includes(w))) : String($("guard").checked)); });
 const editor = new ProfileEditor($("profile"), set);
+const partControls = new PartControls($("parts"), { printed: () => fields, here: () => Math.round((runs[0]?.last?.angle_rad ?? 0) * DEG) / DEG, set, add: addPart }, { "environment.profile": $("profile-part") });
+on("undo", "click", undo);
 $("profile-from").append(new Option("…", ""), ...SHAPES.map(([name], i) => new Option(name, i)));
-on("draw", "toggle", () => { if ($("draw").open) { if (runs[0]?.profile) showProfile(); else startDrawing(); } });
+on("draw", "toggle", () => { if ($("draw").open) { if (content.edits || hasFeel()) showParts(); else startDrawing(); } });
 on("profile-from", "change", () => { const shape = SHAPES[$("profile-from").value]?.[1]; if (shape) { editor.shape = shape.slice(); editor.chosen = 0; editor.send(); } });
 on("profile-copies", "change", () => set(`${PROFILE}.per_rev`, $("profile-copies").value));
 on("profile-strength", "change", () => set(`${PROFILE}.strength_n_m`, Number((Number($("profile-strength").value) / 1e3).toPrecision(9))));

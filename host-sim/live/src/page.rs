@@ -26,12 +26,13 @@ const WORKER: [&str; 4] = [
 ];
 pub(crate) const VIEW: &str = include_str!("../page/view.js");
 pub(crate) const STAGE: &str = include_str!("../page/stage.js");
-const SCRIPT: [&str; 9] = [
+const SCRIPT: [&str; 10] = [
     "\"use strict\";\n",
     UNPACK,
     include_str!("../page/presets.js"),
     VIEW,
     include_str!("../page/profile.js"),
+    include_str!("../page/parts.js"),
     STAGE,
     include_str!("../page/page.js"),
     include_str!("../page/open.js"),
@@ -51,6 +52,8 @@ pub struct Content<'a> {
     pub source: &'a str,
     /// Name, version and commit of the program that made the page.
     pub program: &'a str,
+    /// Whether the page begins with the editor of feels open.
+    pub edits: bool,
 }
 
 /// Returns the page of the simulated knob as HTML.
@@ -63,6 +66,7 @@ pub fn render(content: &Content) -> String {
         "description": content.description,
         "source": content.source,
         "feels": feels(),
+        "edits": content.edits,
         "row": ROW,
         "facts": FACTS,
         "trace": TRACE_COLUMNS,

@@ -13,6 +13,7 @@ fn page() -> String {
         description: "{{MODULE}} <b>",
         source: "a.toml --set x=\"1\"",
         program: "Touchstone <0.1>",
+        edits: true,
     })
 }
 

@@ -101,7 +101,11 @@ fn wanted(
         Surround::default()
     } else if options.scene.is_some() || !options.sets.is_empty() {
         let mut scene = match &options.scene {
-            Some(name) => Scene::load(name)?,
+            Some(name) => {
+                let scene = Scene::load(name)?;
+                crate::scene_options::say_notes(&scene);
+                scene
+            }
             None => {
                 let mut scene = Scene::load("thesis-knob")?;
                 scene.environment = Some(as_scene(before));

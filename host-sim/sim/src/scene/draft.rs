@@ -12,6 +12,7 @@ use super::experiment::Scene;
 use super::operator::{Grip, Hand};
 use super::origin::{Origin, Place};
 use super::problem::Problem;
+use super::profile_file;
 use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::shipped;
 use super::unknown::{explain, join, list, nearest};
@@ -21,6 +22,9 @@ use crate::harmless;
 
 /// Top-level key of a scene file that names the shipped scene on which the file builds. A scene that has been read has no such key.
 const BASE: &str = "base";
+
+/// Key of a scene file that names the CSV file of a torque profile. A scene that has been read has the profile's points instead.
+pub(crate) const PROFILE_FILE: &str = "environment.profile.file";
 
 /// A scene that has not been checked yet: values by the dotted paths of their fields.
 #[derive(Debug, Clone)]
@@ -44,6 +48,7 @@ impl Draft {
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
+        draft.take_profile(file)?;
         draft.take_base()?;
         if let Some(stem) = file.file_stem() {
             draft
@@ -64,6 +69,53 @@ impl Draft {
             );
         }
         Ok(draft)
+    }
+
+    /// Replaces the key that names a torque profile's file by the profile's points.
+    fn take_profile(&mut self, scene: &Path) -> Result<()> {
+        let Some(named) = self.fields.remove(PROFILE_FILE) else {
+            return Ok(());
+        };
+        let Value::String(name) = &named else {
+            let problem = format!("must be text, is {}", shown(&named));
+            let fix = "give the path of a CSV file in quotes";
+            return Err(self.origin.error(PROFILE_FILE, problem, fix));
+        };
+        let given = ["start_rad", "end_rad", "strength_n_m", "shape"]
+            .map(|field| format!("environment.profile.{field}"));
+        if let Some(twice) = given.iter().find(|path| self.fields.contains_key(*path)) {
+            let problem = format!("{name} gives it too");
+            let fix = "leave it out, or leave file out";
+            return Err(self.origin.error(twice, problem, fix));
+        }
+        let per_rev = match self.fields.get("environment.profile.per_rev") {
+            None => Some(0),
+            Some(value) => value.as_integer().and_then(|it| u32::try_from(it).ok()),
+        };
+        // A wrong number of copies is reported with all other wrong values.
+        let Some(per_rev) = per_rev else {
+            return Ok(());
+        };
+        let file = scene.parent().unwrap_or(Path::new("")).join(name);
+        let drawn = profile_file::read(&file, per_rev)?;
+        let values = [
+            Value::Float(drawn.start_rad),
+            Value::Float(drawn.end_rad),
+            Value::Float(drawn.strength_n_m),
+            Value::Array(drawn.shape.into_iter().map(Value::Float).collect()),
+        ];
+        let place = self.origin.place(PROFILE_FILE);
+        for (path, value) in given.into_iter().zip(values) {
+            self.origin.put(&path, place.clone());
+            self.fields.insert(path, value);
+        }
+        let copies = Value::Integer(per_rev.into());
+        self.fields
+            .insert("environment.profile.per_rev".to_owned(), copies);
+        if let Some(note) = drawn.note {
+            self.origin.note(note);
+        }
+        Ok(())
     }
 
     /// Fills in the fields that the text leaves out with the values of the shipped scene that the key `base` names.

@@ -20,6 +20,7 @@ mod overrides;
 mod preset;
 mod print;
 mod problem;
+mod profile_file;
 mod renamed;
 pub mod schema;
 mod settings;

@@ -19,6 +19,7 @@ pub(crate) enum Place {
 pub struct Origin {
     file: Option<PathBuf>,
     places: BTreeMap<String, Place>,
+    notes: Vec<String>,
 }
 
 /// Any two origins are equal, so that a comparison of scenes compares values only.
@@ -34,12 +35,23 @@ impl Origin {
         Origin {
             file: Some(file.to_owned()),
             places: BTreeMap::new(),
+            notes: Vec::new(),
         }
     }
 
     /// The file, as the user named it; `None` for a scene made in code.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
+    }
+
+    /// Sentences about what the scene takes from other files than they say, each for a note to the user.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Adds a sentence to the notes.
+    pub(crate) fn note(&mut self, sentence: String) {
+        self.notes.push(sentence);
     }
 
     /// Records where the field `path` was written.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::Value;
 
-use super::draft::Draft;
+use super::draft::{Draft, PROFILE_FILE};
 use super::experiment::Scene;
 use super::origin::Place;
 use super::renamed::renamed;
@@ -217,6 +217,11 @@ fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
 
 /// Problem and remedy, as text, for a key of `--set` that names no field.
 fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
+    if PROFILE_FILE.ends_with(key) && key.ends_with("file") {
+        let problem = "only a scene's file names the file of a profile".to_owned();
+        let fix = format!("write a scene with [environment.profile] and file = \"{value}\"");
+        return (problem, fix);
+    }
     let value = value.parse::<f64>().ok().map(Value::Float);
     if key
         .rsplit_once('.')

@@ -15,7 +15,7 @@ const OWN_ANGLES: [&str; 5] = [
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
 /// The column of a CSV file from which times or angles are read, with the factor that converts its unit to SI.
-pub(super) struct Column {
+pub(in crate::scene) struct Column {
     pub index: usize,
     pub name: String,
     pub si: f64,
@@ -95,7 +95,7 @@ fn unit_of(name: &str) -> Option<&'static units::Unit> {
 
 /// Finds the only column whose name ends in a unit of the quantity `dimension`. Error: problem and remedy, if no column or several
 /// fit.
-pub(super) fn find(
+pub(in crate::scene) fn find(
     header: &csv::StringRecord,
     dimension: Dimension,
     what: &str,
@@ -152,13 +152,13 @@ pub(super) fn find(
 }
 
 /// Cuts a cell for a message, because an unclosed quote makes the whole rest of the file one cell.
-pub(super) fn cut(cell: &str) -> String {
+pub(in crate::scene) fn cut(cell: &str) -> String {
     let line = cell.split(['\n', '\r']).next();
     line.unwrap_or_default().chars().take(40).collect()
 }
 
 /// Reads the finite number in one cell of the CSV file.
-pub(super) fn cell(
+pub(in crate::scene) fn cell(
     row: &csv::StringRecord,
     column: &Column,
 ) -> std::result::Result<f64, (String, &'static str)> {

@@ -1,6 +1,6 @@
 //! The intended motion of the simulated hand over time, as the rest point of the hand's spring.
 
-mod column;
+pub(super) mod column;
 mod held;
 mod odd;
 mod once;
@@ -12,6 +12,7 @@ pub(super) mod tap;
 mod tests;
 
 pub use recording::Recording;
+pub(super) use recording::line_of;
 pub use resample::{Curve, SMOOTHING_HZ};
 
 use super::experiment::Scene;

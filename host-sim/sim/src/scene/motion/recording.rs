@@ -332,7 +332,7 @@ fn short(number: f64) -> String {
 }
 
 /// Line number of a CSV row in the file. The CSV reader's own line number omits comments and empty lines before the row.
-fn line_of(text: &str, row: &csv::StringRecord) -> usize {
+pub(in crate::scene) fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let Some(position) = row.position() else {
         return 1;
     };
