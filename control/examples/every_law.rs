@@ -11,7 +11,8 @@ use touchstone_control::environment::{
 use touchstone_control::law::View;
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{
-    Controller, CountScale, Energy, Fixed16, Fixed32, Force, Position, Settings, SettingsError,
+    Controller, CountScale, Device, Energy, Fixed16, Fixed32, Force, OwnForce, Position, Settings,
+    SettingsError, Stiffness,
 };
 
 /// Validates settings and computes the coefficients of the control law that they choose.
@@ -30,6 +31,25 @@ pub fn set_up(settings: &Settings) -> Result<Controller<Fixed32>, SettingsError>
 #[inline(never)]
 pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsError> {
     Controller::new(settings)
+}
+
+/// Makes estimator, limit and guard around a force of one's own.
+///
+/// # Errors
+/// Same as [`Device::own_force`].
+#[inline(never)]
+pub fn own_force(device: &Device) -> Result<OwnForce<Fixed32>, SettingsError> {
+    device.own_force()
+}
+
+/// Runs one control period of a spring as a force of one's own.
+#[inline(never)]
+pub fn own_tick(
+    own: &mut OwnForce<Fixed32>,
+    x: Position<Fixed32>,
+    spring: Stiffness<Fixed32>,
+) -> Force<Fixed32> {
+    own.tick(x, |now| (spring * now.e).towards_zero())
 }
 
 /// Returns how many passivity bounds the settings violate (limits within which a wall gives no energy to a hand).

@@ -2,25 +2,27 @@
 //! knob back.
 
 use touchstone_control::{
-    Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, Position, SettingsError, Si,
+    Device, Fixed32, Force, Guard, GuardSettings, Guarded, Position, PositionSettings,
+    SettingsError, Si,
 };
 
-/// Makes the guard from the device's properties. Its energy bound holds for devices with at least this damping and at most this
-/// delay.
+/// Makes the guard from the device's properties. Its energy bound holds for devices with at least this damping and with this delay.
 fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
-    let device = GuardedDevice {
+    let device = Device {
         rate_hz: 1_000,               // ticks a second
-        force_limit: Si::lit("0.5"),  // the motor's torque, N·m
-        count: Si::lit("0.00038350"), // a count of the encoder, rad: 16,384 in a turn
+        inertia: Si::lit("0.000005"), // of all that turns, kg·m²; the guard does not need it
+        damping: Si::lit("0.0001"),   // of the device alone, as measured, N·m·s/rad
+        position: PositionSettings::of_counts_per_rev(16_384),
+        force_limit: Si::lit("0.5"), // the motor's torque, N·m
+        delay: Si::lit("0.0001"),    // from reading the encoder until the torque acts, s
+        lag: Si::ZERO,
     };
     let settings = GuardSettings {
-        on: true,
         capacity: Si::lit("0.002"), // what a hand may get out at once, J
-        damping: Si::lit("0.0001"), // of the device alone, as measured, N·m·s/rad
-        delay: Si::lit("0.0001"),   // from reading the encoder until the torque acts, s
-        ..GuardSettings::default()
+        ..device.guard_settings()
     };
-    Ok(Guarded::new(Guard::new(&settings, &device)?))
+    let guard = Guard::new(&settings, &device.guarded_device())?;
+    Ok(Guarded::new(guard))
 }
 
 /// The user's own force in N·m, from angle and velocity: here a spring of 200 N·m/rad that pushes back at angles above 0.

@@ -45,6 +45,7 @@ extern crate std;
 pub mod choices;
 mod coefficients;
 pub mod controller;
+pub mod device;
 mod division;
 pub mod encoder;
 pub mod environment;
@@ -71,6 +72,7 @@ pub use fixed;
 
 pub use choices::*;
 pub use controller::{AnyLaw, Controller};
+pub use device::{Device, OwnForce};
 pub use encoder::CountScale;
 pub use environment::Environment;
 pub use estimator::Estimator;

@@ -1,10 +1,15 @@
-//! Checks that the README's code example is the one in `examples`, which is compiled.
+//! Checks that the README's code examples are those in `examples`, which are compiled.
 
 #[test]
-fn the_example_in_the_readme_is_the_one_that_is_compiled() {
-    let example = include_str!("../examples/one_wall.rs");
-    let (_, code) = example
-        .split_once("\n\n")
-        .expect("a line of documentation, then code");
-    assert!(include_str!("../README.md").contains(&format!("```rust\n{code}```")));
+fn the_examples_in_the_readme_are_those_that_are_compiled() {
+    let readme = include_str!("../README.md");
+    for (name, example) in [
+        ("one_wall", include_str!("../examples/one_wall.rs")),
+        ("own_device", include_str!("../examples/own_device.rs")),
+    ] {
+        let (_, code) = example
+            .split_once("\n\n")
+            .expect("a line of documentation, then code");
+        assert!(readme.contains(&format!("```rust\n{code}```")), "{name}");
+    }
 }

@@ -9,6 +9,7 @@
 //! tripped => f = 0, tripped'                 p4_stage_latches
 //! Δ = e - e(n-1), none at the first sample   w32::p9_stage_measures
 //! f acts => Δ = x - x(n-1), x without end    p9_no_way_uncounted
+//! Δ = e - e(n-1), e in 64 bits               w32::p9_stage_without_end
 //! resumed: B' = min(B, C'), f = 0            p7_stage_resumes
 //! ```
 
@@ -21,7 +22,10 @@ use crate::valid::Valid;
 use crate::{cover, property, such};
 use fixed::FixedI32;
 use fixed::types::I1F7;
-use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Guarded, Position};
+use touchstone_control::guard::FURTHEST_ANGLE;
+use touchstone_control::{
+    Energy, Fixed8, Fixed32, Force, Guard, GuardState, Guarded, Position, Si,
+};
 
 #[cfg(kani)]
 use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
@@ -248,6 +252,58 @@ pub mod w32 {
             cover!(s, before.last.is_none() && force != Force::zero(), "the first sample");
             cover!(s, before.last.is_some_and(|last| last != e) && !after.tripped, "moved");
             cover!(s, ends && after.state.older != Force::zero(), "a force ends there");
+        }
+    }
+
+    /// The guard's stage with the axis reversed: the forces that it remembers have the other sign.
+    fn reversed(stage: &Guarded<N>) -> Guarded<N> {
+        let mut other = *stage;
+        other.state.force = -stage.state.force;
+        other.state.older = -stage.state.older;
+        other
+    }
+
+    staged_property! {
+        /// P9 (end of positions): the books of an environment, whose positions go on where those of the format end. They are those
+        /// of the stage by displacements, for the displacement between the two positions. The axis is reversed where the force that
+        /// acted was negative. Where angles end, the force is 0.
+        equation "(memory, f) = moved(memory, e - e(n-1), e - e(n-1) - since, f_wanted), no e(n-1): 0, none of since: 0; f(n-1) < 0: all with the other sign; |e| at the end => f = 0"
+        over "furthest displacement, memory, two positions of 64 bits in whole steps, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
+        by minisat fn p9_stage_without_end(s) {
+            let before = such!(s, any_stage::<N, S>(s), |it| (cfg!(kani) || stage_holds(&it)) && room(&it.guard.furthest), "Guard::new");
+            let last = s.bool().then(|| Si::from_bits(s.i64() & !0xff));
+            let now = if s.shortcut() && s.bool() {
+                let step = i64::from(N::any_position(s).0.to_bits()) << 8;
+                last.unwrap_or_default().saturating_add(Si::from_bits(step))
+            } else {
+                Si::from_bits(s.i64() & !0xff)
+            };
+            let since = s.bool().then(|| N::any_position(s));
+            let wanted = N::any_force(s);
+            let mut after = before;
+            let force = after.tick_without_end(last, now, since, wanted);
+            let steps = last.map_or(0, |last| (i128::from(now.to_bits()) - i128::from(last.to_bits())) >> 8);
+            let bits = steps.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+            let moved = Position::<N>(FixedI32::from_bits(bits));
+            let before_change = since.map_or(Position::zero(), |since| moved - since);
+            let acted = before.state;
+            let turns = acted.force < Force::zero() || (acted.force == Force::zero() && acted.older < Force::zero());
+            let ends = wanted != Force::zero() && now.saturating_abs() >= FURTHEST_ANGLE;
+            let mut alone = if turns { reversed(&before) } else { before };
+            alone.tripped |= ends;
+            let given = if turns {
+                -alone.moved(-moved, -before_change, -wanted)
+            } else {
+                alone.moved(moved, before_change, wanted)
+            };
+            let alone = if turns { reversed(&alone) } else { alone };
+            assert!(after == alone && force == given);
+            assert!(!ends || force == Force::zero());
+            cover!(s, last.is_none() && force != Force::zero(), "the first sample");
+            cover!(s, turns && force > Force::zero(), "a force that turns round");
+            cover!(s, turns && force < Force::zero(), "a force against a negative motion");
+            cover!(s, ends && !before.tripped, "where angles end");
+            cover!(s, steps > i128::from(i32::MAX), "further than a displacement reaches");
         }
     }
 }

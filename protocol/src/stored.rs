@@ -238,3 +238,41 @@ impl Start {
         }
     }
 }
+
+#[cfg(all(test, feature = "large"))]
+mod tests {
+    use super::*;
+    use crate::settings::environment::DetentsBeside;
+    use crate::{Board, Decimal};
+    use touchstone_control::Si;
+
+    #[test]
+    fn a_stored_environment_that_is_not_valid_means_defaults_and_says_so() {
+        let settings = DeviceSettings::defaults(Board::NucleoG474re);
+        let with = |strength_n_m: &str| Surround {
+            detents: Some(DetentsBeside {
+                per_rev: 24,
+                pitch_rad: Decimal(Si::ZERO),
+                strength_n_m: Decimal(strength_n_m.parse().expect("a number")),
+                centre_rad: Decimal(Si::ZERO),
+            }),
+            ..Surround::default()
+        };
+        let mut buffer = [0; IMAGE_MAX];
+        let mut start_with = |environment: &Surround| {
+            let kept = KeptStart::default();
+            let image = encode_with(&settings, environment, &kept, None, &mut buffer);
+            start(Some(image.expect("room")), settings.clone(), &|_| Ok(()))
+        };
+        let good = with("0.02");
+        let start = start_with(&good);
+        assert_eq!((start.environment, start.refused), (good, None));
+        // More than the force limit.
+        let start = start_with(&with("100"));
+        assert_eq!(start.environment, Surround::default());
+        match start.refused {
+            Some(Refused::Invalid(why)) => assert_eq!(why.path, "environment.detents.strength_n_m"),
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -132,14 +132,15 @@ pub fn by_tests(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-tests");
     let target = folder.join("tests");
     each(&folder, "test", shard, |work, test| {
-        let (package, name) = test.split_once(' ').ok_or("a test is `package name`")?;
+        let (package, name) = test.rsplit_once(' ').ok_or("a test is `package name`")?;
         // Compiles before it runs, so that a failure to compile does not count as a catch.
         let cargo = |more: &[&str]| {
             let mut cargo = shell::cargo("test");
             cargo
                 .current_dir(work)
                 .env("CARGO_TARGET_DIR", &target)
-                .args(["-q", "-p", package]);
+                .args(["-q", "-p"])
+                .args(package.split(' '));
             cargo.args(more);
             cargo
         };

@@ -39,17 +39,12 @@ pub use refused::Refused;
 
 use crate::coefficients::largest_force;
 use crate::controller::Controller;
-use crate::guard::quantum;
+use crate::guard::{displacement, quantum};
 use crate::law::{Contact, Impact, View};
 use crate::{AnyLaw, Force, Guard, Guarded, Number, Position, Settings, Si, States};
 
 /// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
-
-/// Angle in rad, to either side, from which on no force is commanded. Beyond the largest [`Si`] number, a measured angle would
-/// stand still while the device moves on. This limit lies before that number by twice the largest displacement that any guard
-/// accepts per tick (1,000 rad/s at one tick per second) and some counts.
-const EDGE: Si = Si::lit("2147481600");
 
 /// Settings of a wall: position and side of its surface, and its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -286,12 +281,11 @@ impl<N: Number> Environment<N> {
     /// The displacement from the last tick's position to this one; 0 at the first tick.
     #[inline(always)]
     fn moved_to(&self, now: Si) -> Position<N> {
-        let last = self.last.unwrap_or(now);
-        Position(N::saturating_signal(now.saturating_sub(last)))
+        displacement(self.last, now)
     }
 
-    /// Runs the guard's stage by displacements and not by [`Guarded::tick`], whose positions end at 128 rad with 32 bits, where a
-    /// knob turns on. A test holds the books of both against each other, bit for bit.
+    /// Runs the guard's stage, whose positions have no end here: a knob turns on where those of [`Guarded::tick`] end, at 128 rad with
+    /// 32 bits. A test holds the books of both against each other, bit for bit.
     #[inline(always)]
     fn guarded(
         &mut self,
@@ -299,19 +293,11 @@ impl<N: Number> Environment<N> {
         since_change: Option<Position<N>>,
         wanted: Force<N>,
     ) -> Force<N> {
-        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
-        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
-        let moved = self.moved_to(now);
-        self.last = Some(now);
-        let Some(guard) = &mut self.guard else {
-            return wanted;
-        };
-        let before_change = since_change.map_or(Position::zero(), |since| moved - since);
-        guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
-        // The axis is reversed or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
-        let (force, older) = (guard.state.force, guard.state.older);
-        let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
-        guard.moved_from(other_end, moved, before_change, wanted)
+        let last = self.last.replace(now);
+        match &mut self.guard {
+            None => wanted,
+            Some(guard) => guard.tick_without_end(last, now, since_change, wanted),
+        }
     }
 
     /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions

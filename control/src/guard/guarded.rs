@@ -22,6 +22,19 @@ pub struct Guarded<N: Number> {
     edge: Position<N>,
 }
 
+/// Angle in rad, to either side, from which on no force is commanded. Beyond the largest [`Si`] number, a measured angle would
+/// stand still while the device moves on. This limit lies before that number by twice the largest displacement that any guard
+/// accepts per tick (1,000 rad/s at one tick per second) and some counts.
+pub const FURTHEST_ANGLE: Si = Si::lit("2147481600");
+
+/// The displacement between two positions that are whole steps of the number format, saturating; 0 without a last position.
+#[inline(always)]
+pub(crate) fn displacement<N: Number>(last: Option<Si>, now: Si) -> Position<N> {
+    Position(N::saturating_signal(
+        now.saturating_sub(last.unwrap_or(now)),
+    ))
+}
+
 impl<N: Number> Guarded<N> {
     /// The guard at power-up, with a full energy account.
     #[must_use]
@@ -103,6 +116,28 @@ impl<N: Number> Guarded<N> {
         };
         self.limited = force != wanted;
         force
+    }
+
+    /// Same as [`Guarded::tick`] for positions that do not end where the number format does: takes the last position, this one, and the
+    /// displacement since the force changed (where it is measured).
+    ///
+    /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the distance,
+    /// are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits. The axis is reversed
+    /// or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
+    #[inline(always)]
+    pub fn tick_without_end(
+        &mut self,
+        last: Option<Si>,
+        now: Si,
+        since_change: Option<Position<N>>,
+        wanted: Force<N>,
+    ) -> Force<N> {
+        let moved = displacement(last, now);
+        let before_change = since_change.map_or(Position::zero(), |since| moved - since);
+        self.tripped |= wanted != Force::zero() && now.saturating_abs() >= FURTHEST_ANGLE;
+        let (force, older) = (self.state.force, self.state.older);
+        let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
+        self.moved_from(other_end, moved, before_change, wanted)
     }
 
     /// Same as [`Guarded::moved`] with the axis reversed. `moved`, `before_change` and the requested force `wanted` with opposite

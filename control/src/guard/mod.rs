@@ -24,7 +24,8 @@ mod settings;
 
 pub use crate::choices::ChangeOfForce;
 pub use crate::settings::GuardSettings;
-pub use guarded::Guarded;
+pub(crate) use guarded::displacement;
+pub use guarded::{FURTHEST_ANGLE, Guarded};
 pub use settings::GuardedDevice;
 pub(crate) use settings::quantum;
 

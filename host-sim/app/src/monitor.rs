@@ -11,12 +11,13 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use touchstone_device::Client;
+use touchstone_device::{Client, may_be_on};
 use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
+use touchstone_link::told;
 use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
 /// Time between two updates of the line on a terminal; without a terminal, one line per second is printed.
@@ -61,16 +62,19 @@ pub fn main(options: &Options) -> Result<()> {
     let decimation = options.decimation;
     client.tell(&Request::Telemetry { decimation })?;
     client.forget_telemetry();
-    let watched = watch(&mut client, options, &stop, &mut table);
+    let mut last = None;
+    let watched = watch(&mut client, options, &stop, &mut table, &mut last);
     if let Some(table) = &mut table {
         table.flush()?;
     }
-    let counted = watched?;
+    let unseen = |failure| left_on(failure, last);
+    let counted = watched.map_err(unseen)?;
     // Restores the telemetry rate of the settings. If the device is disconnected, the error of the loop was returned above.
-    client.tell(&Request::Telemetry {
-        decimation: settings.telemetry.decimation,
-    })?;
-    let dropped = dropped(&mut client)?.wrapping_sub(dropped_before);
+    let decimation = settings.telemetry.decimation;
+    let restored = client.tell(&Request::Telemetry { decimation });
+    restored.map_err(unseen)?;
+    let dropped = dropped(&mut client).map_err(unseen)?;
+    let dropped = dropped.wrapping_sub(dropped_before);
     let file = options.csv.as_ref().map(|path| path.display().to_string());
     out::result(
         || {
@@ -98,6 +102,20 @@ pub fn main(options: &Options) -> Result<()> {
     )
 }
 
+/// The error of a device that is out of reach. A device that was on in its last record may still be on.
+fn left_on(failure: Error, last: Option<Phase>) -> Error {
+    match failure {
+        Error::Device {
+            place,
+            problem,
+            fix,
+        } if last.is_some_and(|phase| told::switched_off(phase).is_some()) => {
+            may_be_on(place, &problem, &fix)
+        }
+        other => other,
+    }
+}
+
 /// Number of records that the device has dropped so far because its port was too slow.
 fn dropped(client: &mut Client) -> Result<u32> {
     match client.ask(&Request::Counters)? {
@@ -111,6 +129,7 @@ fn watch(
     options: &Options,
     stop: &AtomicBool,
     table: &mut Option<Table>,
+    last: &mut Option<Phase>,
 ) -> Result<Counted> {
     let live = std::io::stdout().is_terminal();
     let every = if live { LIVE } else { LOGGED };
@@ -126,6 +145,7 @@ fn watch(
     };
     stream::records(client, until, |_, record| {
         counted.take(record.tick, options.decimation);
+        *last = Some(record.phase);
         if let Some(table) = table {
             table.take(record)?;
         }

@@ -24,7 +24,7 @@ mod transport;
 mod wall;
 
 pub use address::{Address, Port, is_st_link, ports};
-pub use client::{Client, MAY_BE_ON};
+pub use client::{Client, MAY_BE_ON, may_be_on};
 pub use haply::{Generation, Inverse3, SERVICE};
 pub use moved_about::{AxisRecord, MovedAbout, SmallMotions};
 pub use omega3::Omega3;

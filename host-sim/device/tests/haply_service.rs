@@ -93,6 +93,22 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
+/// Lets the service go away around the end of the run. Checks that a last command without an answer is said, as the force of the one
+/// before may still act.
+#[test]
+fn a_force_that_nothing_ends_is_said() {
+    let mut unconfirmed = 0;
+    for at in 499..507 {
+        let service = Service::new("3.5.1", Wrong::Gone, at);
+        let report = played(&service).unwrap();
+        let saw = service.saw();
+        let is_said = report.release.is_err() || report.ending != Ending::Asked;
+        assert!(is_said || saw.last_n == 0.0, "{at}: {saw:?}");
+        unconfirmed += u32::from(report.ending == Ending::Asked && report.release.is_err());
+    }
+    assert!(unconfirmed > 0, "the service was there to the end");
+}
+
 /// Checks that messages without a device state do not delay the end of the servo loop.
 #[test]
 fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {

@@ -29,7 +29,8 @@ struct Mutant {
     /// Name of the proof (harness) that must refute the change; may be empty if a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that must fail with the change, as `package name`; may be empty if a proof (harness) is named.
+    /// The test that must fail with the change, as `package name` or `package --features=feature name`; may be empty if a proof
+    /// (harness) is named.
     #[serde(default)]
     test: String,
 }

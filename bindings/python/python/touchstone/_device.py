@@ -19,17 +19,17 @@ class Device:
 
     #: Control rate, Hz.
     rate_hz: int
-    #: Inertia of the part that moves.
+    #: Inertia of the part that moves. The guard does not use it.
     inertia_kg_m2: float
-    #: Damping without a hand, as measured.
+    #: Damping without a hand, as measured; a value that is too small is safe.
     damping_n_m_s_per_rad: float
-    #: Encoder counts in one revolution.
+    #: Encoder counts in one revolution; too few are safe.
     counts_per_rev: int
-    #: Largest torque of the motor.
+    #: Largest torque of the motor; a value that is too small is safe.
     force_limit_n_m: float
-    #: Time from reading the position until the new torque begins to act, s.
+    #: Time from reading the position until the new torque begins to act, s. It must be right: no error is safe.
     delay_s: float = 0.0
-    #: Time constant with which the torque then rises, s.
+    #: Time constant with which the torque then rises, s. It must be right too.
     lag_s: float = 0.0
 
     def __post_init__(self) -> None:

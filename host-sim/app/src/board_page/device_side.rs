@@ -18,6 +18,8 @@ use touchstone_sim::error::{Error, Result};
 
 /// Time between two attempts to connect again after the connection to the device was lost.
 const AGAIN: Duration = Duration::from_secs(1);
+/// Time for which a record may be older than a command that was sent before it arrived.
+const OLD_RECORD: Duration = Duration::from_secs(1);
 /// What changed about the device in one pass of the loop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum News {
@@ -42,8 +44,11 @@ pub struct DeviceSide {
     /// Records received since the last batch that was sent to the page.
     pub rows: RecordRows,
     state: Option<(Phase, u8)>,
-    /// Whether the device drove the motor, or could have, according to its last record. The value is kept after a lost connection.
+    /// Whether the device drove the motor, or could have, according to its last record and the commands since. The value is kept
+    /// after a lost connection.
     was_on: bool,
+    /// When the last command was sent that lets the device drive the motor. Its answer may be lost.
+    asked_on: Option<Instant>,
     heard: Instant,
     tried: Instant,
 }
@@ -58,6 +63,7 @@ impl DeviceSide {
             rows: RecordRows::default(),
             state: None,
             was_on: false,
+            asked_on: None,
             heard: Instant::now(),
             tried: Instant::now(),
         };
@@ -118,7 +124,12 @@ impl DeviceSide {
         }
         self.rows.push(record);
         let now = (record.phase, record.fault);
-        self.was_on = told::switched_off(record.phase).is_some();
+        let is_on = told::switched_off(record.phase).is_some();
+        // A record may have been under way before the device got the command.
+        let is_old = |asked: Instant| asked.elapsed() < OLD_RECORD;
+        if is_on || !self.asked_on.is_some_and(is_old) {
+            self.was_on = is_on;
+        }
         if self.state.replace(now) == Some(now) {
             News::None
         } else {
@@ -162,15 +173,19 @@ impl DeviceSide {
         }
         let done = match &mut self.client {
             Some(client) => client.switch_off(),
-            None if self.was_on => Err(Error::device(
-                self.address.to_string(),
-                format!("{MAY_BE_ON}: it was on when the connection was lost"),
-                "switch its power off, or pull its plug",
-            )),
+            None if self.was_on => Err(self.may_be_on("it was on when the connection was lost")),
             None => Ok(None),
         };
         self.was_on &= done.is_err();
         done
+    }
+
+    fn may_be_on(&self, why: &str) -> Error {
+        Error::device(
+            self.address.to_string(),
+            format!("{MAY_BE_ON}: {why}"),
+            "switch its power off, or pull its plug",
+        )
     }
 
     /// Does the same as [`DeviceSide::off`], but returns an error as text that the page shows.
@@ -218,10 +233,20 @@ impl DeviceSide {
     }
 
     pub fn command(&mut self, command: DeviceCommand) -> Result<()> {
-        self.with(|client| match command {
-            DeviceCommand::Stop | DeviceCommand::Disarm => client.stop_by(command),
-            _ => client.tell(&Request::Command(command)),
-        })
+        match command {
+            DeviceCommand::Stop | DeviceCommand::Disarm => {
+                if self.client.is_none() && self.was_on {
+                    return Err(self.may_be_on("there is no connection"));
+                }
+                self.with(|client| client.stop_by(command))
+            }
+            DeviceCommand::Calibrate | DeviceCommand::Arm => {
+                self.was_on |= self.client.is_some();
+                self.asked_on = Some(Instant::now());
+                self.with(|client| client.tell(&Request::Command(command)))
+            }
+            _ => self.with(|client| client.tell(&Request::Command(command))),
+        }
     }
 
     pub fn save(&mut self) -> Result<()> {

@@ -106,10 +106,21 @@ fn stepped(options: &Options) -> Result<()> {
         return Err(cannot_measure(&client));
     }
     begin(&mut client, &mut kept, &options.out)?;
+    // From here on this command may move the shaft.
+    steps(options, &stop, &mut kept, &mut client, &who).map_err(|failure| client.left_off(failure))
+}
 
+/// The steps from the knob's settings to the tuned board.
+fn steps(
+    options: &Options,
+    stop: &AtomicBool,
+    kept: &mut Kept,
+    client: &mut Client,
+    who: &str,
+) -> Result<()> {
     tell!("2/6 settings   what the knob is said to be");
     let before = options.out.join(BEFORE);
-    let settings = settings(&client, options, &before)?;
+    let settings = settings(client, options, &before)?;
     tell!(
         "    {} pole pairs, {} with {} counts, up to {} A",
         settings.motor.pole_pairs,
@@ -128,7 +139,7 @@ fn stepped(options: &Options) -> Result<()> {
             tell!(
                 "3/6 motor      HANDS OFF: THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute"
             );
-            let Measured { motor, encoder } = spin::measure(&mut client, &settings, &stop)?;
+            let Measured { motor, encoder } = spin::measure(client, &settings, stop)?;
             if let Err(why) = &encoder {
                 note!("note: the encoder's eccentricity was not found: {why}");
             }
@@ -155,7 +166,7 @@ fn stepped(options: &Options) -> Result<()> {
     let board = client.identity().board;
     let scene_file = options.out.join("knob.toml");
     // The wall is tuned without the encoder's angle error, which no settings of a control law can correct.
-    let text = knob_scene::text(&motor, &settings, hardware(board), &who);
+    let text = knob_scene::text(&motor, &settings, hardware(board), who);
     let with_encoder = text.clone() + &knob_scene::encoder_text(encoder.as_ref());
     write(&scene_file, &with_encoder)?;
     tell!("4/6 scene      {}", scene_file.display());
@@ -171,21 +182,21 @@ fn stepped(options: &Options) -> Result<()> {
         tell!("5/6 wall       tuned before: {}", law_file.display());
     } else {
         tell!("5/6 wall       looking for settings of the law");
-        let law = tuned(&Scene::parse(&text, &scene_file)?, options, &stop)?;
+        let law = tuned(&Scene::parse(&text, &scene_file)?, options, stop)?;
         write(&law_file, &law)?;
         kept.keep_tuned_for(&text)?;
     }
 
     tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
-    let all = with_knob(settings, &motor, &law_file, &client)?;
-    take(&mut client, &all)?;
+    let all = with_knob(settings, &motor, &law_file, client)?;
+    take(client, &all)?;
     warn_unwatched(&all);
     if options.keep_alignment {
         tell!("    keeps its alignment, and checks it: the shaft moves a little");
-        start::keep(&mut client)?;
+        start::keep(client)?;
     }
     let cogging = match options.cogging {
-        true => Some(uncogged(&mut client, &all, &stop)?),
+        true => Some(uncogged(client, &all, stop)?),
         false => None,
     };
     let page = sheet::write(
@@ -194,7 +205,7 @@ fn stepped(options: &Options) -> Result<()> {
         cogging.as_ref(),
         &with_encoder,
         &all,
-        &who,
+        who,
         &options.out.join(REPORT),
     )?;
     out::result(
@@ -219,7 +230,7 @@ fn stepped(options: &Options) -> Result<()> {
             );
             say!("page       {}", page.display());
             say!("feel it    touchstone device arm");
-            if may_keep(&client, &all).is_ok() && !options.keep_alignment {
+            if may_keep(client, &all).is_ok() && !options.keep_alignment {
                 say!(
                     "next start touchstone device alignment keep: a small motion instead of the whole search"
                 );

@@ -105,19 +105,24 @@ fn heard(
     client.tell(&Request::Telemetry { decimation: 1 })?;
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     // If the cause of an earlier fault persists, the fault recurs before the shaft turns.
-    calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
+    calibrate.map_err(|refused| {
+        let why = fault(client).unwrap_or(refused);
+        client.left_off(why)
+    })?;
     client.forget_telemetry();
     let limit = calibration_limit(&asked) + MEASUREMENT_LONGEST;
-    let heard = listen(client, limit, stop, told);
-    // After success or failure, the motor is switched off and the given settings are restored.
-    let stopped = client
-        .tell(&Request::Command(DeviceCommand::Stop))
-        .and_then(|()| client.tell(&Request::SetAll(settings.clone())))
-        .and_then(|()| {
-            let decimation = settings.telemetry.decimation;
-            client.tell(&Request::Telemetry { decimation })
-        });
-    let Some(ticks) = heard? else {
+    let heard = match listen(client, limit, stop, told) {
+        Ok(heard) => heard,
+        Err(failure) => {
+            // The motor must not turn on behind a failed command.
+            let failure = client.left_off(failure);
+            // The failure is the result, also where nothing can be restored.
+            let _ = restored(client, settings);
+            return Err(failure);
+        }
+    };
+    let stopped = restored(client, settings);
+    let Some(ticks) = heard else {
         stopped?;
         note!("interrupted: the motor is off; the same command goes on from here");
         std::process::exit(interrupt::INTERRUPTED);
@@ -132,6 +137,14 @@ fn heard(
     let (of_encoder, of_motor): (Vec<CalibrationTick>, Vec<Option<MotorTick>>) =
         ticks.into_iter().unzip();
     Ok((of_motor, Eccentricity::new(&of_encoder, &known)))
+}
+
+/// Switches the motor off and restores the given settings.
+fn restored(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
+    client.tell(&Request::Command(DeviceCommand::Stop))?;
+    client.tell(&Request::SetAll(settings.clone()))?;
+    let decimation = settings.telemetry.decimation;
+    client.tell(&Request::Telemetry { decimation })
 }
 
 /// Settings for a shaft that turns unattended. If the given settings have no limit on the computer's silence, the device switches

@@ -17,8 +17,17 @@ mod events;
 mod failures;
 mod fake;
 mod flash;
+#[cfg(unix)]
+#[path = "../../../device/tests/haply_mock/mod.rs"]
+#[expect(
+    dead_code,
+    reason = "its own faults are played by the device crate's own tests"
+)]
+mod haply_mock;
 mod json;
 mod lifecycle;
+#[cfg(unix)]
+mod link_faults;
 mod monitor;
 mod setup;
 #[cfg(target_os = "linux")]

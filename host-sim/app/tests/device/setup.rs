@@ -147,6 +147,21 @@ fn measured(board: Board, damping: f64, uncertainty: f64) -> serde_json::Value {
     })
 }
 
+/// Makes the folder of a setup whose motor has been measured.
+fn is_measured(device: &Fake, out: &Path, measured: serde_json::Value) {
+    std::fs::create_dir(out).unwrap();
+    let before = out.join("before.toml").display().to_string();
+    device.run(&["config", "export", &before, "-q"]).done();
+    let progress = serde_json::json!({ "device": "ab".repeat(12), "measured": measured });
+    std::fs::write(out.join("setup.json"), progress.to_string()).unwrap();
+}
+
+/// Makes the folder of a setup whose motor has been measured, for tests of what follows.
+#[cfg(unix)]
+pub fn goes_on(device: &Fake, out: &Path) {
+    is_measured(device, out, measured(Board::NucleoG474re, 1e-4, 1e-6));
+}
+
 /// A control law's settings that claim a better device than any.
 const TOO_GOOD: &str = "[encoder]\ncounts_per_rev = 1000000
 [drive]\nkind = \"analogue\"
@@ -166,14 +181,7 @@ fn what_is_left_on_every_board_is_within_the_conditions_of_the_bound() {
             });
             let (out, law) = place("setup-left");
             std::fs::write(&law, TOO_GOOD).unwrap();
-            std::fs::create_dir(&out).unwrap();
-            let before = out.join("before.toml").display().to_string();
-            device.run(&["config", "export", &before, "-q"]).done();
-            let progress = serde_json::json!({
-                "device": "ab".repeat(12),
-                "measured": measured(board, damping, uncertainty),
-            });
-            std::fs::write(out.join("setup.json"), progress.to_string()).unwrap();
+            is_measured(&device, &out, measured(board, damping, uncertainty));
             let out = out.display().to_string();
             let said = device.run(&["setup", "--out", &out, "--law", &law]);
             assert_eq!(said.code, Some(0), "{board:?}: {}", said.err);

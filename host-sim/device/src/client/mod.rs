@@ -2,7 +2,7 @@
 
 mod switch_off;
 
-pub use switch_off::MAY_BE_ON;
+pub use switch_off::{MAY_BE_ON, may_be_on};
 
 use super::{Address, Received, Transport, open};
 use std::collections::VecDeque;

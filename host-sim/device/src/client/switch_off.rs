@@ -53,11 +53,38 @@ impl Client {
         }
     }
 
+    /// Switches the device off after a failure that ends a command. Returns the failure, which says that the device may still be on
+    /// if nothing confirms that it is off.
+    #[must_use]
+    pub fn left_off(&mut self, failure: Error) -> Error {
+        if failure.to_string().contains(MAY_BE_ON) || self.switch_off().is_ok() {
+            return failure;
+        }
+        match failure {
+            Error::Device {
+                place,
+                problem,
+                fix,
+            } => may_be_on(place, &problem, &fix),
+            other => self.may_be_on(&other.to_string()),
+        }
+    }
+
     fn may_be_on(&self, why: &str) -> Error {
         self.wrong(
             format!("{MAY_BE_ON}: {why}"),
             "switch its power off, or pull its plug",
         )
+    }
+}
+
+/// The error that a device may still be on, after a failure whose remedy may come once it is off.
+#[must_use]
+pub fn may_be_on(place: String, problem: &str, fix: &str) -> Error {
+    Error::Device {
+        place,
+        problem: format!("{MAY_BE_ON}: {problem}"),
+        fix: format!("switch its power off, or pull its plug; then {fix}"),
     }
 }
 
@@ -225,6 +252,24 @@ mod tests {
         let error = client.switch_off().expect_err("no answer came");
         assert!(error.to_string().contains(MAY_BE_ON), "{error}");
         assert!(is_off(&phase));
+    }
+
+    #[test]
+    fn a_failed_command_leaves_the_device_off_or_says_that_it_may_be_on() {
+        let failure = |client: &Client| client.wrong("the step failed", "the same command again");
+        for (lost, is_sure) in [([0, 0], true), ([30, 30], true), ([0, 100], false)] {
+            let (mut client, phase) = client(5, lost, Phase::Calibrating);
+            let failed = failure(&client);
+            let said = client.left_off(failed).to_string();
+            assert!(is_off(&phase), "{lost:?}");
+            assert!(said.contains("the step failed") && said.contains("the same command again"));
+            assert_eq!(said.contains(MAY_BE_ON), !is_sure, "{said}");
+        }
+        let (mut client, _) = client(5, [100, 0], Phase::Calibrating);
+        let failed = failure(&client);
+        let said = client.left_off(failed);
+        let again = client.left_off(said).to_string();
+        assert_eq!(again.matches(MAY_BE_ON).count(), 1, "{again}");
     }
 
     #[test]

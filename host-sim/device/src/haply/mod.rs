@@ -43,6 +43,10 @@ pub struct Inverse3 {
     standing: DeviceStanding,
     engaged: bool,
     open: bool,
+    /// Number of commands that no state has followed yet. The service sends a state for every command.
+    unanswered: u32,
+    /// Whether a message did not come or go as expected.
+    broken: bool,
 }
 
 fn lost(call: &'static str) -> impl Fn(String) -> HapticFault {
@@ -121,6 +125,8 @@ impl Inverse3 {
             },
             engaged: false,
             open: true,
+            unanswered: 0,
+            broken: false,
         };
         inverse.meet(&version)?;
         Ok(inverse)
@@ -151,9 +157,17 @@ impl Inverse3 {
         Ok(())
     }
 
+    /// Waits for the next device state.
+    fn state(&mut self) -> Result<CursorState, HapticFault> {
+        let state = self.next_state();
+        self.broken |= state.is_err();
+        self.unanswered = self.unanswered.saturating_sub(1);
+        state
+    }
+
     /// Waits for the next device state. The whole message must arrive before one deadline, which neither pings nor single bytes
     /// extend.
-    fn state(&mut self) -> Result<CursorState, HapticFault> {
+    fn next_state(&mut self) -> Result<CursorState, HapticFault> {
         let wrong = lost("reading its state");
         let known = (!self.device.is_empty()).then(|| self.device.clone());
         self.socket.get_mut().begin(PATIENCE);
@@ -178,9 +192,18 @@ impl Inverse3 {
     fn say(&mut self, force_n: [f64; 3]) -> Result<(), HapticFault> {
         let text = self.generation.force(&self.device, force_n);
         self.socket.get_mut().begin(PATIENCE);
-        self.socket
-            .send(Message::text(text))
-            .map_err(|why| lost("commanding the force")(why.to_string()))
+        let sent = self.socket.send(Message::text(text));
+        self.broken |= sent.is_err();
+        self.unanswered = self.unanswered.saturating_add(1);
+        sent.map_err(|why| lost("commanding the force")(why.to_string()))
+    }
+
+    /// Waits for the states that follow the commands so far, the last of which ends the force: until then it may still act.
+    fn confirmed(&mut self) -> Result<(), HapticFault> {
+        while self.unanswered > 0 && !self.broken {
+            self.state()?;
+        }
+        Ok(())
     }
 
     /// Discards old device states, which arrived while the program did not read any.
@@ -196,6 +219,7 @@ impl Inverse3 {
                 Ok(_) => {}
             }
         }
+        self.unanswered = 0;
         self.say([0.0; 3])
     }
 }
@@ -241,7 +265,7 @@ impl HapticDevice for Inverse3 {
             return Ok(());
         }
         self.engaged = false;
-        let said = self.say([0.0; 3]);
+        let said = self.say([0.0; 3]).and_then(|()| self.confirmed());
         self.socket.get_mut().begin(PATIENCE);
         let closed = self.socket.close(None).and_then(|()| self.socket.flush());
         said?;

@@ -67,9 +67,12 @@ impl Service {
     }
 
     pub fn saw(&self) -> Saw {
-        self.saw
-            .recv_timeout(Duration::from_secs(10))
-            .expect("the service ends")
+        self.saw_at_all().expect("the service ends")
+    }
+
+    /// Same as [`Self::saw`]; `None` for a service that no device state was read from, or that broke.
+    pub fn saw_at_all(&self) -> Option<Saw> {
+        self.saw.recv_timeout(Duration::from_secs(10)).ok()
     }
 }
 

@@ -8,7 +8,7 @@ use super::Tuned;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use touchstone_control::{
-    ChangeOfForce, Choice, Controller, Field, Fixed32, PositionSettings, Settings, Si,
+    ChangeOfForce, Choice, Controller, Device, Field, Fixed32, PositionSettings, Settings, Si,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::harmless::one_line;
@@ -122,15 +122,13 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
             "give encoder.counts_per_rev",
         ));
     };
-    let mut settings = scene.settings()?;
     // A fraction of a count is left out: fewer counts are a coarser encoder. Numbers that do not fit saturate.
     let counts_per_rev = (encoder.counts_per_rev.floor() as u32).max(1);
-    settings.position = PositionSettings::of_counts_per_rev(counts_per_rev);
-    let guard = &mut settings.guard;
-    let at_least = |told: Si, device_s: f64| told.max(Si::saturating_from_num(device_s));
-    guard.delay = at_least(guard.delay, longest_delay_s(scene));
-    guard.lag = at_least(guard.lag, lag_s(scene));
-    guard.change = ChangeOfForce::Estimated;
+    let mut settings = scene.settings()?;
+    let device = device(scene, counts_per_rev, settings.force_limit);
+    settings.position = device.position;
+    settings.guard.change = ChangeOfForce::Estimated;
+    device.hold(&mut settings);
     if let Err(refused) = Controller::<Fixed32>::new(&settings) {
         return Err(Error::Option {
             option: "--out".to_owned(),
@@ -139,6 +137,20 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
         });
     }
     Ok((settings, counts_per_rev))
+}
+
+/// The scene's device as the libraries describe a device.
+fn device(scene: &Scene, counts_per_rev: u32, force_limit: Si) -> Device {
+    let si = Si::saturating_from_num::<f64>;
+    Device {
+        rate_hz: scene.timing.rate_hz,
+        inertia: si(scene.device.inertia_kg_m2),
+        damping: si(scene.device.damping_n_m_s_per_rad),
+        position: PositionSettings::of_counts_per_rev(counts_per_rev),
+        force_limit,
+        delay: si(longest_delay_s(scene)),
+        lag: si(lag_s(scene)),
+    }
 }
 
 /// Longest time from a position reading until its force begins to act, s.

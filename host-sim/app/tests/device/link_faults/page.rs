@@ -1,0 +1,148 @@
+//! A page of `touchstone live` that arms the device whatever the link does, and then goes.
+
+use super::{LONGEST, ended, started};
+use crate::Said;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+/// How a page ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PageEnd {
+    /// A person presses stop, and sees what the page says.
+    Stops,
+    /// The tab is closed.
+    Closes,
+    /// The program is interrupted by Ctrl-C.
+    Interrupts,
+}
+
+impl PageEnd {
+    pub fn of(seed: u64) -> Self {
+        [Self::Stops, Self::Closes, Self::Interrupts][(seed / 5 % 3) as usize]
+    }
+}
+
+/// Time that the page plays before it ends.
+const PLAYS: Duration = Duration::from_millis(1_800);
+
+/// Runs `touchstone live` with a page at this port. Returns what the program said, and all texts that the page was sent.
+pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
+    let mut child = started(&["live", "--no-open", "--port", port]);
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    out.read_line(&mut line).unwrap();
+    let mut shown = String::new();
+    // Without a page the program has no connection, and ends with an error.
+    if let Some(place) = line.trim().strip_prefix("page    http://") {
+        let (host, token) = place.split_once("/?token=").unwrap();
+        let mut page = Page::open(host, token);
+        page.plays(PLAYS, &mut shown);
+        match end {
+            PageEnd::Stops => {
+                page.says(&json!({ "do": "stop" }));
+                page.hears(LONGEST / 3, &mut shown, |words| {
+                    words["type"] == "done" && words["do"] == "stop"
+                });
+            }
+            PageEnd::Closes => drop(page.socket.close(None)),
+            PageEnd::Interrupts => {}
+        }
+        if end != PageEnd::Interrupts {
+            drop(page);
+            // Time for the program to see that the page is gone.
+            std::thread::sleep(Duration::from_millis(300));
+        }
+        let id = child.id().to_string();
+        let sent = std::process::Command::new("kill")
+            .args(["-INT", &id])
+            .status();
+        assert!(sent.unwrap().success(), "seed {seed}");
+    }
+    let mut said = ended(child, seed);
+    said.out = line;
+    // The program has ended, so the rest can be read whole.
+    out.read_to_string(&mut said.out).unwrap();
+    (said, shown)
+}
+
+struct Page {
+    socket: WebSocket<TcpStream>,
+}
+
+impl Page {
+    fn open(host: &str, token: &str) -> Self {
+        let mut request = format!("ws://{host}/socket?token={token}")
+            .into_client_request()
+            .unwrap();
+        let origin = format!("http://{host}").parse().unwrap();
+        request.headers_mut().insert("Origin", origin);
+        let stream = TcpStream::connect(host).unwrap();
+        let (socket, _) = tungstenite::client(request, stream).unwrap();
+        let limit = Some(Duration::from_millis(20));
+        socket.get_ref().set_read_timeout(limit).unwrap();
+        Self { socket }
+    }
+
+    /// Sends an order. The program may have ended, so errors are ignored.
+    fn says(&mut self, order: &Value) {
+        let _ = self.socket.send(Message::text(order.to_string()));
+    }
+
+    /// Calibrates and arms as often as it takes, for this time.
+    fn plays(&mut self, time: Duration, shown: &mut String) {
+        let begun = Instant::now();
+        self.says(&json!({ "do": "calibrate" }));
+        while begun.elapsed() < time {
+            let mut phase = String::new();
+            self.hears(Duration::from_millis(100), shown, |words| {
+                let is_state = words["type"] == "state";
+                if is_state {
+                    phase = words["phase"].as_str().unwrap_or_default().to_owned();
+                }
+                is_state
+            });
+            match phase.as_str() {
+                "ready" => self.says(&json!({ "do": "arm" })),
+                "boot" | "stopped" => self.says(&json!({ "do": "calibrate" })),
+                _ => {}
+            }
+        }
+    }
+
+    /// Reads messages until one satisfies `ends`, at most for this time. Acknowledges batches of records, and keeps all texts.
+    fn hears(&mut self, time: Duration, shown: &mut String, mut ends: impl FnMut(&Value) -> bool) {
+        let begun = Instant::now();
+        while begun.elapsed() < time {
+            match self.socket.read() {
+                Ok(Message::Text(text)) => {
+                    let words: Value = serde_json::from_str(text.as_str()).unwrap();
+                    if words["type"] != "hello" {
+                        shown.push_str(text.as_str());
+                        shown.push('\n');
+                    }
+                    if ends(&words) {
+                        return;
+                    }
+                }
+                Ok(Message::Binary(bytes)) => {
+                    let batch = bytes
+                        .first_chunk()
+                        .map_or(0.0, |it| f64::from_le_bytes(*it));
+                    self.says(&json!({ "seen": batch as u64 }));
+                }
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error))
+                    if matches!(
+                        error.kind(),
+                        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+                    ) => {}
+                // The program closed the page.
+                Err(_) => return,
+            }
+        }
+    }
+}
