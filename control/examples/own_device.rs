@@ -1,7 +1,7 @@
 //! A force of one's own on a device of one's own, in fixed point: device, then tick. The energy guard stands behind the force.
 
 use touchstone_control::{
-    CountScale, Device, Fixed32, Force, Position, PositionSettings, SettingsError, Si, Stiffness,
+    CountScale, Device, Fixed32, Force, Position, PositionSettings, SettingsError, Si,
 };
 
 const COUNTS_PER_REV: u32 = 16_384;
@@ -17,7 +17,7 @@ fn main() -> Result<(), SettingsError> {
         lag: Si::ZERO,               // mean time from there until it acts, s
     };
     let mut knob = device.own_force::<Fixed32>()?;
-    let spring = Stiffness::from_si(Si::lit("5")).expect("fits"); // N·m/rad
+    let spring = device.spring(Si::lit("5")).expect("fits"); // N·m/rad
     let damper = device.damper(Si::lit("0.01")).expect("fits"); // N·m·s/rad
     let encoder = CountScale::new(COUNTS_PER_REV, Si::ZERO).expect("counts");
 

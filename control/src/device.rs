@@ -112,7 +112,14 @@ impl Device {
     /// number format.
     #[must_use]
     pub fn damper<N: Number>(&self, damping: Si) -> Option<Stiffness<N>> {
-        Stiffness::from_si(damping.checked_mul(Si::saturating_from_num(self.rate_hz))?)
+        N::gain(damping.checked_mul(Si::saturating_from_num(self.rate_hz))?).map(Stiffness)
+    }
+
+    /// A stiffness in N·m/rad as the factor of a position, for the spring of an own force; `None` if it does not fit the number
+    /// format.
+    #[must_use]
+    pub fn spring<N: Number>(&self, stiffness: Si) -> Option<Stiffness<N>> {
+        N::gain(stiffness).map(Stiffness)
     }
 
     /// Makes settings of a law no less cautious than this device requires. Count, delay and lag become at least those of the device;

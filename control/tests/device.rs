@@ -199,7 +199,7 @@ fn random(state: &mut u64) -> f64 {
 
 /// A force that reads position and velocity, with no thought for stability.
 fn springy(now: Sample<Fixed32>) -> Force<Fixed32> {
-    let k = Stiffness::from_si(Si::lit("30")).expect("fits");
+    let k = Stiffness(Fixed32::gain(Si::lit("30")).expect("fits"));
     (k * now.e + k * now.moved + k * now.moved).towards_zero()
 }
 
@@ -381,7 +381,7 @@ fn an_own_spring_is_the_shipped_spring_bit_for_bit() {
     device.hold(&mut settings);
     let mut wall = Controller::<Fixed32>::new(&settings).expect("valid");
     assert!(matches!(wall.states, States::Estimated(..)));
-    let spring = Stiffness::from_si(Si::lit("5")).expect("fits");
+    let spring = device.spring(Si::lit("5")).expect("fits");
     let (mut state, mut at, mut pushed) = (3, 0.05, 0);
     for tick in 0..20_000 {
         at = (at + 0.01 * random(&mut state)).clamp(-0.1, 0.3);
