@@ -197,7 +197,7 @@ impl<N: Number> Impact<N> {
         if settings.states == StatesKind::Measured {
             return Ok(None);
         }
-        let vibration = Vibration::of(settings)?;
+        let vibration = Vibration::vibration_of(settings)?;
         if share == Si::ZERO && vibration.is_none() {
             return Ok(None);
         }

@@ -131,7 +131,7 @@ controller_property! {
         let mut wanted = law.tick(&mut state, sample);
         let mut impact = before.impact;
         if let Some(impact) = &mut impact {
-            wanted = impact.tick(sample, wanted);
+            wanted = impact.with_pulse_and_vibration(sample, wanted);
         }
         let mut guard = before.guard;
         let force = match &mut guard {

@@ -161,7 +161,7 @@ property! {
         assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
         let mut pulse = impact;
         let pulsed = pulse.with_pulse(sample, wanted);
-        let force = impact.tick(sample, wanted);
+        let force = impact.with_pulse_and_vibration(sample, wanted);
         assert!(force >= Force::zero() && force <= impact.limit);
         let inside = sample.e > Position::zero();
         assert!(inside || force == wanted);
@@ -178,7 +178,7 @@ property! {
         let (sample, touch) = (any_sample32(s), s.bool());
         let (wanted, limit) = (N::any_force(s), N::any_force(s));
         let mut vibration = before;
-        let force = vibration.added(sample, touch, wanted, limit);
+        let force = vibration.with_vibration(sample, touch, wanted, limit);
         let inside = sample.e > Position::zero();
         let expected = match (inside, touch) {
             (false, _) => 0,

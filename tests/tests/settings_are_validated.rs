@@ -9,7 +9,7 @@ use touchstone_tests::si::{assert_one_line, next, si};
 /// A setting, the function that sets it, and its smallest and largest accepted value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
-const BOUNDS: [Bound; 27] = [
+const BOUNDS: [Bound; 30] = [
     (Field::KDesired, |s, x| s.k_desired = x, "0", "500000"),
     (Field::KSoft, |s, x| s.k_soft = x, "0.01", "500000"),
     (

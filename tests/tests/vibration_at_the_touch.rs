@@ -30,7 +30,11 @@ fn played(settings: &Settings, speed: f64, ticks: u32) -> Vec<f64> {
         moved: position(speed / f64::from(settings.rate_hz)),
     };
     (0..ticks)
-        .map(|_| (impact.tick(sample, base) - base).0.to_num())
+        .map(|_| {
+            (impact.with_pulse_and_vibration(sample, base) - base)
+                .0
+                .to_num()
+        })
         .collect()
 }
 

@@ -33,12 +33,12 @@ pub struct Impact<N: Number> {
 impl<N: Number> Impact<N> {
     /// Runs one control period: takes the law's input and the law's force, returns the force with pulse and vibration.
     #[inline(always)]
-    pub fn tick(&mut self, sample: Sample<N>, force: Force<N>) -> Force<N> {
+    pub fn with_pulse_and_vibration(&mut self, sample: Sample<N>, force: Force<N>) -> Force<N> {
         let touch = self.outside == self.apart;
         let force = self.with_pulse(sample, force);
         match &mut self.vibration {
             None => force,
-            Some(vibration) => vibration.added(sample, touch, force, self.limit),
+            Some(vibration) => vibration.with_vibration(sample, touch, force, self.limit),
         }
     }
 

@@ -69,7 +69,7 @@ impl<N: Number> Vibration<N> {
     ///
     /// # Errors
     /// A coefficient does not fit the number format.
-    pub fn of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
+    pub fn vibration_of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
         let wanted = &settings.impact;
         if wanted.vibration == Si::ZERO {
             return Ok(None);
@@ -111,7 +111,7 @@ impl<N: Number> Vibration<N> {
     /// Runs one control period: takes the law's input, whether a control period inside is a new touch, and the force of law and
     /// pulse. Returns the force with the vibration; while that lasts, it is between 0 and `limit`.
     #[inline(always)]
-    pub fn added(
+    pub fn with_vibration(
         &mut self,
         sample: Sample<N>,
         touch: bool,
@@ -133,7 +133,8 @@ impl<N: Number> Vibration<N> {
             return force;
         }
         let shown = self.next;
-        self.next = self.last_share.of(shown) - self.older_share.of(self.last);
+        self.next =
+            self.last_share.share_of_force(shown) - self.older_share.share_of_force(self.last);
         self.last = shown;
         self.left = self.left.saturating_sub(1);
         (force + shown).max(Force::zero()).min(limit)
