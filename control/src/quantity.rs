@@ -148,6 +148,13 @@ macro_rules! signal_quantity {
 signal_quantity!(Position);
 signal_quantity!(Force);
 
+impl<N: Number> Stiffness<N> {
+    /// Converts an SI value, rounded down to a step of the format; `None` outside the format.
+    #[must_use]
+    pub fn from_si(si: Si) -> Option<Self> {
+        N::gain(si).map(Self)
+    }
+}
 impl<N: Number> Mul<Position<N>> for Stiffness<N> {
     type Output = Tension<N>;
     #[inline(always)]
@@ -169,13 +176,6 @@ impl<N: Number> Ratio<N> {
     #[must_use]
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
         Position(N::scale_both_fitting(self.0, x.0, spring.0, f.0))
-    }
-
-    /// This share of a force, rounded towards zero.
-    #[inline(always)]
-    #[must_use]
-    pub fn share_of_force(self, force: Force<N>) -> Force<N> {
-        Force(N::scale(self.0, force.0))
     }
 }
 impl<N: Number> Mul<Position<N>> for Ratio<N> {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use touchstone_control::law::Sample;
 use touchstone_control::{
     Controller, Device, Fixed32, Force, GuardSettings, Guarded, LawKind, OwnForce, Position,
-    PositionSettings, Settings, SettingsError, Si, States, Stiffness,
+    PositionSettings, Number, Settings, SettingsError, Si, States, Stiffness,
 };
 
 const TICK_S: f64 = 1e-3;

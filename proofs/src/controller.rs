@@ -89,7 +89,6 @@ fn any_pulse<S: Source>(s: &mut S) -> Impact<N> {
         apart: s.bits(2) as u16,
         left: N::any_force(s),
         outside: s.bits(2) as u16,
-        vibration: None,
     }
 }
 
@@ -131,7 +130,7 @@ controller_property! {
         let mut wanted = law.tick(&mut state, sample);
         let mut impact = before.impact;
         if let Some(impact) = &mut impact {
-            wanted = impact.with_pulse_and_vibration(sample, wanted);
+            wanted = impact.with_pulse(sample, wanted);
         }
         let mut guard = before.guard;
         let force = match &mut guard {
