@@ -148,13 +148,6 @@ macro_rules! signal_quantity {
 signal_quantity!(Position);
 signal_quantity!(Force);
 
-impl<N: Number> Stiffness<N> {
-    /// Converts an SI value, rounded down to a step of the format; `None` outside the format.
-    #[must_use]
-    pub fn from_si(si: Si) -> Option<Self> {
-        N::gain(si).map(Self)
-    }
-}
 impl<N: Number> Mul<Position<N>> for Stiffness<N> {
     type Output = Tension<N>;
     #[inline(always)]
