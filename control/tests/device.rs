@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 use touchstone_control::law::Sample;
 use touchstone_control::{
-    Controller, Device, Fixed32, Force, GuardSettings, Guarded, LawKind, OwnForce, Position,
-    PositionSettings, Number, Settings, SettingsError, Si, States, Stiffness,
+    Controller, Device, Fixed32, Force, GuardSettings, Guarded, LawKind, Number, OwnForce,
+    Position, PositionSettings, Settings, SettingsError, Si, States, Stiffness,
 };
 
 const TICK_S: f64 = 1e-3;
