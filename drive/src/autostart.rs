@@ -139,3 +139,51 @@ impl Autostart {
         command
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: Glance = Glance {
+        state: State::Boot,
+        is_supplied: true,
+        count: 77,
+        is_stop_pressed: false,
+        desktop_spoke: false,
+    };
+
+    /// The first command that these inputs bring within a minute, and after how many seconds.
+    fn first(autostart: &mut Autostart, now: Glance) -> Option<(Command, f64)> {
+        let step = |step: u32| {
+            let command = autostart.step(&now)?;
+            Some((command, f64::from(step * STEP_MS) / 1e3))
+        };
+        (1..=60_000 / STEP_MS).find_map(step)
+    }
+
+    #[test]
+    fn it_waits_ten_seconds_for_the_supply_and_three_after_the_check() {
+        let dark = Glance {
+            is_supplied: false,
+            ..GOOD
+        };
+        let mut autostart = Autostart::new(true, ResetReason::PowerOn, true);
+        assert_eq!(first(&mut autostart, dark), Some((Command::Stop, 10.0)));
+        assert_eq!(autostart.told(), SelfStart::NotReady);
+        // A supply that comes later starts nothing: a person may have a hand at the knob by then.
+        assert_eq!(first(&mut autostart, GOOD), None);
+
+        let mut autostart = Autostart::new(true, ResetReason::PowerOn, true);
+        let checks = first(&mut autostart, GOOD);
+        assert!(
+            matches!(checks, Some((Command::Calibrate, _))),
+            "{checks:?}"
+        );
+        let dark = Glance {
+            state: State::Ready,
+            ..dark
+        };
+        assert_eq!(first(&mut autostart, dark), Some((Command::Stop, 3.0)));
+        assert_eq!(autostart.told(), SelfStart::NotReady);
+    }
+}

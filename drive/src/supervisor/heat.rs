@@ -149,10 +149,14 @@ mod tests {
     use crate::transform::Dq;
 
     fn report(amperes: f64) -> CurrentReport {
+        of_both(0.0, amperes)
+    }
+
+    fn of_both(d: f64, q: f64) -> CurrentReport {
         CurrentReport {
             current: Dq {
-                d: Amps::ZERO,
-                q: Amps::from_num(amperes),
+                d: Amps::from_num(d),
+                q: Amps::from_num(q),
             },
             ..CurrentReport::default()
         }
@@ -218,5 +222,24 @@ mod tests {
         // After a reset of unknown duration.
         let (_, left) = Heat::unknown(&config).update(&config, &report(0.0));
         assert!((22_000..23_500).contains(&left), "{left}");
+    }
+
+    /// A current that gives no torque heats the windings as well: the calibration's, or one at a wrong electrical angle.
+    #[test]
+    fn the_current_that_gives_no_torque_heats_as_much() {
+        let config = HeatConfig::new(&DeviceSettings::default());
+        let hot_after = |report: CurrentReport| {
+            let mut heat = Heat::cold();
+            (0..100_000).find(|_| heat.update(&config, &report).0.is_some())
+        };
+        let by_torque = hot_after(report(1.5)).expect("a fault");
+        for (d, q) in [(1.5, 0.0), (-1.5, 0.0), (0.9, 1.2), (1.2, -0.9)] {
+            let tick = hot_after(of_both(d, q)).unwrap_or(u32::MAX);
+            // The currents are rounded to a step of their format.
+            assert!(
+                tick.abs_diff(by_torque) <= 2,
+                "{d} A, {q} A: {tick}, not {by_torque}"
+            );
+        }
     }
 }

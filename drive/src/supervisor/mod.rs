@@ -338,3 +338,71 @@ fn break_fault(input: &ControlInput) -> Option<Found> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Amps;
+    use crate::encoder::EncoderReading;
+    use crate::hardware::IHM08M1;
+
+    /// Inputs of a board in order, except that this current flows and that the power stage's thermistor reads this code.
+    fn input(amperes: f64, temperature: u16) -> ControlInput {
+        let mut current = CurrentReport {
+            temperature,
+            ..CurrentReport::default()
+        };
+        current.current.q = Amps::from_num(amperes);
+        ControlInput {
+            encoder: EncoderReading::Silent,
+            current,
+            command: None,
+            hardware_break: false,
+            gate_driver_error: false,
+            stop_button: false,
+            host_heard: false,
+            timing: TickTiming::default(),
+        }
+    }
+
+    #[test]
+    fn a_hot_power_stage_and_a_hot_motor_each_reduce_the_current_limit() {
+        let settings = DeviceSettings::default();
+        let config = SupervisorConfig::new(&settings, &IHM08M1);
+        let power = PowerConfig::new(&settings, &IHM08M1);
+        let heat = HeatConfig::new(&settings);
+        let watch = Watch {
+            watched: true,
+            may_be_on: true,
+            driven: false,
+            untold: false,
+            against: false,
+        };
+        let code_of = |celsius: u8| {
+            let reached = |code: &u16| {
+                let now = IHM08M1.thermistor.celsius(*code);
+                now.is_some_and(|now| now >= crate::Celsius::from_num(celsius))
+            };
+            (0..4_096).find(reached).expect("in the thermistor's table")
+        };
+        // The power stage is derated from 70 °C on, the windings after some 20 s of more than 0.62 A.
+        for (amperes, celsius, by) in [
+            (0.0, 25, [false, false]),
+            (0.0, 80, [true, false]),
+            (0.68, 25, [false, true]),
+            (0.68, 72, [true, true]),
+            (0.65, 85, [true, true]),
+        ] {
+            let now = input(amperes, code_of(celsius));
+            let (mut supervisor, mut windings) = (Supervisor::new(), Heat::cold());
+            let (mut given, mut of_motor) = (0, 0);
+            for _ in 0..100_000 {
+                given = supervisor.inspect(&config, &now, watch).derating;
+                of_motor = windings.update(&heat, &now.current).1;
+            }
+            let of_stage = Power::inspect(&power, &now.current).1;
+            assert_eq!([of_stage < 1 << 16, of_motor < 1 << 16], by, "{amperes} A");
+            assert_eq!(given, of_stage.min(of_motor), "{amperes} A, {celsius} °C");
+        }
+    }
+}
