@@ -3,6 +3,7 @@
 mod answers;
 mod cases;
 mod demands;
+mod fmus;
 mod full_output;
 mod inputs;
 #[cfg(unix)]
