@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::outcome::Outcome;
-use crate::{firmware, inspect, shell, toolchain};
+use crate::{firmware, inspect, shell, toolchain, wheel};
 
 const USAGE: &str = "cargo xtask dist";
 
@@ -29,13 +29,14 @@ fn made() -> Result<Outcome, Outcome> {
     let folder = shell::target("dist");
     done(std::fs::create_dir_all(&folder), &folder)?;
     firmware::run(&[]).went_well()?;
-    let program = program(&folder.join("build"))?;
+    let [program, library] = built(&folder.join("build"))?;
     let (name, version) = (name(), folder.join("VERSION"));
     done(std::fs::write(&version, identity()), &version)?;
 
     let mut words: Vec<OsString> = vec!["dist".into(), (&folder).into(), (&name).into()];
     words.push(seconds().to_string().into());
     words.extend([version.into(), program.into()]);
+    words.push(paired("library", &library));
     for board in firmware::BOARDS {
         words.push(paired(board, &firmware::program(board)));
     }
@@ -55,8 +56,9 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Builds the program for this machine and returns its path. Paths of this machine's folders are removed from the program.
-fn program(folder: &Path) -> Result<PathBuf, Outcome> {
+/// Builds the program and the shared library for FMUs for this machine, and returns their paths. Paths of this machine's folders are
+/// removed from both.
+fn built(folder: &Path) -> Result<[PathBuf; 2], Outcome> {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
         PathBuf::from,
@@ -66,6 +68,7 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo
         .args(["--profile", PROFILE, "--package", "touchstone"])
+        .args(["--package", "touchstone-fmi"])
         .arg("--target-dir")
         .arg(folder)
         .args(["--features", FEATURES])
@@ -73,7 +76,7 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
         .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     shell::run(&mut cargo).went_well()?;
     let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
-    Ok(folder.join(PROFILE).join(name))
+    Ok([name, wheel::fmu_library()].map(|name| folder.join(PROFILE).join(name)))
 }
 
 /// Writes the output of `cargo metadata` for the program and for the firmware to one file each; returns the paths of the files.
@@ -103,7 +106,10 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
 /// Checks that the unpacked program runs with an empty PATH. It must find the boards' firmware files beside it, and need no
 /// external program to flash them.
 fn tried(unpacked: &Path) -> Result<(), Outcome> {
-    let mut calls = vec![vec!["run", "thesis-knob", "--quiet"]];
+    let mut calls = vec![
+        vec!["run", "thesis-knob", "--quiet"],
+        vec!["export-fmu", "tap", "--out", "../../tried", "--force"],
+    ];
     for board in firmware::BOARDS {
         calls.push(vec!["flash", "--dry-run", "--board", board]);
     }

@@ -7,6 +7,7 @@
 mod bench;
 mod board_scorecard;
 mod changes;
+mod chips;
 mod counted;
 mod cycles;
 mod deny;
@@ -143,6 +144,12 @@ const STEPS: &[Step] = &[
             full: Share::Whole,
         },
         run: thumb::run,
+    },
+    Step {
+        name: "chips",
+        about: "the C library on emulated Cortex-M0, M4F and M33: its bits are this machine's; a table of sizes and instructions",
+        gates: Gates::FULL_ONLY,
+        run: chips::run,
     },
     Step {
         name: "firmware",

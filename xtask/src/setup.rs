@@ -124,6 +124,14 @@ const TOOLS: &[Tool] = &[
         packages: &EMULATOR,
     },
     Tool {
+        name: "arm-gcc",
+        need: Need::Full,
+        purpose: "chips: C programs with the C library on emulated microcontrollers",
+        version: || first_line(&["arm-none-eabi-gcc", "--version"]),
+        hint: "apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi",
+        packages: &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
+    },
+    Tool {
         name: "coq",
         need: Need::Full,
         purpose: "prove: the theorems over traces",

@@ -8,7 +8,7 @@ use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
 /// Python packages that build, test and type-check the wheel. A test whose package is missing is skipped, so all are here.
-const TOOLS: [&str; 10] = [
+const TOOLS: [&str; 11] = [
     "maturin>=1.9,<2",
     "pytest>=7",
     "numpy>=1.22",
@@ -19,6 +19,7 @@ const TOOLS: [&str; 10] = [
     "pandas>=1.5",
     "nbclient",
     "ipykernel",
+    "fmpy",
 ];
 
 pub fn run(args: &[String]) -> Outcome {
@@ -97,17 +98,28 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(python)
 }
 
-/// Builds the program as in the release, and copies it to the folder from which the packaging tool maturin takes programs.
+/// Builds the program and the shared library for FMUs as in the release, and copies them to the folders from which the packaging tool
+/// maturin takes programs and other files.
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);
+    cargo.args(["--package", "touchstone-fmi"]);
     cargo.args(["--features", "touchstone/mesh,touchstone/parquet"]);
     shell::run(&mut cargo).went_well()?;
-    let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
-    let scripts = package.join("data/scripts");
-    done(std::fs::create_dir_all(&scripts), &scripts)?;
-    let copied = std::fs::copy(shell::target("dist").join(&name), scripts.join(&name));
-    done(copied.map(|_| ()), &scripts)
+    let program = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
+    for (name, folder) in [(program, "data/scripts"), (fmu_library(), "data/data/lib")] {
+        let folder = package.join(folder);
+        done(std::fs::create_dir_all(&folder), &folder)?;
+        let copied = std::fs::copy(shell::target("dist").join(&name), folder.join(&name));
+        done(copied.map(|_| ()), &folder)?;
+    }
+    Ok(())
+}
+
+/// File name of the shared library for FMUs.
+pub fn fmu_library() -> String {
+    let (first, last) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    format!("{first}touchstone_fmi{last}")
 }
 
 fn wheel_in(folder: &Path) -> Result<PathBuf, Outcome> {

@@ -1,8 +1,8 @@
 //! Runs the C programs of random motions on emulated microcontrollers: guard, estimator, every law and feels have the bits of the
-//! desktop. Prints sizes, and checks that no part of the library calculates with floats.
+//! desktop. Prints sizes and numbers of instructions, and checks that no part of the library calculates with floats.
 //!
-//! Needs Rust's targets, `arm-none-eabi-gcc` and `qemu-system-arm`, and builds the library for each chip, which takes minutes:
-//! `cargo test -p touchstone-c --test emulated -- --ignored --nocapture`.
+//! Needs Rust's targets, `arm-none-eabi-gcc` and `qemu-system-arm`, and builds the library for each chip, which takes minutes.
+//! `cargo xtask chips` runs it.
 
 mod program;
 
@@ -30,7 +30,7 @@ const CHIPS: [Chip; 4] = [
     },
     // The emulator's only Cortex-M0 has too little memory for the stack that a feel needs, so the same code also runs on a Cortex-M3.
     Chip {
-        name: "Cortex-M3 with a Cortex-M0's code",
+        name: "Cortex-M0's code on an M3",
         target: "thumbv6m-none-eabi",
         machine: "mps2-an385",
         flags: &["-mcpu=cortex-m0"],
@@ -104,9 +104,15 @@ impl Chip {
 
     /// Compiles a program for this chip and runs it in the emulator. Returns what it printed.
     fn said(&self, source: &str, library: &Path) -> String {
+        self.said_with(&[], source, library)
+    }
+
+    /// Same as [`Chip::said`], with further arguments for the emulator.
+    fn said_with(&self, arguments: &[&str], source: &str, library: &Path) -> String {
         let sources = ["tests/emulated/start.c", source];
         let program = self.program(&["--specs=rdimon.specs"], &sources, library);
         let ran = Command::new("qemu-system-arm")
+            .args(arguments)
             .args(["-M", self.machine, "-nographic", "-monitor", "none"])
             .args(["-serial", "none", "-semihosting-config"])
             .args(["enable=on,target=native", "-kernel"])
@@ -126,32 +132,74 @@ fn tool(name: &str, program: &Path) -> String {
     String::from_utf8_lossy(&ran.stdout).into_owned()
 }
 
-/// Prints the size of a main loop with each part of the library. On a chip without a floating-point unit, a program that calculates
-/// with floats has functions for it.
-fn loops(chip: &Chip, library: &Path) {
-    for part in ["GUARD", "ESTIMATOR", "WALL", "FEEL"] {
-        let part_is = format!("-DPART={part}");
-        let arguments = ["--specs=nosys.specs", "-Wl,-e,main", &part_is];
-        let program = chip.program(&arguments, &["tests/emulated/loop.c"], library);
-        let size = tool("arm-none-eabi-size", &program);
-        let row = size.lines().nth(1).unwrap_or_default();
-        let bytes: Vec<&str> = row.split_whitespace().take(3).collect();
-        println!("{}, {part}: bytes of text, data, bss {bytes:?}", chip.name);
-        let names = tool("arm-none-eabi-nm", &program);
-        let is_of_float = |name: &&str| {
-            let of_arm = name.starts_with("__aeabi_f") || name.starts_with("__aeabi_d");
-            let is_division_of_integers = name.starts_with("__aeabi_div");
-            of_arm && !is_division_of_integers || name.ends_with("sf3") || name.ends_with("df3")
-        };
-        let words = names.split_whitespace();
-        assert_eq!(
-            words.clone().find(is_of_float),
-            None,
-            "{}, {part}",
-            chip.name
+/// Bytes of flash and of RAM of a main loop with one part of the library. On a chip without a floating-point unit, a program that
+/// calculates with floats has functions for it.
+fn size(chip: &Chip, part: &str, library: &Path) -> [usize; 2] {
+    let part_is = format!("-DPART={part}");
+    let arguments = ["--specs=nosys.specs", "-Wl,-e,main", &part_is];
+    let program = chip.program(&arguments, &["tests/emulated/loop.c"], library);
+    let names = tool("arm-none-eabi-nm", &program);
+    let is_of_float = |name: &&str| {
+        let of_arm = name.starts_with("__aeabi_f") || name.starts_with("__aeabi_d");
+        let is_division_of_integers = name.starts_with("__aeabi_div");
+        of_arm && !is_division_of_integers || name.ends_with("sf3") || name.ends_with("df3")
+    };
+    let mut words = names.split_whitespace();
+    assert_eq!(
+        words.clone().find(is_of_float),
+        None,
+        "{}, {part}",
+        chip.name
+    );
+    assert!(words.any(|name| name.starts_with("ts_")));
+    let size = tool("arm-none-eabi-size", &program);
+    let row = size.lines().nth(1).unwrap_or_default();
+    let bytes: Vec<usize> = row
+        .split_whitespace()
+        .take(3)
+        .map(|word| word.parse().expect("a number of bytes"))
+        .collect();
+    let [text, data, bss] = bytes[..] else {
+        panic!("{size}");
+    };
+    [text + data, data + bss]
+}
+
+/// Prints a row of the table for each part of the library: bytes of flash and RAM, and instructions of a tick, mean and largest.
+fn rows(chip: &Chip, library: &Path) {
+    let counts = chip.said_with(&["-icount", "shift=10"], "tests/emulated/count.c", library);
+    let count = |part: &str| {
+        let line = counts
+            .lines()
+            .find_map(|line| line.strip_prefix(part)?.strip_prefix(' '));
+        let numbers = line.unwrap_or_else(|| panic!("{part}: {counts}"));
+        numbers.replace(' ', " | ")
+    };
+    for (part, law) in [
+        ("GUARD", "guard"),
+        ("ESTIMATOR", "estimator"),
+        ("WALL", "enhanced-sfa"),
+    ] {
+        let [flash, ram] = size(chip, part, library);
+        let name = part.to_lowercase();
+        println!(
+            "| {} | {name} | {flash} | {ram} | {} |",
+            chip.name,
+            count(law)
         );
-        assert!(words.clone().any(|name| name.starts_with("ts_")));
     }
+    for law in [
+        "spring",
+        "spring-damper",
+        "tdpa",
+        "fba",
+        "sfa",
+        "sfa-continuous",
+    ] {
+        println!("| {} | wall, {law} | | | {} |", chip.name, count(law));
+    }
+    let [flash, ram] = size(chip, "FEEL", library);
+    println!("| {} | feel | {flash} | {ram} | | |", chip.name);
 }
 
 #[test]
@@ -160,13 +208,16 @@ fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
     if !(is_here("arm-none-eabi-gcc") && is_here("qemu-system-arm")) {
         return;
     }
+    println!("| chip | part | flash, bytes | RAM, bytes | instructions, mean | largest |");
     for chip in CHIPS {
         let Some(library) = chip.library() else {
             continue;
         };
-        loops(&chip, &library);
+        let is_small = chip.memory.contains(&"16K");
+        if !is_small {
+            rows(&chip, &library);
+        }
         for (name, source) in [("hostile", "examples/hostile.c"), ("feel", "tests/feel.c")] {
-            let is_small = chip.memory.contains(&"16K");
             if is_small && name == "feel" {
                 continue;
             }

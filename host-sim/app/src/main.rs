@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | demo | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
+//! The command line: `touchstone [thesis | run | live | demo | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | export-fmu | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
 
 mod accuracy;
 mod baseline;
@@ -17,6 +17,7 @@ mod device;
 mod doctor;
 mod events;
 mod expect;
+mod export_fmu;
 mod family;
 mod feel_card;
 mod feels;
@@ -118,6 +119,8 @@ enum Command {
     Scorecard(scorecard::Options),
     /// Finds the settings of a control law for a device that make the worst figure of its scorecard best.
     Tune(tune::Options),
+    /// Writes control law and plant of a scene as FMUs, models that Simulink, OpenModelica and FMPy run (FMI 3.0, co-simulation).
+    ExportFmu(export_fmu::Options),
     /// Lists the scenes that come with the program.
     Scenes {
         /// Prints the JSON schema of a scene file instead.
@@ -237,6 +240,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Boundary(options) => boundary::main(options),
         Command::Scorecard(options) => return scorecard::main(options),
         Command::Tune(options) => return tune::main(options),
+        Command::ExportFmu(options) => export_fmu::main(options),
         Command::Scenes { json_schema: true } => {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }

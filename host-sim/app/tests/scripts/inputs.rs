@@ -5,13 +5,15 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Every way to name an input, with `IN` in place of the file. Each command reads it before it connects to a device.
-const READERS: [&str; 20] = [
+const READERS: [&str; 22] = [
     "run IN",
     "plan IN",
     "certify IN",
     "identify IN",
     "live IN --no-open --out page.html",
     "sweep IN --no-certificate --x wall.k_desired_n_m_per_rad=1,2 --y timing.rate_hz=1000,2000 --out cells",
+    "export-fmu IN --library right.csv",
+    "export-fmu tap --library IN",
     "boundary IN --columns 2 --rows 2 --delays 0 --ticks 1000 --out map",
     "scorecard IN --grip light",
     "tune IN",

@@ -4,6 +4,7 @@ mod answers;
 mod cases;
 mod demands;
 mod feels;
+mod fmus;
 mod full_output;
 mod inputs;
 #[cfg(unix)]

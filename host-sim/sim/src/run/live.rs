@@ -3,7 +3,7 @@
 use super::chain::Control;
 use super::mechanics::{Mechanics, Standing};
 use super::plan;
-use super::tick::{Recorder, Tick};
+use super::tick::{Last, Tick};
 use crate::error::Result;
 use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
@@ -47,15 +47,6 @@ pub struct Moment {
     pub tick: Tick,
     /// Energies at the start of the tick.
     pub energies: Energies,
-}
-
-/// Recorder that keeps only the last tick.
-struct Last(Option<Tick>);
-
-impl Recorder for Last {
-    fn record(&mut self, tick: &Tick) {
-        self.0 = Some(*tick);
-    }
 }
 
 impl Live {

@@ -12,6 +12,7 @@ pub mod measure;
 pub mod mechanics;
 pub mod passivity;
 pub mod plan;
+pub mod plant_half;
 pub mod record;
 mod rest;
 pub mod settings;

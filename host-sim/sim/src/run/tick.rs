@@ -45,6 +45,15 @@ pub trait Recorder {
     fn record(&mut self, tick: &Tick);
 }
 
+/// Recorder that keeps only the last tick.
+pub(super) struct Last(pub Option<Tick>);
+
+impl Recorder for Last {
+    fn record(&mut self, tick: &Tick) {
+        self.0 = Some(*tick);
+    }
+}
+
 /// Number of ticks between two progress messages.
 const TOLD_EVERY: u64 = 1024;
 

@@ -38,6 +38,8 @@ pub struct Parts<'a> {
     pub version: &'a Path,
     /// The program built for this machine.
     pub program: &'a Path,
+    /// The shared library for FMUs, which the program looks for beside itself.
+    pub library: Option<&'a Path>,
     /// Names of boards, each with the path of its firmware as an ELF file.
     pub boards: Vec<(&'a str, &'a Path)>,
     /// Files with the output of `cargo metadata` for the program and for the firmware.
@@ -58,12 +60,14 @@ impl<'a> Parts<'a> {
             seconds: seconds.parse().ok()?,
             version: Path::new(*version),
             program: Path::new(*program),
+            library: None,
             boards: Vec::new(),
             metadata: Vec::new(),
             workspace: Path::new("."),
         };
         for word in rest {
             match word.split_once('=')? {
+                ("library", file) => parts.library = Some(Path::new(file)),
                 ("metadata", file) => parts.metadata.push(Path::new(file)),
                 (board, file) => parts.boards.push((board, Path::new(file))),
             }
@@ -80,6 +84,10 @@ pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
     }
     let program_name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
     entries.insert(program_name, Entry::program(read(parts.program)?));
+    if let Some(library) = parts.library {
+        let name = library.file_name().unwrap_or_default().to_string_lossy();
+        entries.insert(name.into_owned(), Entry::program(read(library)?));
+    }
     for (board, elf) in &parts.boards {
         let program = read(elf)?;
         let image = image::of(&program).map_err(|why| format!("{}: {why}", elf.display()))?;

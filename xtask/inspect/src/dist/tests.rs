@@ -52,7 +52,7 @@ fn workspace(test: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("touchstone-dist-{}-{test}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
-    let files: [(&str, &[u8]); 11] = [
+    let files: [(&str, &[u8]); 12] = [
         ("docs/guide.md", b"guide"),
         ("docs/faults/01.md", b"fault"),
         ("README.md", b"abc"),
@@ -61,6 +61,7 @@ fn workspace(test: &str) -> PathBuf {
         ("LICENSE-MIT", b"mit"),
         ("built/touchstone", b"program"),
         ("built/VERSION", b"commit 1\n"),
+        ("built/libfmu.so", b"library"),
         ("built/board.elf", &elf()),
         ("ALPHA/LICENSE-MIT", b"text of alpha\r\n"),
         ("BETA/README", b"no licence"),
@@ -88,6 +89,7 @@ fn packed(folder: &Path, out: &Path) -> Result<Answer, String> {
         seconds: 1_000_000_000,
         version: &built.join("VERSION"),
         program: &built.join("touchstone"),
+        library: Some(&built.join("libfmu.so")),
         boards: vec![("some-board", &built.join("board.elf"))],
         metadata: vec![&built.join("metadata.json")],
         workspace: folder,
@@ -119,6 +121,7 @@ fn an_archive_has_everything_under_its_sum() {
             "docs/guide.md",
             "firmware/some-board/touchstone.bin",
             "firmware/some-board/touchstone.elf",
+            "libfmu.so",
             &program,
         ]
     );

@@ -1,0 +1,78 @@
+//! Tests of `touchstone export-fmu`: its files, refusals, and what it says. `bindings/fmi` runs the FMUs.
+
+use crate::{folder, names, run_in};
+use std::path::Path;
+
+/// A file that the program takes for the shared library: no FMU runs here.
+fn with_library(here: &Path) {
+    let text = format!("fmi3InstantiateCoSimulation {}", touchstone_fmu::MARK);
+    std::fs::write(here.join("library"), text).unwrap();
+}
+
+#[test]
+fn both_halves_are_written_or_the_one_that_was_asked_for() {
+    let here = folder("fmus");
+    with_library(&here);
+    let said = run_in(
+        &here,
+        &[
+            "export-fmu",
+            "thesis-knob",
+            "--library",
+            "library",
+            "--out",
+            "both",
+            "--json",
+        ],
+    )
+    .ended(0)
+    .json();
+    assert_eq!(
+        names(&here.join("both")),
+        ["thesis_knob_law.fmu", "thesis_knob_plant.fmu"]
+    );
+    assert_eq!(said["fmus"][0]["inputs"], serde_json::json!(["angle_rad"]));
+    assert_eq!(said["fmus"][1]["half"], "plant");
+    assert!(said["step_s"].as_f64().is_some_and(|step| step > 0.0));
+    // A scene's own file, with a name that is no name of C.
+    std::fs::write(
+        here.join("1 knob.toml"),
+        "[device]\ninertia_kg_m2 = 0.0002\n",
+    )
+    .unwrap();
+    let words = [
+        "export-fmu",
+        "1 knob.toml",
+        "--of",
+        "law",
+        "--library",
+        "library",
+        "--out",
+        "one",
+    ];
+    let said = run_in(&here, &words).ended(0);
+    assert_eq!(names(&here.join("one")), ["scene_1_knob_law.fmu"]);
+    assert!(said.out.contains("energy_account_j"), "{}", said.out);
+    // The same file again only by request.
+    run_in(&here, &words).refused(&["scene_1_knob_law.fmu", "--force"]);
+    run_in(&here, &[&words[..], &["--force"]].concat()).ended(0);
+}
+
+#[test]
+fn what_is_no_library_is_refused_with_the_way_to_one() {
+    let here = folder("fmus-refused");
+    std::fs::write(
+        here.join("other.so"),
+        "fmi3InstantiateCoSimulation of another version",
+    )
+    .unwrap();
+    for file in ["other.so", "none.so"] {
+        run_in(&here, &["export-fmu", "tap", "--library", file]).refused(&[file, "cargo build"]);
+    }
+    run_in(&here, &["export-fmu", "tap", "--of", "hand"]).ended(2);
+    let three = "dof = 3\n";
+    std::fs::write(here.join("space.toml"), three).unwrap();
+    with_library(&here);
+    run_in(&here, &["export-fmu", "space.toml", "--library", "library"]).ended(2);
+    assert_eq!(names(&here), ["library", "other.so", "space.toml"]);
+}
