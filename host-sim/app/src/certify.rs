@@ -3,11 +3,13 @@
 
 use super::SceneOptions;
 use super::out::{json, say};
+use touchstone_lab::certify::feel::{PartAtSteepest, certify_feel};
 use touchstone_lab::certify::hands::{Family, HYPOTHETICAL};
 use touchstone_lab::certify::judge::HandReport;
 use touchstone_lab::certify::{Certificate, Options as Asked, certify};
 use touchstone_lab::tune::outcome::Outcome;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::scene::Scene;
 
 /// Options of the command `touchstone certify`.
 #[derive(Debug, Clone, clap::Args)]
@@ -50,6 +52,10 @@ pub fn main(options: &Options) -> Result<()> {
         margins: !options.no_margins,
         current_loop_hz: options.current_loop_hz,
     };
+    let around = scene.environment.as_ref();
+    if around.is_some_and(|it| it.is_more_than_the_wall()) {
+        return certify_parts(&scene, &asked);
+    }
     let certificate = certify(&scene, &asked)?;
     let feel = Outcome::of(&scene)?;
     if json() {
@@ -60,6 +66,73 @@ pub fn main(options: &Options) -> Result<()> {
         return Ok(());
     }
     print(&certificate, &feel)
+}
+
+/// Certifies the parts of a feel instead of a wall.
+fn certify_parts(scene: &Scene, asked: &Asked) -> Result<()> {
+    let found = certify_feel(scene, asked)?;
+    if json() {
+        let value = match &found {
+            Some(certificate) => serde_json::json!(certificate),
+            None => serde_json::json!({ "scene": scene.name, "verdict": null, "parts": [] }),
+        };
+        say!("{}", super::out::json_text(&value));
+        return Ok(());
+    }
+    let Some(found) = found else {
+        say!(
+            "{}: nothing to certify: no part of this feel has a torque that changes with the angle",
+            scene.name
+        );
+        return Ok(());
+    };
+    let stiffest = &found.parts[found.stiffest];
+    say!(
+        "{}: stiffest part {}, {:.4} N·m/rad {}: {} with the three grips",
+        found.scene,
+        stiffest.part,
+        stiffest.stiffness_n_m_per_rad,
+        place(stiffest),
+        stiffest.rest.word()
+    );
+    say!("all parts: {}", found.verdict.word());
+    say!("");
+    let names: Vec<&str> = stiffest.hands.iter().map(|it| &*it.hand).collect();
+    let columns = |words: &mut dyn Iterator<Item = &str>| -> String {
+        words.map(|word| format!("{word:<11}")).collect()
+    };
+    let head = columns(&mut names.iter().copied());
+    say!("{:<27}{:>9}  {head}at", "part", "N·m/rad");
+    for part in &found.parts {
+        let rests = columns(&mut part.hands.iter().map(|it| it.rest.word()));
+        let stiffness = part.stiffness_n_m_per_rad;
+        say!("{:<27}{stiffness:>9.4}  {rests}{}", part.part, place(part));
+        for hand in part.hands.iter().filter(|it| it.hand != "nobody") {
+            for cause in &hand.causes {
+                say!("  {}: {cause}", hand.hand);
+            }
+        }
+    }
+    say!("");
+    say!(
+        "negative: the torque drives the knob away; it snaps on unless a hand holds it. not covered:"
+    );
+    for line in &found.not_covered {
+        say!("  {line}");
+    }
+    Ok(())
+}
+
+/// Where a part is steepest, in words.
+fn place(part: &PartAtSteepest) -> String {
+    match (part.cell_rad, part.every_rad) {
+        (None, _) => "at any angle".to_owned(),
+        (Some([from, to]), _) if from == to => format!("from {from:.4} rad on"),
+        (Some([from, to]), None) => format!("{from:.4} to {to:.4} rad"),
+        (Some([from, to]), Some(every)) => {
+            format!("{from:.4} to {to:.4} rad, every {every:.4}")
+        }
+    }
 }
 
 /// The first lines of the report: whether the wall comes to rest with each grip, and how the wall's stiffness is rendered.

@@ -26,6 +26,7 @@ pub mod campaign;
 pub mod contact;
 mod damped;
 pub mod estimator;
+pub mod feel;
 pub mod hand_report;
 pub mod hands;
 pub mod judge;

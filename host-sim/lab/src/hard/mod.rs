@@ -6,6 +6,7 @@
 //! unexpected.
 
 mod closed;
+mod feel;
 mod integrators;
 mod law;
 mod parts;
@@ -160,6 +161,7 @@ pub fn cases() -> Vec<Case> {
         integrators::CASES,
         law::CASES,
         parts::CASES,
+        feel::CASES,
         closed::CASES,
     ]
     .concat()

@@ -1,0 +1,369 @@
+//! Certificate of a knob's feel: the steepest place of every part, and whether the knob rests there in a hand.
+//!
+//! Detents, a profile, a spring to a centre and dry friction are torques over the angle that are straight between certain angles.
+//! Between two of these angles, in a **cell**, such a part is a spring of the cell's slope on measured positions, and the loop's
+//! matrix is exact. A cell whose torque falls with the angle is **restoring**, a spring. A cell whose torque rises **drives** the
+//! knob away, such as the way from one detent to the next: there the knob snaps on, unless a hand is stiff enough to hold it.
+//! A wall is certified as a scene's wall is, with its simulated touches.
+
+mod cells;
+#[cfg(test)]
+mod tests;
+
+use super::contact::Contact;
+use super::hand_report::{Played, report};
+use super::hands::{Family, GRIPS};
+use super::judge::{HandReport, within_reach};
+use super::law::{Phases, Switching};
+use super::linear_law::{LinearLaw, Phase};
+use super::state_space::eigenvalues;
+use super::{Options, Verdict, certify, per_tick};
+use cells::{Cell, statics, together};
+use serde::Serialize;
+use touchstone_control::environment::Refused;
+use touchstone_sim::error::Result;
+use touchstone_sim::run::plan;
+use touchstone_sim::scene::{Environment, Scene};
+use touchstone_world::plant::Hand;
+
+/// What a knob does at the steepest place of a part, from good to bad.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rest {
+    /// It comes to rest.
+    Stable,
+    /// It leaves the cell without an oscillation, as a torque that drives it away asks for.
+    Snaps,
+    /// Matrices and simulations do not decide.
+    Undecided,
+    /// It oscillates, and the oscillation grows.
+    Unstable,
+}
+
+impl Rest {
+    /// Name in lower case.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Rest::Stable => "stable",
+            Rest::Snaps => "snaps",
+            Rest::Undecided => "undecided",
+            Rest::Unstable => "unstable",
+        }
+    }
+
+    const fn verdict(self) -> Verdict {
+        match self {
+            Rest::Stable | Rest::Snaps => Verdict::Stable,
+            Rest::Undecided => Verdict::Undecided,
+            Rest::Unstable => Verdict::Unstable,
+        }
+    }
+}
+
+impl From<Verdict> for Rest {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Stable => Rest::Stable,
+            Verdict::Undecided => Rest::Undecided,
+            Verdict::Unstable => Rest::Unstable,
+        }
+    }
+}
+
+/// One hand at the steepest place of a part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HandAtPart {
+    /// Name of the grip, or `nobody`.
+    pub hand: String,
+    /// What the knob does in this hand.
+    pub rest: Rest,
+    /// Rate at which the slowest motion decays, 1/s; negative if it grows.
+    pub decay_per_s: f64,
+    /// Frequency of that motion, Hz.
+    pub frequency_hz: f64,
+    /// Reasons why the knob does not simply rest.
+    pub causes: Vec<String>,
+}
+
+/// The steepest place of one part of a feel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartAtSteepest {
+    /// Table of the part in the scene; `together` for the sum of parts.
+    pub part: String,
+    /// Stiffness there, N·m/rad: positive if the torque draws the knob back, negative if it drives the knob away.
+    pub stiffness_n_m_per_rad: f64,
+    /// Where the cell begins and ends, rad; `None` for any angle.
+    pub cell_rad: Option<[f64; 2]>,
+    /// Distance after which the cell comes again, rad; `None` if it does not.
+    pub every_rad: Option<f64>,
+    /// Worst over the grips.
+    pub rest: Rest,
+    /// Every grip, and nobody.
+    pub hands: Vec<HandAtPart>,
+}
+
+/// Certificate of a feel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeelCertificate {
+    /// Name of the scene.
+    pub scene: String,
+    /// Worst over all parts and grips. A place at which the knob snaps as drawn counts as stable.
+    pub verdict: Verdict,
+    /// Index of the part with the largest restoring stiffness in `parts`.
+    pub stiffest: usize,
+    /// The steepest restoring and the steepest driving place of every part.
+    pub parts: Vec<PartAtSteepest>,
+    /// Effects that the certificate does not cover.
+    pub not_covered: Vec<String>,
+}
+
+/// Certifies a feel. `None` if no part of it has a slope.
+///
+/// # Errors
+/// The control law does not accept the scene's settings.
+pub fn certify_feel(scene: &Scene, options: &Options) -> Result<Option<FeelCertificate>> {
+    let around = scene.environment.clone().unwrap_or_default();
+    let refused = |error: Refused| {
+        let fix = "give 2 to 96 points from -1 to 1";
+        scene.error("environment.profile.shape", error.to_string(), fix)
+    };
+    let parts = statics(&around).map_err(refused)?;
+    let base = Contact::of(scene)?;
+    let damper = damper(scene)?;
+    let mut found = Vec::new();
+    for part in &parts {
+        for cell in part.steepest().into_iter().flatten() {
+            found.push(at_cell(&base, options, damper, part.part, cell, part.every));
+        }
+    }
+    if let Some(cell) = together(&parts) {
+        found.push(at_cell(&base, options, damper, "together", cell, None));
+    }
+    found.extend(wall(scene, &around, options)?);
+    let stiffest = (0..found.len()).max_by(|&a, &b| {
+        let stiffness = |i: usize| found[i].stiffness_n_m_per_rad;
+        stiffness(a).total_cmp(&stiffness(b))
+    });
+    let Some(stiffest) = stiffest else {
+        return Ok(None);
+    };
+    let verdicts = found.iter().map(|part| part.rest.verdict());
+    Ok(Some(FeelCertificate {
+        scene: scene.name.clone(),
+        verdict: verdicts.max().unwrap_or(Verdict::Undecided),
+        stiffest,
+        not_covered: not_covered(&around, &found),
+        parts: found,
+    }))
+}
+
+/// Coefficients of the rendered viscous friction: the part of its force that remains after a tick, and force per displacement.
+fn damper(scene: &Scene) -> Result<Option<(f64, f64)>> {
+    let around = scene.environment.as_ref();
+    let Some(viscous) = around.and_then(|it| it.feel().viscous) else {
+        return Ok(None);
+    };
+    let settings = scene.settings()?;
+    let made = viscous.viscous::<f64>(&settings).map_err(|error| {
+        let path = "environment.damper.damping_n_m_s_per_rad";
+        scene.error(path, error.to_string(), "give less damping")
+    })?;
+    Ok(Some((made.kept.0, made.per_way.0)))
+}
+
+/// A part as a linear law: a spring, and the rendered viscous friction if there is any.
+fn law(stiffness: f64, damper: Option<(f64, f64)>) -> LinearLaw {
+    match damper {
+        None => LinearLaw::spring(stiffness, 0.0),
+        Some((kept, per_way)) => LinearLaw::of(1, |state, e, moved| {
+            state[0] = kept * state[0] + per_way * moved;
+            stiffness * e + state[0]
+        }),
+    }
+}
+
+fn at_cell(
+    base: &Contact,
+    options: &Options,
+    damper: Option<(f64, f64)>,
+    part: &str,
+    cell: Cell,
+    every_rad: Option<f64>,
+) -> PartAtSteepest {
+    let contact = Contact {
+        phases: Phases {
+            lasting: vec![Phase {
+                name: "the part",
+                law: law(cell.stiffness, damper),
+            }],
+            switching: Switching::Never,
+            by_direction: false,
+            loan_covers_n_m: None,
+            first_contact: None,
+            clamps: None,
+        },
+        // These parts take the position as it was read.
+        estimator: None,
+        k_desired: cell.stiffness.abs(),
+        // Dry friction is judged against a swing as wide as the cell.
+        press_n_m: Some(cell.stiffness.abs() * cell.half),
+        touch_n_m: None,
+        hold_s: None,
+        current_loop_hz: options.current_loop_hz,
+        ..base.clone()
+    };
+    let grips = GRIPS.map(|(name, hand)| (name, Some(hand)));
+    let hands = grips.into_iter().chain([("nobody", None)]);
+    let hands: Vec<_> = hands
+        .map(|(name, hand)| at_hand(&contact, cell.stiffness, name, hand.as_ref()))
+        .collect();
+    PartAtSteepest {
+        part: part.to_owned(),
+        stiffness_n_m_per_rad: cell.stiffness,
+        cell_rad: cell.from.is_finite().then_some([cell.from, cell.to]),
+        every_rad,
+        rest: worst(&hands),
+        hands,
+    }
+}
+
+/// Worst of the grips. A knob that nobody holds does not count.
+fn worst(hands: &[HandAtPart]) -> Rest {
+    let grips = hands.iter().filter(|it| it.hand != "nobody");
+    grips.map(|it| it.rest).max().unwrap_or(Rest::Undecided)
+}
+
+fn at_hand(contact: &Contact, stiffness: f64, name: &str, hand: Option<&Hand>) -> HandAtPart {
+    let played = Played {
+        bounce: 0.0,
+        loan_used: None,
+    };
+    let mut report = report(contact, name, hand, played);
+    if report.verdict == Verdict::Undecided && friction_ends(contact, &report) {
+        report.verdict = Verdict::Stable;
+        let decay = report.decay_per_s;
+        report.causes = vec![format!("decays at {decay:.2} /s, and dry friction ends it")];
+    }
+    within_reach(&mut report, per_tick(contact));
+    let mut rest = Rest::from(report.verdict);
+    let snaps = stiffness < 0.0 && rest != Rest::Stable && leaves_without_swinging(contact, hand);
+    if snaps {
+        rest = Rest::Snaps;
+        report.causes.clear();
+    }
+    HandAtPart {
+        hand: report.name,
+        rest,
+        decay_per_s: report.decay_per_s,
+        frequency_hz: report.frequency_hz,
+        causes: report.causes,
+    }
+}
+
+/// Whether dry friction ends a motion that decays slowly by itself. Friction that is more than the torque of one encoder count then
+/// holds the knob, so that rounding does not move it again.
+fn friction_ends(contact: &Contact, report: &HandReport) -> bool {
+    let of_a_count = contact.k_desired * contact.count_rad.unwrap_or(0.0);
+    let friction = contact.device.friction;
+    report.decay_per_s > 0.0 && friction.is_some_and(|it| it.kinetic > of_a_count)
+}
+
+/// Whether the loop's only growing motion is one without an oscillation.
+fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
+    let Some(plant) = contact.plant(hand) else {
+        return false;
+    };
+    contact.phases.lasting.iter().all(|phase| {
+        let matrix = plant.closed_by(&contact.law(&phase.law), 1.0);
+        eigenvalues(&matrix).is_some_and(|values| {
+            let mut swings = values
+                .iter()
+                .filter(|value| !(value.im.abs() < 1e-9 && value.re > 0.0));
+            swings.all(|value| value.norm() < 1.0)
+        })
+    })
+}
+
+/// The stiffest wall of the scene, certified as its walls are; `None` without a wall.
+fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
+    let own = scene.wall.k_desired_n_m_per_rad;
+    let first = around
+        .first_wall
+        .then_some(("wall", own, scene.wall.surface_rad));
+    let stops = around.endstops.iter().map(|it| {
+        let stiffness = it.stiffness_n_m_per_rad.unwrap_or(own);
+        ("environment.endstops", stiffness, it.upper_rad)
+    });
+    let further = around
+        .further()
+        .map(|(table, it)| (table, it.stiffness_n_m_per_rad.unwrap_or(own), it.at_rad));
+    let all = first.into_iter().chain(stops).chain(further);
+    let Some((part, stiffness, at)) = all.reduce(|a, b| if b.1 > a.1 { b } else { a }) else {
+        return Ok(None);
+    };
+    let alone = scene.with(|it| {
+        it.environment = None;
+        it.wall.k_desired_n_m_per_rad = stiffness;
+    })?;
+    let asked = Options {
+        family: Family::Grips,
+        margins: false,
+        ..*options
+    };
+    let certificate = certify(&alone, &asked)?;
+    let own_hand = plan::hand(scene);
+    let named = |name: &str| match own_hand {
+        // The scene's own hand may be one of the grips.
+        Some(hand) if name.starts_with("scene") => GRIPS
+            .iter()
+            .find(|(_, grip)| *grip == hand)
+            .map_or_else(|| name.to_owned(), |(grip, _)| (*grip).to_owned()),
+        _ => name.to_owned(),
+    };
+    let mut hands: Vec<_> = (certificate.hands.iter())
+        .map(|it| HandAtPart {
+            hand: named(&it.name),
+            rest: it.verdict.into(),
+            decay_per_s: it.decay_per_s,
+            frequency_hz: it.frequency_hz,
+            causes: it.causes.clone(),
+        })
+        .collect();
+    let place = |hand: &HandAtPart| GRIPS.iter().position(|(grip, _)| *grip == hand.hand);
+    hands.sort_by_key(|hand| (hand.hand == "nobody", place(hand)));
+    Ok(Some(PartAtSteepest {
+        part: part.to_owned(),
+        stiffness_n_m_per_rad: stiffness,
+        cell_rad: Some([at, at]),
+        every_rad: None,
+        rest: worst(&hands),
+        hands,
+    }))
+}
+
+fn not_covered(around: &Environment, found: &[PartAtSteepest]) -> Vec<String> {
+    let mut list = vec![
+        "corners between cells, and a swing through several cells: scorecard --feel plays them"
+            .to_owned(),
+    ];
+    let is_wall = |part: &&PartAtSteepest| part.cell_rad.is_some_and(|[from, to]| from == to);
+    let walls = found.iter().filter(is_wall).count();
+    if walls > 0 && found.len() > walls {
+        list.push("a wall and another part at one angle".to_owned());
+    }
+    if around.feel().click.is_some() {
+        list.push("clicks: pulses without a slope; the energy guard counts them".to_owned());
+    }
+    if found
+        .iter()
+        .any(|it| it.part == "together" && it.cell_rad.is_none())
+    {
+        list.push("where the parts meet: `together` adds the steepest slopes of all".to_owned());
+    }
+    list.push(
+        "hands outside the three grips; the energy guard, which only makes a part softer"
+            .to_owned(),
+    );
+    list
+}
