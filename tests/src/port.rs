@@ -5,6 +5,8 @@
 //! from the masses of a simulated hand. The energy is summed in `f64` from the true motion, not from the measured one.
 
 use crate::board_loop::{BoardLoop, Stretch};
+use crate::felt;
+use touchstone_control::environment::ProfileSettings;
 use touchstone_control::{
     ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice,
     Position, Reported, Settings, Si, Warning,
@@ -37,6 +39,8 @@ pub enum PortLaw {
     /// A control law of the control crate with its state estimator, at 1 kHz. Guard and force limit in these settings are not used,
     /// because [`Port`] has its own.
     Controlled(Settings),
+    /// A torque profile in the environment of the control crate, with the environment's own guard. See [`crate::felt`].
+    Felt(ProfileSettings),
 }
 
 impl From<SpringDamper> for PortLaw {
@@ -48,6 +52,12 @@ impl From<SpringDamper> for PortLaw {
 impl From<Settings> for PortLaw {
     fn from(settings: Settings) -> Self {
         Self::Controlled(settings)
+    }
+}
+
+impl From<ProfileSettings> for PortLaw {
+    fn from(profile: ProfileSettings) -> Self {
+        Self::Felt(profile)
     }
 }
 
@@ -67,6 +77,7 @@ impl Working {
                 settings.force_limit = si(force_limit_n_m);
                 Self::Controlled(Box::new(Controller::new(&settings).unwrap()))
             }
+            PortLaw::Felt(_) => unreachable!("a feel is played by its own loop"),
         }
     }
 
@@ -208,6 +219,9 @@ impl Port {
     /// # Panics
     /// Guard or control law refuse their settings.
     pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
+        if let PortLaw::Felt(profile) = &self.law {
+            return felt::play(self, profile, hand, ticks);
+        }
         let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
         let mut guard = self
             .guard

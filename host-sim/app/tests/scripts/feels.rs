@@ -204,3 +204,37 @@ fn a_profile_s_mistakes_name_the_file_or_the_scene() {
     let quiet = run_in(&here, &["run", "s.toml", "--print", "--quiet"]).ended(0);
     assert_eq!(quiet.err, "");
 }
+
+#[test]
+fn the_stiffest_part_of_a_feel_is_certified() {
+    let said = run(&["certify", "coarse-detents"]).ended(0).out;
+    assert!(
+        said.starts_with("coarse-detents: stiffest part environment.detents, "),
+        "{said}"
+    );
+    assert!(
+        said.contains("stable with the three grips") && said.contains("snaps"),
+        "{said}"
+    );
+    let json = run(&["certify", "bounded-detents", "--json"])
+        .ended(0)
+        .json();
+    let stiffest = &json["parts"][json["stiffest"].as_u64().unwrap() as usize];
+    assert_eq!(stiffest["part"], "environment.endstops");
+    assert_eq!(json["verdict"], "stable");
+    let steep = run(&[
+        "certify",
+        "coarse-detents",
+        "--set",
+        "environment.detents.per_rev=400",
+        "--set",
+        "environment.detents.strength_n_m=0.045",
+    ])
+    .ended(0)
+    .out;
+    assert!(steep.contains("unstable with the three grips"), "{steep}");
+    let none = run(&["certify", "smooth"]).ended(0).out;
+    assert!(none.starts_with("smooth: nothing to certify"), "{none}");
+    let json = run(&["certify", "smooth", "--json"]).ended(0).json();
+    assert_eq!(json["verdict"], serde_json::Value::Null);
+}
