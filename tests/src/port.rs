@@ -32,7 +32,6 @@ pub struct SpringDamper {
 
 /// The control law that requests the force.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
     /// A spring and damper in `f64`. They can request forces from the energy guard that no shipped control law would request.
     SpringDamper(SpringDamper),

@@ -182,7 +182,8 @@ fn links(html: &str) -> Vec<(&str, &str)> {
             let place = if place.contains('=') { "" } else { place };
             (to.split('?').next().unwrap_or_default(), place)
         })
-        .filter(|(to, place)| !(to.is_empty() && place.is_empty()) && !to.contains(':'))
+        .filter(|(to, _)| !to.contains(':'))
+        .filter(|(to, place)| !to.is_empty() || !place.is_empty())
         .collect()
 }
 

@@ -142,7 +142,7 @@ fn wrong_calls_are_errors_with_a_message() {
     let (folder, token) = resources("wrong", &scene, Half::Law);
     let mut said = Said::new();
     let is_told = |said: &mut Said| {
-        let told: Vec<_> = said.drain(..).collect();
+        let told: Vec<_> = std::mem::take(said);
         let [(status, text)] = &told[..] else {
             panic!("{told:?}");
         };

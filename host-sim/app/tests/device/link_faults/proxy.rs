@@ -56,7 +56,7 @@ impl Fault {
             0 => What::Drops(shares()),
             1 => What::Damages(shares()),
             2 => What::Deaf {
-                to_device: seed / 5 % 2 == 0,
+                to_device: (seed / 5).is_multiple_of(2),
             },
             3 => What::Delays([5, 50, 300, 1_000][draw.below(4) as usize]),
             _ => What::Cuts,
