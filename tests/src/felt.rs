@@ -33,16 +33,16 @@ fn environment(port: &Port, profile: &ProfileSettings) -> Environment<Fixed32> {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The position of a count, as the environment's guard gets it.
-fn seen(count: i64) -> Position<Fixed32> {
-    let place = Reading::<Fixed32>::on_steps(&at(count), STEP);
-    Position::from_si(place).unwrap()
+/// The displacement between two counts, as the environment's guard gets it.
+fn way(from: i64, to: i64) -> Position<Fixed32> {
+    let [from, to] = [from, to].map(|count| Reading::<Fixed32>::on_steps(&at(count), STEP));
+    Position::from_si(to - from).expect("no hand moves 128 rad in a control period")
 }
 
 /// Simulates a hand at a profile for this many control periods. The energy is summed in `f64` from the true motion.
 ///
 /// # Panics
-/// The profile is refused, or the hand goes beyond 128 rad.
+/// The profile is refused, or the hand moves 128 rad in a control period.
 pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks: u32) -> Outcome {
     let mut felt = environment(port, profile);
     let measured = (port.guard).is_some_and(|it| it.change == ChangeOfForce::Measured);
@@ -63,8 +63,8 @@ pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks:
     let mut settled = (0.0, 0.0);
     for tick in 0..ticks {
         let now = counted(x);
-        let since = measured.then(|| seen(now) - seen(at_change));
-        let ways = [seen(now) - seen(told), seen(at_change) - seen(told)];
+        let since = measured.then(|| way(at_change, now));
+        let ways = [way(told, now), way(told, at_change)];
         told = now;
         let force = felt.tick(&at(now), since);
         if let Some(guard) = &felt.guard {

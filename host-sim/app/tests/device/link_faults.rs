@@ -225,7 +225,9 @@ fn a_run_on_a_haptic_device_leaves_no_force_in_silence() {
             (Some(0), Some(0.0)) => "no force, exit code 0".into(),
             (Some(0), other) => panic!("seed {seed}: {other:?} N and silent: {}", said.out),
             (Some(1), force) => {
-                assert!(said.err.starts_with("error: "), "seed {seed}: {}", said.err);
+                // Notes, such as that no wall was tuned for the device, come before the error.
+                let has_error = said.err.lines().any(|line| line.starts_with("error: "));
+                assert!(has_error, "seed {seed}: {}", said.err);
                 match force {
                     Some(0.0) => "no force, an error".into(),
                     Some(_) => "a last force, an error".into(),
