@@ -33,16 +33,16 @@ fn environment(port: &Port, profile: &ProfileSettings) -> Environment<Fixed32> {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The displacement between two counts, as the environment's guard gets it.
-fn way(from: i64, to: i64) -> Position<Fixed32> {
+/// The displacement between two counts, as the environment's guard gets it; `None` beyond 128 rad.
+fn way(from: i64, to: i64) -> Option<Position<Fixed32>> {
     let [from, to] = [from, to].map(|count| Reading::<Fixed32>::on_steps(&at(count), STEP));
-    Position::from_si(to - from).expect("no hand moves 128 rad in a control period")
+    Position::from_si(to.saturating_sub(from))
 }
 
 /// Simulates a hand at a profile for this many control periods. The energy is summed in `f64` from the true motion.
 ///
 /// # Panics
-/// The profile is refused, or the hand moves 128 rad in a control period.
+/// The profile is refused.
 pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks: u32) -> Outcome {
     let mut felt = environment(port, profile);
     let measured = (port.guard).is_some_and(|it| it.change == ChangeOfForce::Measured);
@@ -63,13 +63,14 @@ pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks:
     let mut settled = (0.0, 0.0);
     for tick in 0..ticks {
         let now = counted(x);
-        let since = measured.then(|| way(at_change, now));
+        let since = measured.then(|| way(at_change, now)).flatten();
         let ways = [way(told, now), way(told, at_change)];
         told = now;
         let force = felt.tick(&at(now), since);
         if let Some(guard) = &felt.guard {
             // The energy of an over-speed is beyond the bound, and is reported on its own.
-            if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
+            let is_far = |way: &Position<Fixed32>| way.modulus() > guard.guard.furthest;
+            if ways.iter().any(|way| way.as_ref().is_none_or(is_far)) {
                 outcome.with_overspeed_j = outcome.above_refill_j;
                 (outcome.worst_window_j, outcome.above_refill_j) = settled;
                 break;
