@@ -77,6 +77,12 @@ fn ended(mut child: Child, seed: u64) -> Said {
     child.wait_with_output().unwrap().into()
 }
 
+/// Asserts that a program printed an error. Notes and warnings may come before it.
+fn has_error(said: &Said, seed: u64) {
+    let found = said.err.lines().any(|line| line.starts_with("error: "));
+    assert!(found, "seed {seed}: {}", said.err);
+}
+
 fn started(arguments: &[&str]) -> Child {
     let mut command = program(arguments);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -148,7 +154,7 @@ fn a_monitor_says_that_an_armed_device_may_still_be_on() {
                     said.out,
                     said.err
                 );
-                assert!(said.err.starts_with("error: "), "seed {seed}: {}", said.err);
+                has_error(&said, seed);
                 "on as before, an error before the first record".into()
             }
             _ => panic!("seed {seed}: {:?} {}", said.code, said.err),
@@ -225,9 +231,7 @@ fn a_run_on_a_haptic_device_leaves_no_force_in_silence() {
             (Some(0), Some(0.0)) => "no force, exit code 0".into(),
             (Some(0), other) => panic!("seed {seed}: {other:?} N and silent: {}", said.out),
             (Some(1), force) => {
-                // Notes, such as that no wall was tuned for the device, come before the error.
-                let has_error = said.err.lines().any(|line| line.starts_with("error: "));
-                assert!(has_error, "seed {seed}: {}", said.err);
+                has_error(&said, seed);
                 match force {
                     Some(0.0) => "no force, an error".into(),
                     Some(_) => "a last force, an error".into(),
