@@ -122,8 +122,9 @@ impl Device {
         N::gain(stiffness).map(Stiffness)
     }
 
-    /// Makes settings of a law no less cautious than this device requires. Count, delay and lag become at least those of the device;
-    /// force limit and trusted damping become at most those. Values that are more cautious already are kept.
+    /// Makes settings of a law no less cautious than this device requires. Rate, delay and lag become those of the device, since no
+    /// side of them is safe. The count becomes at least that of the device; force limit and trusted damping become at most those.
+    /// Values that are more cautious already are kept.
     pub fn hold(&self, settings: &mut Settings) {
         let trusted = GuardSettings::default().share_of_damping;
         let count = &mut settings.position.count;
@@ -137,8 +138,8 @@ impl Device {
         {
             guard.share_of_damping = trusted;
         }
-        guard.delay = guard.delay.max(self.delay);
-        guard.lag = guard.lag.max(self.lag);
+        guard.delay = self.delay;
+        guard.lag = self.lag;
     }
 }
 

@@ -17,8 +17,8 @@ const LONGER: u32 = 5_000;
 /// Evaluations of one search. More profiles find more than longer searches, because every profile is another force field.
 const EACH: u32 = 250;
 
-/// The most energy that hands of all types get, J above the refill, out of profiles of all kinds, and without a guard in half a
-/// second, for this many evaluations with the guard.
+/// The most energy, J, that hands of all types get out of profiles of all kinds: above the refill with the guard, and in half a
+/// second without a guard. `evaluations` is the number of runs with the guard.
 fn searched(evaluations: u32) -> [f64; 2] {
     let of_a_round = (DELAYS.len() * Way::ALL.len()) as u32 * EACH.min(evaluations);
     let rounds = evaluations

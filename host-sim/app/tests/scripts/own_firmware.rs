@@ -81,18 +81,18 @@ fn the_guard_is_told_no_better_device_than_the_scene_has() {
             scene.device.damping_n_m_s_per_rad = damping;
             scene.law.guard.share_of_damping = share;
             scene.law.guard.damping_n_m_s_per_rad = 9e-4;
+            // Neither a longer nor a shorter delay than the device's is safe.
+            scene.law.guard.delay_s = 8e-4;
             scene.law.guard.change = ChangeOfForce::Measured;
             let (settings, _) = settings(&tuned(&scene).scene).expect("settings");
             let guard = &settings.guard;
             let step = Si::DELTA.to_num::<f64>();
             assert!(guard.on);
-            assert!(
-                guard.delay.to_num::<f64>() >= 1.1 * delay_s - step,
-                "{name}"
-            );
+            let delay_s = guard.delay.to_num::<f64>() - 1.1 * delay_s;
+            assert!(delay_s.abs() <= step, "{name}: {delay_s}");
             let lag_s = scene.device.current_loop.as_ref();
             let lag_s = lag_s.map_or(0.0, |it| 1.0 / (TAU * it.bandwidth_hz));
-            assert!(guard.lag.to_num::<f64>() >= lag_s - step, "{name}");
+            assert!((guard.lag.to_num::<f64>() - lag_s).abs() <= step, "{name}");
             let trusted = guard.share_of_damping.saturating_mul(guard.damping);
             assert!(trusted.to_num::<f64>() <= 0.8 * damping + step, "{name}");
             assert!(

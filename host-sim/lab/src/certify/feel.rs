@@ -3,7 +3,7 @@
 //! Detents, a profile, a spring to a centre and dry friction are torques over the angle that are straight between certain angles.
 //! Between two of these angles, in a **cell**, such a part is a spring of the cell's slope on measured positions, and the loop's
 //! matrix is exact. A cell whose torque falls with the angle is **restoring**, a spring. A cell whose torque rises **drives** the
-//! knob away, such as the way from one detent to the next: there the knob snaps on, unless a hand is stiff enough to hold it.
+//! knob away, such as the way from one detent to the next. There the knob snaps on, unless a hand is stiff enough to hold it.
 //! A wall is certified as a scene's wall is, with its simulated touches.
 
 mod cells;

@@ -1,7 +1,7 @@
 //! Writes tuned settings as source text, in Rust and in C, for a firmware that uses this project's libraries.
 //!
-//! The energy guard of such a firmware is told at least the delay and the encoder count of the scene's device, and at most the
-//! tuned settings' damping. It is told that the position is read once a tick (control period), as `Controller::tick` and
+//! The energy guard of such a firmware is told the delay of the scene's device, at least its encoder count, and at most the tuned
+//! settings' damping. It is told that the position is read once a tick (control period), as `Controller::tick` and
 //! `ts_wall_tick` read it.
 
 use super::Tuned;
@@ -109,7 +109,7 @@ pub struct OwnFirmware {
     comment: Vec<String>,
 }
 
-/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard is told no less delay and no
+/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard is told the scene's delay, and no
 /// finer encoder than the scene has.
 ///
 /// # Errors
@@ -198,7 +198,7 @@ impl OwnFirmware {
                 "The guard relies on {:e} N·m·s/rad of the damping. It supposes that the encoder is read once a control period.",
                 (guard.share_of_damping.saturating_mul(guard.damping)).to_num::<f64>()
             ),
-            "Measure your own device: the energy bound fails with less damping, or with more delay, lag or count.".to_owned(),
+            "Measure your own device: the energy bound fails with less damping, a larger count, or another delay or lag.".to_owned(),
             "What is not set here has the library's default; take program and library of the same release.".to_owned(),
         ];
         Ok(Self {

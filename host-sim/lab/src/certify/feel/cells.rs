@@ -138,8 +138,8 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
     Ok(all)
 }
 
-/// The cell in which the sum of all parts is steepest; without angles, the sum of the parts' steepest slopes, which may not meet at
-/// one angle. `None` for fewer than two parts.
+/// The cell in which the sum of all parts is steepest. For parts without angles it is the sum of the steepest slopes, which may not
+/// meet at one angle. `None` for fewer than two parts.
 pub(super) fn together(parts: &[Static]) -> Option<Cell> {
     if parts.len() < 2 {
         return None;
