@@ -3,6 +3,7 @@
 
 mod kept;
 mod knob_scene;
+mod law_file;
 mod sheet;
 pub(crate) mod spin;
 
@@ -15,6 +16,7 @@ use super::out::{self, note, path_line, say, tell};
 use super::port::PortOption;
 use super::progress;
 use kept::{Kept, io};
+use law_file::with_knob;
 use spin::Measured;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -452,50 +454,6 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         });
     }
     Ok(tune::settings::toml(&tuned))
-}
-
-/// Complete device settings with the values of the measured motor and the tuned control law.
-fn with_knob(
-    settings: DeviceSettings,
-    motor: &MeasuredMotor,
-    law_file: &Path,
-    client: &Client,
-) -> Result<DeviceSettings> {
-    let law = touchstone_sim::input::text(law_file, touchstone_sim::input::MOST_OF_SETTINGS)
-        .map_err(|error| io(law_file, &error))?;
-    let (told, lines) = toml_file::read(&law, law_file, &settings)?;
-    // Only settings of the law: another encoder or drive in the file would be a better device than the board's.
-    let is_of_law = |path: &str| {
-        let table = path.split('.').next();
-        matches!(table, Some("timing" | "wall" | "law"))
-    };
-    for path in lines.keys().filter(|path| !is_of_law(path)) {
-        if value::shown(&told, named(path)?) != value::shown(&settings, named(path)?) {
-            note!("note: not taken from the law's file: {path}; give it with --settings");
-        }
-    }
-    let mut all = settings;
-    (all.timing, all.wall, all.law) = (told.timing, told.wall, told.law);
-    let of = |value: f64| Si::saturating_from_num(value);
-    let board = client.identity().board;
-    let mut sure = DeviceSettings::defaults(board);
-    sure.law.guard.damping_n_m_s_per_rad = of(knob_scene::sure_damping(motor));
-    let weaker = guard::weaker(&sure, &all, board);
-    for it in weaker.iter().filter(|it| lines.contains_key(it.path)) {
-        note!(
-            "note: not taken into the guard: {}: {}",
-            it.path,
-            it.problem
-        );
-    }
-    guard::hold(&mut all, board, sure.law.guard.damping_n_m_s_per_rad);
-    all.motor.resistance_ohm = of(motor.resistance_ohm.value);
-    all.motor.inductance_h = of(motor.inductance_h.value);
-    all.motor.torque_constant_n_m_per_a = of(motor.torque_constant_n_m_per_a.value);
-    let most = all.motor.torque_constant_n_m_per_a * all.motor.current_limit_a;
-    all.law.force_limit_n_m = all.law.force_limit_n_m.min(most);
-    refuse_invalid(&all, client)?;
-    Ok(all)
 }
 
 /// Sends settings to the board, lets the board save them, and calibrates with them.
