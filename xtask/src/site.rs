@@ -140,17 +140,35 @@ fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
         done(std::fs::copy(&source, to), to)?;
     } else if text.is_file() && to.extension().is_some_and(|ending| ending == "html") {
         let text = done(std::fs::read_to_string(&text), &text)?;
-        let text = text.replace('&', "&amp;").replace('<', "&lt;");
-        let page = format!(
-            "<!doctype html><meta charset=\"utf-8\"><pre style=\"white-space:pre-wrap\">{text}</pre>"
-        );
-        done(std::fs::write(to, page), to)?;
+        done(std::fs::write(to, plain_page(&text)), to)?;
     } else if source.is_dir() {
         copy(&source, to)?;
     } else {
         return Ok(false);
     }
     Ok(true)
+}
+
+/// A Markdown text as it stands, as a page whose headings are targets of links.
+fn plain_page(text: &str) -> String {
+    let mut page =
+        "<!doctype html><meta charset=\"utf-8\"><pre style=\"white-space:pre-wrap\">".to_owned();
+    for line in text.replace('&', "&amp;").replace('<', "&lt;").lines() {
+        match line.trim_start_matches('#').strip_prefix(' ') {
+            Some(heading) if line.starts_with('#') => {
+                page += &format!("<span id=\"{}\">{line}</span>\n", place_of(heading));
+            }
+            _ => page += &format!("{line}\n"),
+        }
+    }
+    page + "</pre>"
+}
+
+/// The name by which a link names a heading, as code hosts and mdBook form it.
+fn place_of(heading: &str) -> String {
+    let words = heading.trim().to_lowercase().replace(' ', "-");
+    let kept = |c: &char| c.is_alphanumeric() || ['-', '_'].contains(c);
+    words.chars().filter(kept).collect()
 }
 
 fn resolved(folder: &Path, link: &str) -> PathBuf {
@@ -262,6 +280,13 @@ mod tests {
         }
         let own = "<a href=\"https://a/\"><img src=\"b.png\"><style>a{b:url(c.png)}</style>";
         assert!(loads_from_elsewhere(own).is_empty());
+    }
+
+    #[test]
+    fn headings_of_a_plain_page_are_targets() {
+        let page = plain_page("# A & b\n#!/bin/sh\n## Index: claim, `equation`\n");
+        assert!(page.contains("<span id=\"index-claim-equation\">## Index"));
+        assert!(!page.contains("<span id=\"!") && page.contains("# A &amp; b"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use super::motion::column::{cell, cut, find};
+use super::motion::column::{cell, cut, find, rows};
 use super::motion::line_of;
 use super::units::Dimension;
 use crate::error::{Error, Result};
@@ -73,14 +73,7 @@ fn parse(text: &str, file: &Path, per_rev: u32) -> Result<Drawn> {
         problem,
         fix: fix.to_owned(),
     };
-    // A byte-order mark is not part of the first column's name.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
+    let (text, mut reader) = rows(text);
     let mut records = reader.records();
     let not_csv = |cause: csv::Error| {
         let line = cause.position().map_or(1, |place| place.line() as usize);

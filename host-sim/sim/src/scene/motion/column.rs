@@ -151,6 +151,19 @@ pub(in crate::scene) fn find(
     }
 }
 
+/// A reader of a CSV text's rows, the header among them, and the text without a byte-order mark, which is not part of the first
+/// column's name. Lines that begin with `#` are comments; a row may have any number of cells.
+pub(in crate::scene) fn rows(text: &str) -> (&str, csv::Reader<&[u8]>) {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    (text, reader)
+}
+
 /// Cuts a cell for a message, because an unclosed quote makes the whole rest of the file one cell.
 pub(in crate::scene) fn cut(cell: &str) -> String {
     let line = cell.split(['\n', '\r']).next();

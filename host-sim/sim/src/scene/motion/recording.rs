@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::column::{Column, cell, cut, find, own_angle};
+use super::column::{Column, cell, cut, find, own_angle, rows};
 use super::once;
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
@@ -89,15 +89,8 @@ impl Recording {
             problem,
             fix: fix.to_owned(),
         };
-        // A byte-order mark is not part of the first column's name.
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let mut rows = reader.records();
+        let (text, mut reader) = rows(text);
+        let mut records = reader.records();
         let not_csv = |cause: csv::Error| {
             let line = cause
                 .position()
@@ -109,7 +102,7 @@ impl Recording {
                 "separate the columns by commas",
             )
         };
-        let Some(header) = rows.next().transpose().map_err(not_csv)? else {
+        let Some(header) = records.next().transpose().map_err(not_csv)? else {
             return Err(error(
                 1,
                 "header",
@@ -134,7 +127,7 @@ impl Recording {
         };
         let (mut times_s, mut angles_rad) = (Vec::new(), Vec::new());
         let (mut first, mut previous) = (None, f64::NEG_INFINITY);
-        for row in rows {
+        for row in records {
             let row = row.map_err(not_csv)?;
             let line = || line_of(text, &row);
             let cell = |column: &Column| {
