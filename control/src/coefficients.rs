@@ -5,7 +5,7 @@
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate, StatesKind};
 use crate::filter::VirtualMass;
-use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa};
+use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa, Vibration};
 use crate::quotient::over;
 use crate::settings::{Settings, Si};
 use crate::validate::{Field, SettingsError, gain, ratio};
@@ -187,14 +187,18 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
 const APART_HZ: u32 = 50;
 
 impl<N: Number> Impact<N> {
-    /// The pulse at the touch, for validated settings; `None` if they have none. It needs the inertia and the speed of an estimator,
-    /// so on measured states there is none.
+    /// Pulse and vibration at the touch, for validated settings; `None` if they have neither. They need the inertia and the speed of
+    /// an estimator, so on measured states there are none.
     ///
     /// # Errors
-    /// The pulse or the force limit does not fit the number format.
+    /// The vibration's frequency is too high for the control rate, or a coefficient does not fit the number format.
     pub fn pulse_of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
         let share = settings.impact.momentum;
-        if share == Si::ZERO || settings.states == StatesKind::Measured {
+        if settings.states == StatesKind::Measured {
+            return Ok(None);
+        }
+        let vibration = Vibration::vibration_of(settings)?;
+        if share == Si::ZERO && vibration.is_none() {
             return Ok(None);
         }
         let rate = Si::saturating_from_num(settings.rate_hz);
@@ -210,6 +214,7 @@ impl<N: Number> Impact<N> {
             apart,
             left: Force::zero(),
             outside: apart,
+            vibration,
         }))
     }
 }

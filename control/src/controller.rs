@@ -198,7 +198,7 @@ impl<N: Number> Controller<N> {
         let sample = self.states.sample(e);
         let mut wanted = self.law.tick(sample);
         if let Some(impact) = &mut self.impact {
-            wanted = impact.with_pulse(sample, wanted);
+            wanted = impact.with_pulse_and_vibration(sample, wanted);
         }
         let force = match &mut self.guard {
             None => wanted,

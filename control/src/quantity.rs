@@ -170,6 +170,13 @@ impl<N: Number> Ratio<N> {
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
         Position(N::scale_both_fitting(self.0, x.0, spring.0, f.0))
     }
+
+    /// This share of a force, rounded towards zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn share_of_force(self, force: Force<N>) -> Force<N> {
+        Force(N::scale(self.0, force.0))
+    }
 }
 impl<N: Number> Mul<Position<N>> for Ratio<N> {
     type Output = Position<N>;

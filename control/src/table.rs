@@ -138,10 +138,16 @@ macro_rules! law_settings {
                 VelocityWindow window_s, window_s: number("0", "1") = "0.015", "s",
                     "the longest window of an adaptive one (at most 16 ticks)";
             }
-            /// The pulse at the touch: a short torque that takes the device's momentum away when it enters a wall.
+            /// What is added at the touch of a wall: a short torque that takes the device's momentum away, and a decaying vibration.
             impact ImpactSettings {
                 ImpactMomentum momentum, share_of_momentum: number("0", "2") = "1", "",
                     "the share of the estimator inertia's momentum that a pulse takes away at the touch (0, or measured states: none)";
+                ImpactVibration vibration, vibration_share_of_speed: number("0", "1") = "0", "",
+                    "the speed of a decaying vibration after the touch, as a share of the speed before (0, or measured states: none)";
+                ImpactFrequency frequency_hz, vibration_hz: number("1", "1000") = "100", "Hz",
+                    "the vibration's frequency (at most a tenth of the control rate)";
+                ImpactDecay decay_s, vibration_decay_s: number("0.001", "1") = "0.011", "s",
+                    "the time in which the vibration's amplitude falls to 37 %";
             }
         }
     };

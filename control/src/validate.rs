@@ -364,6 +364,7 @@ impl Settings {
         }
         if self.states == StatesKind::Estimated {
             self.estimator.validate(self.rate_hz, self.force_limit)?;
+            self.impact.validate(self.rate_hz)?;
         }
         if self.guard.on {
             self.guard.validate(&self.guarded_device())?;

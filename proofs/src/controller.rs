@@ -89,6 +89,7 @@ fn any_pulse<S: Source>(s: &mut S) -> Impact<N> {
         apart: s.bits(2) as u16,
         left: N::any_force(s),
         outside: s.bits(2) as u16,
+        vibration: None,
     }
 }
 
@@ -130,7 +131,7 @@ controller_property! {
         let mut wanted = law.tick(&mut state, sample);
         let mut impact = before.impact;
         if let Some(impact) = &mut impact {
-            wanted = impact.with_pulse(sample, wanted);
+            wanted = impact.with_pulse_and_vibration(sample, wanted);
         }
         let mut guard = before.guard;
         let force = match &mut guard {

@@ -1,11 +1,13 @@
-//! The pulse at the touch of a wall at 32 bits, whatever law is before it: it never pulls, stays within the force limit, and takes no
-//! more than the momentum that it was given.
+//! What is added at the touch of a wall at 32 bits, whatever law is before it. The pulse never pulls, stays within the force limit,
+//! and takes no more than the momentum that it was given. With the vibration too, the force stays within 0 and the limit.
 //!
 //! ```text
 //! f <= pulse(f) <= max(f, limit)                                   p4_pulse_limited
 //! e <= 0: pulse(f) = f, l = 0                                      p4_pulse_limited
 //! l(n) + (pulse(f) - f) = l(n-1), or brake v at a touch            p9_pulse_impulse
 //! no touch within `apart` control periods of another               p9_pulse_apart
+//! 0 <= vibration(pulse(f)) <= limit; e <= 0: f                     p4_vibration_limited
+//! l(n) = length at a touch, then one less each period              p9_vibration_ends
 //! ```
 
 use crate::format::Format;
@@ -13,7 +15,7 @@ use crate::source::{Source, one_with};
 use crate::{assume, cover, property, replaced_property};
 #[cfg(kani)]
 use touchstone_control::Number;
-use touchstone_control::law::{Impact, Sample};
+use touchstone_control::law::{Impact, Sample, Vibration};
 use touchstone_control::{Fixed32, Force, Position, Stiffness};
 
 type N = Fixed32;
@@ -31,6 +33,7 @@ fn any_pulse32<S: Source>(s: &mut S) -> Impact<N> {
                 apart,
                 left: N::any_force(s),
                 outside,
+                vibration: None,
             }
         },
         pulse_holds,
@@ -44,6 +47,22 @@ fn pulse_holds(it: &Impact<N>) -> bool {
         && it.apart > 0
         && it.left >= Force::zero()
         && it.outside <= it.apart
+}
+
+/// Any vibration, with any memory.
+fn any_vibration32<S: Source>(s: &mut S) -> Vibration<N> {
+    let length = s.u16();
+    let left = if s.bool() { s.u16() % 4 } else { s.u16() };
+    Vibration {
+        first: N::any_stiffness(s),
+        most: one_with(s, N::any_force, |it| *it >= Force::zero()),
+        last_share: N::any_ratio(s),
+        older_share: N::any_ratio(s),
+        length,
+        next: N::any_force(s),
+        last: N::any_force(s),
+        left,
+    }
 }
 
 fn any_sample32<S: Source>(s: &mut S) -> Sample<N> {
@@ -126,5 +145,48 @@ property! {
         assert!((impact.brake, impact.limit, impact.apart) == (before.brake, before.limit, before.apart));
         cover!(s, impact.outside > 0 && impact.outside < impact.apart, "not long enough outside");
         cover!(s, !inside && impact.outside == impact.apart, "long enough outside");
+    }
+}
+property! {
+    /// P4: with a force of the law within 0 and the limit, pulse and vibration leave it there, whatever the vibration's coefficients
+    /// and memory are. Outside the wall they change nothing.
+    equation "0 <= vibration(pulse(f)) <= limit; e <= 0: vibration(pulse(f)) = f"
+    over "momentum, limit, vibration, memories, sample, force of the law"
+    fn p4_vibration_limited(s) {
+        let mut impact = any_pulse32(s);
+        assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
+        impact.vibration = Some(any_vibration32(s));
+        let sample = any_sample32(s);
+        let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
+        assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
+        let mut pulse = impact;
+        let pulsed = pulse.with_pulse(sample, wanted);
+        let force = impact.with_pulse_and_vibration(sample, wanted);
+        assert!(force >= Force::zero() && force <= impact.limit);
+        let inside = sample.e > Position::zero();
+        assert!(inside || force == wanted);
+        cover!(s, force > pulsed, "the vibration pushes");
+        cover!(s, force < pulsed, "the vibration pulls");
+    }
+}
+property! {
+    /// P9: a vibration begins at a touch only and ends after its length, or when the device leaves the wall. Then it adds nothing.
+    equation "touch: l = max(length - 1, 0); inside: l(n) = max(l(n-1) - 1, 0); outside: l = 0; l(n-1) = 0 and no touch: vibration(f) = f"
+    over "limit, vibration, memory, sample, touch or not, force"
+    fn p9_vibration_ends(s) {
+        let before = any_vibration32(s);
+        let (sample, touch) = (any_sample32(s), s.bool());
+        let (wanted, limit) = (N::any_force(s), N::any_force(s));
+        let mut vibration = before;
+        let force = vibration.with_vibration(sample, touch, wanted, limit);
+        let inside = sample.e > Position::zero();
+        let expected = match (inside, touch) {
+            (false, _) => 0,
+            (true, true) => before.length.saturating_sub(1),
+            (true, false) => before.left.saturating_sub(1),
+        };
+        assert!(vibration.left == expected);
+        assert!((inside && (touch || before.left > 0)) || force == wanted);
+        cover!(s, inside & !touch && before.left == 1, "it ends");
     }
 }

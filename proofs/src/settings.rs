@@ -180,6 +180,9 @@ mod tests {
             },
             impact: ImpactSettings {
                 momentum: pick(s, Si::ONE),
+                vibration: pick(s, Si::ONE),
+                frequency_hz: pick(s, base.impact.frequency_hz),
+                decay_s: pick(s, base.impact.decay_s),
             },
             position: PositionSettings::of_counts_per_rev(s.u32() >> s.bits(5)),
         }

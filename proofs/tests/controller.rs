@@ -70,7 +70,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
             let sample = states.sample(e);
             let mut wanted = law.tick(sample);
             if let Some(impact) = &mut impact {
-                wanted = impact.with_pulse(sample, wanted);
+                wanted = impact.with_pulse_and_vibration(sample, wanted);
             }
             force = match &mut guard {
                 Some(guard) => guard.tick(e, None, wanted),

@@ -9,7 +9,7 @@ use touchstone_tests::si::{assert_one_line, next, si};
 /// A setting, the function that sets it, and its smallest and largest accepted value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
-const BOUNDS: [Bound; 27] = [
+const BOUNDS: [Bound; 30] = [
     (Field::KDesired, |s, x| s.k_desired = x, "0", "500000"),
     (Field::KSoft, |s, x| s.k_soft = x, "0.01", "500000"),
     (
@@ -118,6 +118,24 @@ const BOUNDS: [Bound; 27] = [
         |s, x| s.impact.momentum = x,
         "0",
         "2",
+    ),
+    (
+        Field::ImpactVibration,
+        |s, x| s.impact.vibration = x,
+        "0",
+        "1",
+    ),
+    (
+        Field::ImpactFrequency,
+        |s, x| s.impact.frequency_hz = x,
+        "1",
+        "1000",
+    ),
+    (
+        Field::ImpactDecay,
+        |s, x| s.impact.decay_s = x,
+        "0.001",
+        "1",
     ),
 ];
 

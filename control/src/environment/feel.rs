@@ -332,7 +332,7 @@ impl<N: Number> Viscous<N> {
     /// Runs one control period: takes the displacement since the last tick, returns the force against the motion.
     #[inline]
     pub fn tick(&mut self, moved: Position<N>) -> Force<N> {
-        let kept = Force(N::scale(self.kept.0, self.force.0));
+        let kept = self.kept.share_of_force(self.force);
         let news = Force(N::scale(self.per_way.0, moved.0));
         self.force = (kept + news).within(self.most);
         self.force

@@ -247,7 +247,7 @@ impl<N: Number> Environment<N> {
             let sample = states.sample(e);
             let mut force = law.tick(sample);
             if let Some(impact) = impact {
-                force = impact.with_pulse(sample, force);
+                force = impact.with_pulse_and_vibration(sample, force);
             }
             wanted = wanted + side.seen(force);
         }

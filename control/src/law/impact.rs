@@ -10,7 +10,7 @@
 //! motion turns and when the device leaves the wall. The energy guard stands behind the sum of both forces. Speed and inertia are those
 //! of the state estimator; a law on measured states has no pulse.
 
-use super::Sample;
+use super::{Sample, Vibration};
 use crate::{Force, Number, Position, Stiffness};
 
 /// The pulse at the touch of one wall, with its memory.
@@ -26,10 +26,23 @@ pub struct Impact<N: Number> {
     pub left: Force<N>,
     /// Control periods since the device was inside the wall, at most [`Impact::apart`].
     pub outside: u16,
+    /// The vibration that begins with the pulse; `None` if the settings have none.
+    pub vibration: Option<Vibration<N>>,
 }
 
 impl<N: Number> Impact<N> {
-    /// Runs one control period: takes the law's input and the law's force, returns the force with the pulse.
+    /// Runs one control period: takes the law's input and the law's force, returns the force with pulse and vibration.
+    #[inline(always)]
+    pub fn with_pulse_and_vibration(&mut self, sample: Sample<N>, force: Force<N>) -> Force<N> {
+        let touch = self.outside == self.apart;
+        let force = self.with_pulse(sample, force);
+        match &mut self.vibration {
+            None => force,
+            Some(vibration) => vibration.with_vibration(sample, touch, force, self.limit),
+        }
+    }
+
+    /// Takes the law's input and the law's force, returns the force with the pulse and without the vibration.
     #[inline(always)]
     pub fn with_pulse(&mut self, sample: Sample<N>, force: Force<N>) -> Force<N> {
         if sample.e <= Position::zero() {
@@ -57,5 +70,8 @@ impl<N: Number> Impact<N> {
     pub fn forget_touch(&mut self) {
         self.left = Force::zero();
         self.outside = self.apart;
+        if let Some(vibration) = &mut self.vibration {
+            vibration.left = 0;
+        }
     }
 }

@@ -11,6 +11,7 @@ mod impact;
 mod sfa;
 mod spring;
 mod tdpa;
+mod vibration;
 
 pub use damped::{Damped, DampedState};
 pub use enhanced::{Augmentation, Augmented, EnhancedSfa, EnhancedState};
@@ -19,6 +20,7 @@ pub use impact::Impact;
 pub use sfa::{Sfa, SfaState};
 pub use spring::{Spring, SpringState};
 pub use tdpa::{Tdpa, TdpaState};
+pub use vibration::Vibration;
 
 use crate::{Energy, Force, Number, Position};
 

@@ -44,7 +44,7 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
         let sample = self.track.sample(touch);
         let mut force = self.law.tick(sample);
         if let Some(impact) = &mut self.impact {
-            force = impact.with_pulse(sample, force);
+            force = impact.with_pulse_and_vibration(sample, force);
         }
         self.track.keep(touch);
         touch.normal.times_force(force)

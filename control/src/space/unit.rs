@@ -101,7 +101,7 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// Makes the pulse at the touch from settings in SI units; `None` if the settings have none.
+    /// Makes pulse and vibration at the touch from settings in SI units; `None` if the settings have neither.
     ///
     /// # Errors
     /// The pulse's coefficient does not fit the number format in this unit.

@@ -180,6 +180,7 @@ impl TunedWall {
             // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
             impact: ImpactSettings {
                 momentum: si(self.pulse * self.axis_kg / self.estimator_kg),
+                ..ImpactSettings::default()
             },
             ..Settings::default()
         }

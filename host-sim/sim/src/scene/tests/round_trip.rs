@@ -244,6 +244,7 @@ fn every_number_ends_in_its_unit() {
             "limit_of_penetration_per_ms",
             "share_of_damping",
             "share_of_momentum",
+            "vibration_share_of_speed",
             "scale"
         ]
     );
