@@ -378,7 +378,7 @@ impl Settings {
         GuardedDevice {
             rate_hz: self.rate_hz,
             force_limit: self.force_limit,
-            count: self.position.count,
+            count: self.position.uncertainty(self.position_error),
         }
     }
 
