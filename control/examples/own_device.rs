@@ -12,6 +12,7 @@ fn main() -> Result<(), SettingsError> {
         inertia: Si::lit("0.0001"), // of all that turns, kg·m²
         damping: Si::lit("0.0004"), // of the device alone, as measured, N·m·s/rad
         position: PositionSettings::of_counts_per_rev(COUNTS_PER_REV),
+        position_error: Si::ZERO,    // rad
         force_limit: Si::lit("0.5"), // the motor's torque, N·m
         delay: Si::lit("0.0001"),    // from reading the encoder until the torque begins to act, s
         lag: Si::ZERO,               // mean time from there until it acts, s

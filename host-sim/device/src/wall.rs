@@ -8,8 +8,8 @@ use touchstone_control::space::{
     Surface, SurfacePoint, Vector, VectorGuard,
 };
 use touchstone_control::{
-    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position, Reported,
-    Settings, SettingsError, Si,
+    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position,
+    PositionSettings, Reported, Settings, SettingsError, Si,
 };
 use touchstone_mesh::{Mesh, MeshSurface};
 
@@ -128,7 +128,10 @@ impl<'m> DeviceWall<'m> {
             let device = GuardedDevice {
                 rate_hz: settings.law.rate_hz,
                 force_limit: settings.law.force_limit,
-                count: Si::saturating_from_num(settings.count_m),
+                count: PositionSettings {
+                    count: Si::saturating_from_num(settings.count_m),
+                }
+                .uncertainty(settings.law.position_error),
             };
             let (guard, device) = UNIT.guard(guard, &device);
             let guard = VectorGuard::new(&guard, &device)?;

@@ -28,9 +28,10 @@ pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
         .max(0.0)
 }
 
-/// Text of the scene file for the measured knob.
+/// Text of the scene file for the measured knob. `position_error_rad` is the encoder's error that the energy guard is told.
 pub fn text(
     motor: &MeasuredMotor,
+    position_error_rad: f64,
     settings: &DeviceSettings,
     hardware: &Hardware,
     who: &str,
@@ -78,6 +79,8 @@ k_desired_n_m_per_rad = {}
 
 [law]
 kind = \"enhanced-sfa\"
+# The encoder's largest error besides the rounding to counts.
+position_error_rad = {:.4e}
 
 [law.estimator]
 inertia_kg_m2 = {inertia:.4e}
@@ -112,6 +115,7 @@ push_torque_n_m = {press:.4e}
         settings.timing.rate_hz,
         DELAY_PERIODS / f64::from(hardware.pwm_hz),
         settings.wall.k_desired_n_m_per_rad,
+        position_error_rad,
         sure_damping(motor),
         guard.change.word(),
         guard.delay_s.to_num::<f64>(),
