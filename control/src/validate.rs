@@ -1,7 +1,7 @@
 //! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and the
 //! consequence.
 
-use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
+use crate::{Choice as _, GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
 
 macro_rules! fields {
@@ -120,6 +120,11 @@ pub enum SettingsError {
         /// Largest allowed angle or length of an encoder count, rad (m).
         coarsest: Si,
     },
+    /// The build has no such law: the crate's feature for it is off.
+    LawLeftOut {
+        /// The law that the settings choose.
+        law: LawKind,
+    },
 }
 
 impl SettingsError {
@@ -130,6 +135,7 @@ impl SettingsError {
             Self::OutOfRange { field, .. } | Self::OutOfFormat { field, .. } => *field == setting,
             Self::NoCompensation { .. } => setting == Field::KDesired,
             Self::TooCoarse { .. } => false,
+            Self::LawLeftOut { .. } => setting == Field::Law,
         }
     }
 }
@@ -170,6 +176,20 @@ impl fmt::Display for SettingsError {
                 "{} needs counts of the encoder of at most {coarsest:.2} rad, and these are {count:.6} rad",
                 Field::Guard.path()
             ),
+            Self::LawLeftOut { law } => {
+                // Both forms of this law have one feature.
+                let feature = match law {
+                    LawKind::SfaContinuous => LawKind::Sfa,
+                    one => *one,
+                };
+                write!(
+                    f,
+                    "{} = {}: this build has no such law: build it with the feature `{}`, or choose another law",
+                    Field::Law.path(),
+                    law.word(),
+                    feature.word()
+                )
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, a drawn torque profile, and the
-//! further parts of a feel (spring to a centre, friction, click). One energy guard limits the sum of their forces.
+//! further parts of a feel (spring to a centre, friction, click, inertia). One energy guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
@@ -27,6 +27,7 @@ mod changing;
 mod detents;
 mod face;
 pub mod feel;
+pub mod inertia;
 pub mod profile;
 mod refused;
 
@@ -34,6 +35,7 @@ use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
 pub use feel::{CentreSettings, ClickSettings, DrySettings, Feel, FeelSettings, ViscousSettings};
+pub use inertia::InertiaSettings;
 pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 

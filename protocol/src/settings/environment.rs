@@ -35,7 +35,7 @@ pub struct Surround {
     pub change_n_m_per_s: Decimal,
     /// A torque profile: a torque drawn over the angle.
     pub profile: Option<ProfileBeside>,
-    /// A spring to a centre, viscous and dry friction, and a click.
+    /// A spring to a centre, viscous and dry friction, a click, and an added inertia.
     pub parts: Parts,
 }
 

@@ -245,5 +245,12 @@ pub fn refused(error: &law::SettingsError) -> SettingsError {
             value: Decimal(count),
             reason: Reason::OutOfFormat,
         },
+        // This crate builds the control crate with all its laws. The plain spring, number 0, is in every build.
+        law::SettingsError::LawLeftOut { law } => outside(
+            Field::Law,
+            law::Si::saturating_from_num(law.number()),
+            law::Si::ZERO,
+            law::Si::ZERO,
+        ),
     }
 }

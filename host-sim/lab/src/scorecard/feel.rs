@@ -238,10 +238,7 @@ fn felt(scene: &Scene, grip: Grip, positions: Option<Positions>, crossings: u64)
     slow(&mut hand, &mut felt, (low, high), BIN_COUNTS * count_rad);
     let pitch_rad = positions.map_or(0.5, |it| it.pitch_rad);
     for share in [0.0, 0.4] {
-        let origin_rad = positions.map_or(start_rad, |it| {
-            let number = ((start_rad - it.origin_rad) / pitch_rad).round();
-            it.origin_rad + number * pitch_rad
-        });
+        let origin_rad = positions.map_or(start_rad, |it| it.angle_of(it.nearest_to(start_rad)));
         hand.go(origin_rad + share * pitch_rad, SLOW_RAD_PER_S, |_, _| {});
         felt.buzz_counts = felt.buzz_counts.max(hand.rest(REST_S) / count_rad);
     }
@@ -319,6 +316,10 @@ fn spin(hand: &mut Hand, felt: &mut Felt, positions: Positions, count_rad: f64, 
         }
         // Beyond an end the position stays the last one.
         let inside = given.angle_rad.clamp(lower, upper);
+        let inside = match positions.listed_between() {
+            Some((first, last)) => inside.clamp(first, last),
+            None => inside,
+        };
         let beside = counter.beside(inside).abs();
         // The encoder tells the angle to within a count.
         felt.lost += u64::from(beside > 0.5 + HYSTERESIS + count_rad / pitch_rad);

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::scene::Scene;
-use touchstone_control::{SettingsError, Si, Warning};
+use touchstone_control::{Choice as _, Field, LawKind, SettingsError, Si, Warning};
 
 /// Converts an error of the control crate to an error that names the field of the scene.
 pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
@@ -51,6 +51,11 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
                 "give counts of at most {} rad, or law.guard.on = false",
                 short(*coarsest)
             ),
+        ),
+        SettingsError::LawLeftOut { law } => scene.error(
+            Field::Law.path(),
+            format!("this program was built without the law {}", law.word()),
+            format!("give \"{}\"", LawKind::Spring.word()),
         ),
     }
 }
