@@ -255,8 +255,8 @@ pub struct Root<W: Word> {
     pub square: W::Wide,
 }
 
-/// One step of a square root: returns the candidate (the root so far with one more binary digit) if its square does not exceed the
-/// radicand, else the root so far.
+/// One step of a square root. The candidate is the root so far with one more binary digit. Returns the candidate if its square does
+/// not exceed the radicand, else the root so far.
 #[inline(always)]
 pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
     let square = candidate.times(candidate);

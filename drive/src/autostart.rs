@@ -1,4 +1,4 @@
-//! Unattended start: a board that calibrates and arms by itself when power comes on. It gives the commands that a person would
+//! Automatic start: the board calibrates and arms without a desktop when power comes on. It gives the commands that a person would
 //! give, and no others.
 //!
 //! Fault machine and supervisor treat these commands like those from a computer: every limit holds, and the force fades in as after

@@ -28,7 +28,7 @@ enum Knows {
     Little(u32),
 }
 
-/// A model of the control law that runs beside a device.
+/// A copy of the device's control law. It calculates the force from the device's records, for comparison with the device's force.
 #[derive(Debug, Clone)]
 pub struct Twin {
     config: Config,

@@ -1,5 +1,5 @@
-//! The parts of a knob's feel that depend on more than the position in a pattern: a spring to a centre, viscous and dry friction,
-//! a click, and an added inertia.
+//! The parts of a knob's feel that are no pattern over the position: a spring to a centre, viscous and dry friction, a click, and
+//! an added inertia.
 //!
 //! ```text
 //! distance from the centre ----> spring           \

@@ -118,8 +118,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// Same as [`Guarded::tick`] for positions that do not end where the number format does: takes the last position, this one, and the
-    /// displacement since the force changed (where it is measured).
+    /// Same as [`Guarded::tick`], for positions that may exceed the range of the number format. Takes the last position, this one,
+    /// and the displacement since the force changed (where it is measured).
     ///
     /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the distance,
     /// are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits. The axis is reversed

@@ -22,7 +22,7 @@ pub struct Impact<N: Number> {
     pub limit: Force<N>,
     /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are none.
     pub apart: u16,
-    /// The part of the pulse's impulse that is not played yet, divided by the control period.
+    /// The part of the pulse's impulse that has not been added to the force yet, divided by the control period.
     pub left: Force<N>,
     /// Control periods since the device was inside the wall, at most [`Impact::apart`].
     pub outside: u16,

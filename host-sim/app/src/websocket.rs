@@ -189,7 +189,7 @@ impl WebSocketServer {
     }
 }
 
-/// Why a client is disconnected; `None` if it left by itself.
+/// Why the server disconnects a client; `None` if the client closed the connection.
 type Gone = Option<&'static str>;
 
 impl Client {

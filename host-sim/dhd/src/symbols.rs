@@ -40,8 +40,8 @@ macro_rules! functions {
             fn of(library: &Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($needed: {
-                        // SAFETY: the type is that of the function in the vendor's header, with references for the pointers that it fills
-                        // (the module's documentation); the pointer is used only while `Dhd` holds the library.
+                        // SAFETY: the type is that of the function in the vendor's header, with references for the pointers that it
+                        // fills (the module's documentation). The pointer is used only while `Dhd` holds the library.
                         let found = unsafe { library.get::<$needed_type>($needed_name) };
                         *found.map_err(|_| $needed_name)?
                     },)*

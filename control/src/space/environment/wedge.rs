@@ -16,8 +16,8 @@ pub struct Edge<N: Spatial> {
 }
 
 impl<N: Spatial> Edge<N> {
-    /// The edge of two planes. The smaller the angle between the normals, the larger is the error of depths around the edge: a few
-    /// steps of the number format divided by the square of the angle's sine.
+    /// The edge of two planes. The error of depths around the edge is a few steps of the number format, divided by the square of
+    /// the sine of the angle between the normals.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         let [one, other] = &planes;

@@ -1,5 +1,5 @@
-//! Tests that no program leaves a device on in silence, whatever the link loses: after every seeded fault the device is off, or the
-//! program said that it may still be on.
+//! Tests that no program leaves a device on without a message when the link has faults. After every seeded fault the device is off,
+//! or the program printed that it may still be on.
 //!
 //! A proxy between program and device drops, damages or delays frames, is deaf in one direction, or cuts the connection. A seed
 //! chooses the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS=1000` runs that many seeds with each program:

@@ -14,8 +14,8 @@
 //!   direction of the motion, the circle criterion (16) must hold.
 //! - Bounces die away, and the press uses no more energy than the enhanced law may lend.
 //!
-//! The loop is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
-//! [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
+//! The loop is called **unstable** if bounces grow, or if the motion grows in a phase in which the law stays. The growth counts if
+//! it is faster than [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
 //!
 //! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. Therefore touches are
 //! simulated to their end unless the matrices say unstable. The verdict is **stable** if all simulations come to rest, **unstable**

@@ -256,8 +256,8 @@ impl Rival {
             })
     }
 
-    /// Whether matrices describe how the loop with this law moves. They do not for laws that reduce their force by an observed
-    /// energy.
+    /// Whether the control loop with this law is linear, so that matrices describe its motion. A law that reduces its force by an
+    /// energy sum is not linear.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.damped_spring || self.estimated

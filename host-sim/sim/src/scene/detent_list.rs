@@ -16,8 +16,8 @@ const REST_OFF: f64 = 0.01;
 /// Two angles this near, rad, are the same.
 const SAME_RAD: f64 = 1e-6;
 
-/// Detents at listed angles. Each draws the knob within half its width to either side, with a torque that is largest at a quarter of
-/// the width; between two detents that do not touch the knob turns freely.
+/// Detents at listed angles. Each detent pulls the knob to its angle within half its width to either side. The torque is largest at
+/// a quarter of the width. Between two detents with a gap the knob turns freely.
 ///
 /// The list takes the place of `[environment.profile]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

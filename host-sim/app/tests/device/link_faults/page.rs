@@ -1,4 +1,4 @@
-//! A page of `touchstone live` that arms the device whatever the link does, and then goes.
+//! A page of `touchstone live` that arms the device, over a link with faults, and is then closed.
 
 use super::{LONGEST, ended, started};
 use crate::Said;
