@@ -220,7 +220,7 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
 /// Result of [`affordable`]: how far a body moves out against a force until the stored energy is used up, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
-    /// Distance that the energy pays for: `floor(energy / force)`, saturating.
+    /// Distance for which the energy suffices: `floor(energy / force)`, saturating.
     pub moved: W,
     /// Energy left: `energy - force · moved`, never negative.
     pub rest: W::Wide,

@@ -30,7 +30,7 @@ const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
 /// Encoder counts within which a shaft counts as at rest.
 const JITTER: u64 = 4;
 
-/// The values of the board that one step of the unattended start looks at.
+/// The board's values that are the inputs of one step of the automatic start.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
     /// State of the device.

@@ -117,7 +117,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     }
 }
 
-/// Angle that the shaft turns, per speed, from the encoder reading to the middle of the time in which the current acts.
+/// Angle per unit of speed that the shaft turns from the encoder reading to the middle of the time in which the current acts.
 fn lead(settings: &DeviceSettings, hardware: &Hardware) -> I16F16 {
     let of = |parts: i64, rate: Si| quotient(Si::const_from_int(parts), rate);
     let period = of(ACTS_AFTER_PERIODS, Si::saturating_from_num(hardware.pwm_hz));

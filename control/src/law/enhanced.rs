@@ -1,14 +1,14 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. The
-//! hand's point (HIP) hangs on the mass by a coupling spring `k_f`. The soft spring `k_v` pushes the mass out of the wall; it is
+//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. A
+//! coupling spring `k_f` connects the hand's point (HIP) to the mass. The soft spring `k_v` pushes the mass out of the wall; it is
 //! deformed by the mass' penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
 //! **Passivity at the mass is exact.** The next displacement `d'` of a virtual mass, unlike that of a hand, is *known* before the
 //! wall's force `f` is chosen: `d' = (N0 - f)/D`, with the driving force `N0` and the sum of coefficients `D` of [`VirtualMass`].
 //! So the controller prevents a deficit of the stored energy `E` instead of repairing it. Pushed by the full force, the mass may
 //! move out further than `E/f`, which needs more energy than `E`. Then the law reduces the force until the mass moves out by
-//! exactly `E/f`. With no energy left the mass stands still and the wall holds: it neither kicks nor collapses. `E >= 0` holds for
+//! exactly `E/f`. With no energy left the mass stands still, and the force neither jumps up nor falls to zero. `E >= 0` holds for
 //! every input.
 //!
 //! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in
@@ -268,9 +268,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull, so nothing pulls the mass. It
-    /// moves on as if it were not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond
-    /// inertia and ground damping act as one more damper to ground here.)
+    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull the hand, so the coupling does
+    /// not pull the mass. The mass moves on as if it were not coupled, if the stored energy suffices, and otherwise stands still.
+    /// (Coefficients beyond inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,

@@ -42,8 +42,8 @@ pub struct Vibration<N: Number> {
 const TIME_CONSTANTS: Si = Si::lit("6");
 
 impl ImpactSettings {
-    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate the frequency that is played is
-    /// within 2 % of the one that is set.
+    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate, the frequency of the vibration
+    /// is within 2 % of the configured frequency.
     ///
     /// # Errors
     /// The frequency is above a tenth of the control rate.

@@ -226,7 +226,8 @@ mod tests {
         }
     }
 
-    /// The control period of the fault, if the shaft turns at this speed in rad/s and the motor's current is this one in A.
+    /// Simulates a shaft whose `speed` in rad/s depends on the time in ms, with the motor current `current_a`. Returns the time of
+    /// the fault in ms.
     fn ran(rate_hz: u32, speed: impl Fn(f64) -> f64, current_a: f64, against: bool) -> Option<f64> {
         let config = config(rate_hz);
         let mut motion = Motion::new();

@@ -133,7 +133,7 @@ impl WebSocketServer {
         })
     }
 
-    /// Takes new clients and the messages of all, and disconnects the clients that hang. Never waits.
+    /// Accepts new clients, reads the messages of all, and disconnects clients that do not respond. Never waits.
     pub fn turn(&mut self) -> News {
         let mut news = News::default();
         while let Ok(socket) = self.arrivals.try_recv() {

@@ -29,8 +29,8 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// The height over one plane after moving towards the other plane by a distance. `height` is the height over the one plane
-    /// before.
+    /// The height over the first plane after a displacement `way` towards the second plane. `height` is the height over the first
+    /// plane before.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }
