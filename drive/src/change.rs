@@ -156,7 +156,7 @@ fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
 }
 
-/// When the encoder is read a second time in a control period, and the factors with which the reading is used.
+/// Time of the second encoder reading in a control period, and the factors with which the guard uses it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
     /// PWM periods from the first encoder reading of a control period to the second.

@@ -38,7 +38,7 @@ pub struct Played {
     /// Current by position within a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
-    /// How far ahead of the shaft the table is read, per speed: 2^-16 turns per rad/s.
+    /// Angle per unit of speed by which the table is read ahead of the shaft's position: 2^-16 turns per rad/s.
     lead: I16F16,
 }
 

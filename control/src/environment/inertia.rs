@@ -87,7 +87,7 @@ impl InertiaSettings {
 pub struct Dragged<N: Number> {
     /// The part of the distance to the mass that remains after a tick.
     pub kept: Ratio<N>,
-    /// What the device is ahead of the mass.
+    /// Distance by which the device is ahead of the mass.
     pub ahead: Position<N>,
     /// The damper between device and mass, behind its filter.
     pub damper: Viscous<N>,

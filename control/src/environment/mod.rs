@@ -101,7 +101,7 @@ pub struct Environment<N: Number> {
     commanded: Force<N>,
     /// The force of the last tick, before any later stage (such as a current limit) changes it.
     shown: Force<N>,
-    /// What is left of the force difference to a replaced environment, while it fades; `None` if nothing fades.
+    /// The remaining force difference to a replaced environment, while the difference fades; `None` if no difference fades.
     carried: Option<Carried<N>>,
 }
 

@@ -60,7 +60,7 @@ pub struct Asked {
     pub text: String,
 }
 
-/// What is new at the server.
+/// News since the last turn: new clients and received messages.
 #[derive(Debug, Default)]
 pub struct News {
     /// Numbers of the clients that have just connected.

@@ -13,7 +13,8 @@ use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 
-/// Largest number of rounds per tick (control period). Each round forgets the planes that stopped the proxy in earlier rounds.
+/// Largest number of rounds per tick (control period). Each round starts without the planes that stopped the proxy in earlier
+/// rounds.
 const ROUNDS: usize = 6;
 /// Largest number of planes that may stop the proxy in a round.
 const PLANES: usize = 6;

@@ -45,7 +45,7 @@ pub struct FeelCard {
     pub grips: Vec<Felt>,
 }
 
-/// What one grip got of a feel.
+/// The figures of a feel with one grip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Felt {
     /// The grip's name.

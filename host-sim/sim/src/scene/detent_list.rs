@@ -11,7 +11,7 @@ pub const MOST_DETENTS: usize = 16;
 
 /// How far the largest torque of a drawn detent may be below the listed one, as a fraction of it.
 const PEAK_OFF: f64 = 0.05;
-/// How far a drawn detent may rest beside its angle, as a fraction of its width.
+/// Largest distance from the listed angle to the angle at which the drawn detent rests, as a fraction of the detent's width.
 const REST_OFF: f64 = 0.01;
 /// Two angles this near, rad, are the same.
 const SAME_RAD: f64 = 1e-6;
@@ -233,7 +233,7 @@ impl Detent {
         }
     }
 
-    /// What of the drawn detent is not as listed; `None` if all is within the limits.
+    /// The property of the drawn detent that differs from the listed one; `None` if all properties are within the limits.
     fn off(&self, torques: &[f64], start: f64, step: f64) -> Option<String> {
         let place = |at: f64| (at - start) / step;
         let at = |at: f64| {

@@ -6,8 +6,8 @@ use super::device::{Invalid, not_negative, positive};
 /// rest point.
 ///
 /// The pad is needed for realism. A hand rigidly on the device would add its damping of about 1e-3 N·m·s/rad to the knob's 4e-4 and
-/// make every wall of the thesis stable. With the pad in between, the device is alone with the wall at high frequency. The price is
-/// a second mass with two states.
+/// make every wall of the thesis stable. With the pad in between, the device is alone with the wall at high frequency. The
+/// disadvantage is a second mass with two states.
 ///
 /// The rest point `r` is the angle to which the person wants to move the hand. It is held during a control period (zero-order
 /// hold), like the torque. Voluntary motion has frequencies up to about 10 Hz, so at a control rate of 1 kHz the steps are small.

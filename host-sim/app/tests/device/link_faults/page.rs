@@ -12,7 +12,7 @@ use tungstenite::{Message, WebSocket};
 /// How a page ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PageEnd {
-    /// A person presses stop, and sees what the page says.
+    /// A person presses stop and reads the page's message.
     Stops,
     /// The tab is closed.
     Closes,
