@@ -173,7 +173,7 @@ const SLOW: [Output; 5] = [
     ),
 ];
 
-/// A command in whose environment a mock is in place of the omega.3's driver library.
+/// A command whose environment variables replace the omega.3's driver library by a mock.
 fn with_mock(program: &str) -> Command {
     let mut command = Command::new(program);
     command.env("TOUCHSTONE_DHD", touchstone_mock_dhd::door::built());
