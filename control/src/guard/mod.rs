@@ -227,8 +227,8 @@ impl<N: Number> Guard<N> {
 
     /// The largest force whose work over the largest displacement per tick is covered by this energy, which must not be negative.
     ///
-    /// It is the quotient of energy and displacement, without a square root, because the device's damping is not used up here. The
-    /// largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
+    /// It is the quotient of energy and displacement. Counting the device's damping too would need a square root, and is left out.
+    /// The largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
     /// suddenly.
     #[inline(always)]
     #[must_use]

@@ -16,7 +16,8 @@ use crate::{Force, Number, Position, Stiffness};
 /// The pulse at the touch of one wall, with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact<N: Number> {
-    /// `s J/T²`: the force that takes the fraction `s` of the momentum away within one control period, per displacement in one.
+    /// Gain `s J/T²` from the displacement in a control period to a force. Over one control period this force takes away the
+    /// fraction `s` of the momentum.
     pub brake: Stiffness<N>,
     /// Largest sum of the law's force and the pulse.
     pub limit: Force<N>,

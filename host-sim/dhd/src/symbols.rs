@@ -106,8 +106,9 @@ impl Dhd {
     /// # Errors
     /// The reason why the library cannot be loaded, as text.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
-        // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
-        // place that only its owner or an administrator can write, as with every program that is linked with it.
+        // SAFETY: loading runs the library's initialisers, which nothing can check. The user named the file, or it has the vendor's
+        // name in a place that only its owner or an administrator can write. The same holds for every program that is linked with
+        // the library.
         let library = unsafe { Library::new(path) }.map_err(|why| why.to_string())?;
         let calls = Calls::of(&library)
             .map_err(|name| format!("it has no {name}: it is not libdhd, or one far too old"))?;

@@ -41,8 +41,8 @@ pub const RESTS: f64 = 0.5;
 /// Largest motion at the end of simulated touches that counts as rest if the matrices alone have called the wall stable. It is a
 /// fraction of a limit cycle's threshold (four encoder counts).
 pub const RESTS_AS_SAID: f64 = 0.75;
-/// Least motion at the end of every simulated touch and press from which a wall is called unstable, as a multiple of the threshold
-/// of a limit cycle (four encoder counts).
+/// A wall is called unstable if the motion at the end of every simulated touch and press is at least this multiple of a limit
+/// cycle's threshold (four encoder counts).
 pub const MOVES: f64 = 1.5;
 
 /// Results for one linear phase of the control law with one hand.

@@ -59,8 +59,8 @@ pub struct Phases {
     /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
     /// motion.
     pub by_direction: bool,
-    /// Largest press in N·m that the law's energy loan covers: under this press the spring that couples hand and virtual mass
-    /// stores at most the energy that the law may lend. Absent for laws without a loan.
+    /// Largest press in N·m that the law's energy loan covers. Under this press the spring that couples hand and virtual mass
+    /// stores at most the energy of the loan. Absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
     /// Stiffness of the spring that the law is at the start of a contact, N·m/rad. Absent if the law stays a spring when the motion
     /// turns.

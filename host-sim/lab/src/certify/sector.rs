@@ -1,8 +1,8 @@
 //! Checks whether a loop stays stable while one gain of its control law changes from tick to tick.
 //!
 //! Two loop matrices that differ by a matrix of rank one, `A1 = A0 + b c`, are the ends of a gain from 0 to 1 in one path. The
-//! circle criterion in discrete time (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory) is a condition under which the loop
-//! stays stable while the gain changes in any way between the ends. `A1` has to be stable, `A0` may have at most an integrator on
+//! circle criterion in discrete time is a condition under which the loop stays stable while the gain changes in any way between the
+//! ends (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory). `A1` has to be stable, `A0` may have at most an integrator on
 //! the unit circle, and
 //!
 //! ```text

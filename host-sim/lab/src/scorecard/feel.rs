@@ -26,8 +26,8 @@ const REST_S: f64 = 4.0;
 const NEAR_A_WALL_RAD: f64 = 0.1;
 /// Rate at which a program reads the knob's angle, Hz: that of `touchstone events`.
 const READ_HZ: f64 = 250.0;
-/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between positions:
-/// twice the hysteresis, less the motion between two readings.
+/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between
+/// positions. It is twice the hysteresis, less the motion between two readings.
 const TURNED_BACK: f64 = 0.4;
 /// Angle of the slow turn of a feel without positions and end stops, rad.
 const SLOW_TURN_RAD: f64 = 1.5;

@@ -119,8 +119,8 @@ impl DetentList {
     /// Draws the list as a torque profile that exists once.
     ///
     /// Points of a profile have equal distances. The number of points is the smallest at which all angles of the list's corners are
-    /// points, or else that at which the worst corner is nearest to one. The points beside a detent's angle give its own stiffness,
-    /// so the torque is 0 at the angle itself wherever it lies; the point nearest to a largest torque has that torque.
+    /// points, or else that at which the worst corner is nearest to one. The points on both sides of a detent's angle give the
+    /// detent's stiffness, so the torque is 0 exactly at the angle. The point nearest to a largest torque has that torque.
     ///
     /// # Errors
     /// The lists do not fit each other, or a detent is too narrow for the profile's points.

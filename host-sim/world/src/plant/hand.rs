@@ -56,9 +56,9 @@ pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.33e-4);
 /// An ordinary grip of a knob at a radius of 15 mm: hand 0.3 kg, 3 N·s/m, 100 N/m, fingertip pad 700 N/m.
 ///
 /// **Chosen, not measured.** Mass, damping and stiffness are within the range of hand models in the literature. The pad's damping
-/// follows from the thesis: its damping `c_i` of 5e-4 N·m·s/rad was found by feel, with a finger on the knob, so it is the sum of
-/// device and fingertip. With 4e-4 N·m·s/rad for the knob, 1e-4 is left for the pad of this grip. The pads of the other two grips
-/// have the ratios of published values, which grow with the force of the grip.
+/// follows from the thesis. The thesis found its damping `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so `c_i` is
+/// the sum of device and fingertip. With 4e-4 N·m·s/rad for the knob, 1e-4 is left for the pad of this grip. The pads of the other
+/// two grips have the ratios of published values, which grow with the force of the grip.
 pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 1.0e-4);
 
 /// A firm grip of a knob at a radius of 15 mm: hand 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m. Chosen, not measured, see

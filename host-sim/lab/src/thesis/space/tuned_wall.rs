@@ -56,10 +56,10 @@ pub struct TunedWall {
 /// On a lever of 26.0 mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are
 /// 0.3119 N·m. A position count of 0.01 mm is one of 16,332 counts per turn.
 ///
-/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit: a hand of 0.8 kg
-/// gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was tuned.
-/// Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except at
-/// 0.907 ms.
+/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit. A hand of 0.8 kg
+/// then gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was
+/// tuned. Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except
+/// at 0.907 ms.
 pub const OMEGA3_WALL: TunedWall = TunedWall {
     name: "an omega.3",
     k_desired_n_per_m: 25_000.0,
