@@ -94,7 +94,8 @@ fn is_on(device: &Fake) -> bool {
     matches!(phase, Phase::Armed | Phase::Calibrating)
 }
 
-/// The ending in words, from what the program and its page said and whether the device is on. Panics where it is on in silence.
+/// The ending in words, from the messages of program and page, and from whether the device is on. Panics if the device is on
+/// without a message.
 fn judged(seed: u64, said: &Said, shown: &str, device: &Fake) -> String {
     let on = is_on(device);
     let told = said.err.contains(MAY_BE_ON) || shown.contains(MAY_BE_ON);

@@ -317,7 +317,7 @@ fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
     })
 }
 
-/// The stiffest wall of the scene, certified as its walls are; `None` without a wall.
+/// The certificate of the scene's stiffest wall, made like that of a single wall; `None` without a wall.
 fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
     let own = scene.wall.k_desired_n_m_per_rad;
     let first = around
