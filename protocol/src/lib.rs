@@ -31,6 +31,9 @@ pub mod stored;
 #[cfg(feature = "wire")]
 pub mod telemetry;
 
+/// The crate of the control laws, re-exported so that a user need not depend on the same version of it.
+pub use touchstone_control;
+
 pub use board::Board;
 pub use limit::{Limit, Limits};
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};

@@ -58,6 +58,7 @@ pub enum Reply {
 
 /// Reasons for refusing a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The request is not allowed in this state of the device.
     NotNow(Phase),

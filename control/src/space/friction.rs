@@ -127,6 +127,7 @@ pub struct FrictionSettings {
 
 /// Why the settings of friction are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrictionError {
     /// The stiffness is not above 0, or is too large for the device's damping; N/m.
     Stiffness {
