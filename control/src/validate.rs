@@ -246,8 +246,8 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy whatever the law
-    /// does, so the warning matters only without a guard.
+    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy for any law, so
+    /// the warning matters only without a guard.
     #[must_use]
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(

@@ -69,7 +69,7 @@ pub enum Refusal {
     Flash,
     /// The ring buffer is still recording. It stops at a fault and can then be read.
     RingRuns,
-    /// The frame's CRC was right, but the device does not know this request.
+    /// The frame's CRC was right, but the device's firmware has no such request.
     NotUnderstood,
     /// The encoder's alignment with the motor cannot be stored, or none is stored for an automatic start.
     #[cfg(feature = "large")]
