@@ -13,8 +13,8 @@ use crate::{firmware, inspect, shell, toolchain, wheel};
 
 const USAGE: &str = "cargo xtask dist";
 
-/// Features of the released program: `flash` and `log` without an external program, mesh files, Parquet files.
-const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
+/// Features of the released program: `flash` and `log` without an external program, mesh files, Parquet files, key presses.
+const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet,touchstone/keys";
 /// Cargo profile of the shipped program: optimised across crates and stripped.
 const PROFILE: &str = "dist";
 
