@@ -37,6 +37,7 @@ mod schema;
 mod setup;
 mod shell;
 mod site;
+mod smartknob;
 mod step;
 mod test;
 mod thumb;
@@ -172,6 +173,12 @@ const STEPS: &[Step] = &[
             full: fil::SAMPLED,
         },
         run: fil::run,
+    },
+    Step {
+        name: "smartknob",
+        about: "a program for a SmartKnob configures, turns and reads a knob through `touchstone bridge`, before the emulated firmware",
+        gates: Gates::FULL_ONLY,
+        run: smartknob::run,
     },
     Step {
         name: "faults",
