@@ -92,7 +92,7 @@ impl PositionSettings {
         }
     }
 
-    /// Twice the largest error of a measured position, rad (m). `error` is the largest one besides the rounding to counts.
+    /// Twice the largest error of a measured position, rad (m). `error` is the largest error other than the rounding to counts.
     #[must_use]
     pub const fn uncertainty(&self, error: Si) -> Si {
         self.count.saturating_add(error).saturating_add(error)

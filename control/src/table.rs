@@ -1,8 +1,8 @@
 //! The one table of the control law's settings. Each row has path, type, range, default, unit, and a description for people.
 //!
-//! Code is generated from the rows: the fields of [`crate::Settings`] with their defaults, the variants of
-//! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
-//! config schema`. A row has this form:
+//! The rows generate the fields of [`crate::Settings`] with their defaults, and the variants of [`crate::Field`] with their range
+//! checks. They also generate the settings of a device, the fields of a scene file, and the output of `touchstone config schema`. A
+//! row has this form:
 //!
 //! ```text
 //! Variant field, name: kind(range) = default, "unit", "words";

@@ -23,6 +23,7 @@ macro_rules! fields {
     })+) => {
         /// Names one setting of the control law.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
         pub enum Field {
             $($(#[doc = concat!("For ", $about)] $variant,)+)+
         }
@@ -84,6 +85,7 @@ pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), Se
 
 /// Why settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The value is outside its physical range.
     OutOfRange {
@@ -194,8 +196,11 @@ impl fmt::Display for SettingsError {
     }
 }
 
+impl core::error::Error for SettingsError {}
+
 /// A passivity bound that the settings violate. The settings work, but the wall may give a hand more energy than it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Warning {
     /// The soft stiffness `k_v` is above the critical stiffness `k_c`: the soft spring alone already needs more damping than the
     /// device has.
@@ -246,8 +251,8 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy whatever the law
-    /// does, so the warning matters only without a guard.
+    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy for any law, so
+    /// the warning matters only without a guard.
     #[must_use]
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(

@@ -1,4 +1,4 @@
-//! Square roots of the floating-point formats, which do not come from the standard library, have its bits.
+//! Tests that this crate's square roots of floating-point numbers have the same bits as those of the standard library.
 #![cfg(feature = "float")]
 
 use touchstone_control::Number;

@@ -1,5 +1,5 @@
-//! The parts of a knob's feel that depend on more than the position in a pattern: a spring to a centre, viscous and dry friction,
-//! a click, and an added inertia.
+//! The parts of a knob's feel that are no pattern over the position: a spring to a centre, viscous and dry friction, a click, and
+//! an added inertia.
 //!
 //! ```text
 //! distance from the centre ----> spring           \
@@ -360,8 +360,8 @@ impl<N: Number> Viscous<N> {
 /// Rendered dry friction (Dahl's model as a spring that slips): a spring to an anchor, which the device drags along when the
 /// stretch would exceed a set distance.
 ///
-/// The force depends on displacements alone, so there is no chatter at rest. Around a closed path the anchor only takes energy;
-/// what sampling adds, the energy guard counts.
+/// The force depends on displacements alone, so there is no chatter at rest. Around a closed path the friction only takes energy.
+/// The energy guard counts the energy that sampling adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dry<N: Number> {
     /// The spring from the anchor to the device.

@@ -1,16 +1,16 @@
 //! Rendered inertia: the part of a knob's feel that makes the device heavier to speed up and to slow down.
 //!
 //! The force of a mass needs an acceleration, which an encoder gives late and in steps. This part needs none: it **drags a virtual
-//! mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be what the device is
-//! ahead of that mass. With a mass `m = b/p` it is a high-pass of the displacement, `y' = v - p y`, and the force is `b y'`. The
-//! device has the mechanical impedance `m p s/(s + p)`: that of the mass `m` for motions slower than `p`, of the damper for faster
-//! ones. The force stays that of a damper at all frequencies.
+//! mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be the distance by
+//! which the device is ahead of that mass. With a mass `m = b/p` the distance is a high-pass of the displacement, `y' = v - p y`,
+//! and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`: that of the mass `m` for motions slower than
+//! `p`, of the damper for faster ones. The force stays that of a damper at all frequencies.
 //!
 //! A damper to a free mass has no source of energy. What sampling and delay add is bounded as for
 //! [viscous friction](super::ViscousSettings::most), and the energy guard counts it.
 //!
-//! At constant speed the mass runs along, `y` is constant, and the force is 0. A device at rest has a force of exactly 0 once `y` has
-//! decayed.
+//! At constant speed the mass has the device's speed, `y` is constant, and the force is 0. A device at rest has a force of exactly
+//! 0 once `y` has decayed.
 
 use super::Refused;
 use super::feel::{Viscous, ViscousSettings, within};
@@ -87,7 +87,7 @@ impl InertiaSettings {
 pub struct Dragged<N: Number> {
     /// The part of the distance to the mass that remains after a tick.
     pub kept: Ratio<N>,
-    /// What the device is ahead of the mass.
+    /// Distance by which the device is ahead of the mass.
     pub ahead: Position<N>,
     /// The damper between device and mass, behind its filter.
     pub damper: Viscous<N>,

@@ -179,8 +179,8 @@ impl<N: Number> Guard<N> {
         .into_iter()
         .find(|room| quarter(Field::GuardCapacity, *room).is_ok())
         .unwrap_or_default();
-        // Roundings that are added to the largest displacement: that of the reserve's displacement, a step of the format and a
-        // little more, and those of the two measured positions, a step each.
+        // Roundings that are added to the largest displacement. The rounding of the reserve's displacement is a little more than a
+        // step of the format, that of each of the two measured positions is a step.
         let step = quantum::<N>();
         let rounded = step
             .saturating_add(step)

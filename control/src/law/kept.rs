@@ -1,5 +1,5 @@
-//! The laws that a build has. Without a law's feature of this crate, a stand-in without code is in the law's place, so that firmware
-//! pays for the laws alone that it can choose. The plain spring has no feature: every build has it.
+//! The laws that a build has. Each law but the plain spring has a feature of this crate. Without the feature a type without code
+//! replaces the law, so that firmware contains only the laws that it can choose. Every build has the plain spring.
 
 use super::{Law, Sample, View};
 use crate::validate::SettingsError;
@@ -7,7 +7,7 @@ use crate::{Force, LawKind, Number};
 use core::convert::Infallible;
 use core::marker::PhantomData;
 
-/// For each law, the law and its memory if the build has its feature; else stand-ins under the same names.
+/// For each law, the law and its memory if the build has its feature; else types without code under the same names.
 macro_rules! laws {
     ($($feature:literal: $Law:ident, $State:ident;)+) => {$(
         #[cfg(feature = $feature)]

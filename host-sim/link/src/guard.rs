@@ -166,7 +166,7 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     )
 }
 
-/// Speed at which the kinetic energy of a knob is told, rad/s: a brisk turn by hand.
+/// Speed for which the kinetic energy of a knob is printed, rad/s: a brisk turn by hand.
 const SHOWN_RAD_PER_S: f64 = 10.0;
 
 /// Kinetic energy of the knob at that speed, J, with the inertia that the estimator supposes.
@@ -185,9 +185,9 @@ pub fn by_torque_constant(error: f64) -> String {
     )
 }
 
-/// Limits the energy guard's settings to what is certain on this board, whatever a settings file contains. The guard is switched on
-/// and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its capacity and
-/// refilling power at most the shipped ones.
+/// Limits the energy guard's settings, from whichever file they come, to values that are certain on this board. The guard is
+/// switched on and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its
+/// capacity and refilling power at most the shipped ones.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;

@@ -81,8 +81,8 @@ impl Positions {
         self.listed.0.get(..self.listed.1).unwrap_or_default()
     }
 
-    /// The place of an angle among the positions: whole numbers are positions, counted from the origin. Between two listed angles it
-    /// rises evenly; beyond the list it goes on as between its last two.
+    /// The place of an angle among the positions: whole numbers are positions, counted from the origin. Between two listed angles
+    /// the place is interpolated; beyond the list it is extrapolated from the last two angles.
     fn place_of(&self, angle_rad: f64) -> f64 {
         let list = self.list();
         if list.len() < 2 {
@@ -94,9 +94,9 @@ impl Positions {
         before as f64 + (angle_rad - from) / (to - from)
     }
 
-    /// The positions of a scene's environment: its listed detents, its detents, or else the points of least energy in the copies of
-    /// its torque profile, or all places at which the knob rests in a profile that exists once, or else its clicks. `None` if it has
-    /// none of them.
+    /// The positions of a scene's environment. They come from the first of these that the environment has: its listed detents, its
+    /// detents, its torque profile, its clicks. In a profile with copies a position is the point of least energy of a copy. In a
+    /// profile without copies it is every angle at which the knob rests. `None` if the environment has none of them.
     #[must_use]
     pub fn of(environment: &Environment) -> Option<Self> {
         let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
@@ -247,8 +247,9 @@ impl Positions {
     }
 }
 
-/// The angles at which a knob rests in a profile that exists once: where the torque falls through 0 as the angle rises, from at least
-/// a tenth of the strength to at least a tenth the other way. Where the torque is 0 over some way, it is the middle of that way.
+/// The angles at which a knob rests in a torque profile that is not repeated. There the torque falls through 0 as the angle rises,
+/// from at least a tenth of the strength to at least a tenth in the other direction. Where the torque is 0 over a range, the angle
+/// is the middle of the range.
 fn rests(profile: &TorqueProfile) -> Vec<f64> {
     let last = profile.shape.len().saturating_sub(1);
     let angle_of = |place: f64| {

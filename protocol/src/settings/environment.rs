@@ -378,8 +378,6 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         },
         // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
         // here.
-        Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
-            limit("environment", Si::ZERO)
-        }
+        _ => limit("environment", Si::ZERO),
     }
 }

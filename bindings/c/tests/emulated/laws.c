@@ -10,6 +10,7 @@ static char words[200];
 static void run(const char *law) {
   ts_settings_init(&settings);
   ts_settings_set(&settings, "wall.k_desired_n_m_per_rad", "14");
+  ts_settings_set(&settings, "law.k_soft_n_m_per_rad", "0.5"); /* below the wall's, so that the laws are no plain springs */
   ts_settings_set(&settings, "law.velocity.from", "foaw");
   ts_settings_set(&settings, "law.kind", law);
   if (ts_settings_check(&settings, words, sizeof words) != TS_OK) {

@@ -4,7 +4,7 @@ use super::midi::Asked;
 use crate::osc::{Message, Value};
 use touchstone_sim::scene::feels;
 
-/// What a program asks for.
+/// A request of a program.
 #[derive(Debug, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wish {
@@ -31,7 +31,7 @@ impl Wish {
     }
 }
 
-/// Where a wish came from.
+/// The sender of a request.
 #[derive(Debug, Clone, Copy)]
 pub enum Asker {
     Osc,

@@ -1,4 +1,5 @@
-//! Takes the tuned law's settings from their file, and tells the energy guard no better device than the board has.
+//! Reads the tuned law's settings from their file, and corrects the energy guard's settings where they assume a better device than
+//! the board.
 
 use super::kept::io;
 use super::{knob_scene, named, refuse_invalid};

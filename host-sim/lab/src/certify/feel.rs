@@ -34,7 +34,7 @@ use touchstone_world::plant::Hand;
 pub enum Rest {
     /// It comes to rest.
     Stable,
-    /// It leaves the cell without an oscillation, as a torque that drives it away asks for.
+    /// It leaves the cell without an oscillation, because the torque drives it away.
     Snaps,
     /// Matrices and simulations do not decide.
     Undecided,
@@ -120,7 +120,7 @@ pub struct FeelCertificate {
     pub not_covered: Vec<String>,
 }
 
-/// Certifies a feel. `None` if no part of it has a slope.
+/// Certifies a feel. `None` if the torque of no part changes with the angle.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -293,8 +293,8 @@ fn at_hand(contact: &Contact, stiffness: f64, name: &str, hand: Option<&Hand>) -
     }
 }
 
-/// Whether dry friction ends a motion that decays slowly by itself. Friction that is more than the torque of one encoder count then
-/// holds the knob, so that rounding does not move it again.
+/// Whether dry friction ends a motion that without friction decays slowly. Friction that is more than the torque of one encoder
+/// count then holds the knob, so that rounding does not move it again.
 fn friction_ends(contact: &Contact, report: &HandReport) -> bool {
     let of_a_count = contact.k_desired * contact.count_rad.unwrap_or(0.0);
     let friction = contact.device.friction;
@@ -317,7 +317,7 @@ fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
     })
 }
 
-/// The stiffest wall of the scene, certified as its walls are; `None` without a wall.
+/// The certificate of the scene's stiffest wall, made like that of a single wall; `None` without a wall.
 fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
     let own = scene.wall.k_desired_n_m_per_rad;
     let first = around

@@ -26,8 +26,8 @@ const REST_S: f64 = 4.0;
 const NEAR_A_WALL_RAD: f64 = 0.1;
 /// Rate at which a program reads the knob's angle, Hz: that of `touchstone events`.
 const READ_HZ: f64 = 250.0;
-/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between positions:
-/// twice the hysteresis, less the motion between two readings.
+/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between
+/// positions. It is twice the hysteresis, less the motion between two readings.
 const TURNED_BACK: f64 = 0.4;
 /// Angle of the slow turn of a feel without positions and end stops, rad.
 const SLOW_TURN_RAD: f64 = 1.5;
@@ -45,7 +45,7 @@ pub struct FeelCard {
     pub grips: Vec<Felt>,
 }
 
-/// What one grip got of a feel.
+/// The figures of a feel with one grip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Felt {
     /// The grip's name.

@@ -1,8 +1,7 @@
 //! Writes tuned settings as source text, in Rust and in C, for a firmware that uses this project's libraries.
 //!
-//! The energy guard of such a firmware is told the delay of the scene's device, at least its encoder count, and at most the tuned
-//! settings' damping. It is told that the position is read once a tick (control period), as `Controller::tick` and
-//! `ts_wall_tick` read it.
+//! The energy guard's settings have the delay of the scene's device, at least its encoder count, and at most the tuned settings'
+//! damping. They are for one position reading per tick (control period), as in `Controller::tick` and `ts_wall_tick`.
 
 use super::Tuned;
 use std::collections::BTreeSet;
@@ -109,8 +108,8 @@ pub struct OwnFirmware {
     comment: Vec<String>,
 }
 
-/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard is told the scene's delay, and no
-/// finer encoder than the scene has.
+/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard's settings have the scene's
+/// delay, and no finer encoder than the scene has.
 ///
 /// # Errors
 /// The scene has no encoder, or the libraries refuse the settings.

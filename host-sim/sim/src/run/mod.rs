@@ -195,7 +195,7 @@ pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
     Ok(of_settings.chain(untold_error(scene)).collect())
 }
 
-/// Returns a warning if the energy guard is told a smaller error of the sensor than the scene has.
+/// Returns a warning if the energy guard's settings have a smaller sensor error than the scene.
 fn untold_error(scene: &Scene) -> Option<Error> {
     let error = scene.sensor.periodic.as_ref()?;
     let largest = error.amplitude_rad + error.second_amplitude_rad;

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::scene::Scene;
-use touchstone_control::{Choice as _, Field, LawKind, SettingsError, Si, Warning};
+use touchstone_control::{Field, SettingsError, Si, Warning};
 
 /// Converts an error of the control crate to an error that names the field of the scene.
 pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
@@ -52,10 +52,10 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
                 short(*coarsest)
             ),
         ),
-        SettingsError::LawLeftOut { law } => scene.error(
+        other => scene.error(
             Field::Law.path(),
-            format!("this program was built without the law {}", law.word()),
-            format!("give \"{}\"", LawKind::Spring.word()),
+            other.to_string(),
+            "change what this error names",
         ),
     }
 }
@@ -103,6 +103,7 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
             format!("give {} or more", short(needed)),
         ),
         Warning::GuardNeverRefilled => (warning.to_string(), "give 0.0005".to_owned()),
+        _ => (warning.to_string(), "give another value".to_owned()),
     };
     scene.error(warning.field().path(), problem, fix)
 }

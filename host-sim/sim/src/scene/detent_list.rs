@@ -11,13 +11,13 @@ pub const MOST_DETENTS: usize = 16;
 
 /// How far the largest torque of a drawn detent may be below the listed one, as a fraction of it.
 const PEAK_OFF: f64 = 0.05;
-/// How far a drawn detent may rest beside its angle, as a fraction of its width.
+/// Largest distance from the listed angle to the angle at which the drawn detent rests, as a fraction of the detent's width.
 const REST_OFF: f64 = 0.01;
 /// Two angles this near, rad, are the same.
 const SAME_RAD: f64 = 1e-6;
 
-/// Detents at listed angles. Each draws the knob within half its width to either side, with a torque that is largest at a quarter of
-/// the width; between two detents that do not touch the knob turns freely.
+/// Detents at listed angles. Each detent pulls the knob to its angle within half its width to either side. The torque is largest at
+/// a quarter of the width. Between two detents with a gap the knob turns freely.
 ///
 /// The list takes the place of `[environment.profile]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,8 +119,8 @@ impl DetentList {
     /// Draws the list as a torque profile that exists once.
     ///
     /// Points of a profile have equal distances. The number of points is the smallest at which all angles of the list's corners are
-    /// points, or else that at which the worst corner is nearest to one. The points beside a detent's angle give its own stiffness,
-    /// so the torque is 0 at the angle itself wherever it lies; the point nearest to a largest torque has that torque.
+    /// points, or else that at which the worst corner is nearest to one. The points on both sides of a detent's angle give the
+    /// detent's stiffness, so the torque is 0 exactly at the angle. The point nearest to a largest torque has that torque.
     ///
     /// # Errors
     /// The lists do not fit each other, or a detent is too narrow for the profile's points.
@@ -233,7 +233,7 @@ impl Detent {
         }
     }
 
-    /// What of the drawn detent is not as listed; `None` if all is within the limits.
+    /// The property of the drawn detent that differs from the listed one; `None` if all properties are within the limits.
     fn off(&self, torques: &[f64], start: f64, step: f64) -> Option<String> {
         let place = |at: f64| (at - start) / step;
         let at = |at: f64| {

@@ -122,7 +122,7 @@ fn si(value: f64) -> Si {
     Si::saturating_from_num(value)
 }
 
-/// The number as a person wrote it, to nine decimals: the fixed-point format has more digits.
+/// The number rounded to nine decimals, as a person writes it. The fixed-point format has more digits.
 fn plain(value: Si) -> f64 {
     let value: f64 = value.to_num();
     format!("{value:.9}").parse().unwrap_or(value)
