@@ -48,6 +48,7 @@ def editor(browser, program, pictures, folder, check):
         check(not page.run(DRAWN), "a feel without parts: nothing is drawn around the knob")
         for name, field, typed, path, wanted, drawn in PARTS:
             one(page, name, field, typed, path, wanted, drawn, check)
+        listed(page, check)
         for name, *_ in PARTS:
             tick(page, name)
         page.run("document.getElementById('part-profile').click()")
@@ -113,6 +114,28 @@ def one(page, name, field, typed, path, wanted, drawn, check):
     tick(page, name)
     gone = not page.run(f"hasPart(fields, PARTS.find((part) => part.table === 'environment.{name}'))")
     check(gone and shown(page) == "", f"part {name}: added and removed")
+
+
+def listed(page, check):
+    """Checks the listed detents: five are added by the space bar and drawn, their angles are typed as a list, and an overlap is refused."""
+    tick(page, "detent_list")
+    there = page.run("runs[0].parts.detents?.angles?.length === 5 && runs[0].profile !== null")
+    check(there and page.run(DRAWN) and shown(page) == "", "five listed detents: added and drawn")
+
+    def types(field, text):
+        page.run(f"(() => {{ const c = document.getElementById('part-detent_list-{field}'); c.focus(); c.value = {text!r}; c.dispatchEvent(new Event('change', {{bubbles: true}})); }})()")
+        page.wait(0.3)
+        settled(page)
+        return page.run("JSON.parse(fields.get('environment.detent_list.positions_rad').value).map((at) => Math.round(at * 180 / Math.PI)).join()")
+
+    angles = types("positions_rad", "-60, -20, 20 65")
+    check(angles == "-60,-20,20,65" and shown(page) == "", f"listed angles are typed: {angles}")
+    angles = types("positions_rad", "0, 10")
+    check(angles == "-60,-20,20,65" and "overlap" in shown(page), f"an overlap is refused: {shown(page)}")
+    page.run("complain('')")
+    page.run("document.activeElement.blur()")
+    tick(page, "detent_list")
+    check(not page.run("hasPart(fields, PARTS.find((part) => part.table === 'environment.detent_list'))"), "listed detents are removed")
 
 
 def refused(page, check):

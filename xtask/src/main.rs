@@ -4,6 +4,7 @@
 //! that the first command starts within seconds. The crate `inspect/` reads the files that other programs write (firmware,
 //! assembly, lists, reports); only the steps that need it build it.
 
+mod arduino;
 mod bench;
 mod board_scorecard;
 mod changes;
@@ -225,6 +226,12 @@ const STEPS: &[Step] = &[
                 checksums; unpacked and tried",
         gates: Gates::NONE,
         run: dist::run,
+    },
+    Step {
+        name: "arduino",
+        about: "the C library for Arduino and PlatformIO, compiled for Cortex-M0 to M33, `target/arduino`; its sketches compile with it",
+        gates: Gates::FULL_ONLY,
+        run: arduino::run,
     },
     Step {
         name: "wheel",

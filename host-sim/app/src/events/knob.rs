@@ -213,7 +213,7 @@ fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
         }
         None => own.ok_or_else(|| Error::Option {
             option: "--pitch".into(),
-            problem: "the device has no detents, no repeated profile and no clicks, so it has no positions of its own"
+            problem: "the device has no detents, no profile in which it rests and no clicks, so it has no positions of its own"
                 .into(),
             fix: "give the distance between two positions, e.g. --pitch 10, or send it a feel with `touchstone config environment coarse-detents`"
                 .into(),

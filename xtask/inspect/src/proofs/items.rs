@@ -365,12 +365,14 @@ impl Read {
             if word(all, at) == "#" {
                 let (after, skipped) = attributes(all, at);
                 let inner = usize::from(word(all, at + 1) == "!");
-                let is_doc = matches!(all.get(at + 1 + inner), Some(TokenTree::Group(group)) if group.stream().to_string().starts_with("doc"));
+                // Documentation, and what other crates may write of a type: neither changes what code computes.
+                let changes_nothing = matches!(all.get(at + 1 + inner), Some(TokenTree::Group(group))
+                    if group.stream().to_string().starts_with("doc") || group.stream().to_string() == "non_exhaustive");
                 if skipped && let Some(found) = Found::at(all, after) {
                     at = found.end;
                     continue;
                 }
-                if is_doc {
+                if changes_nothing {
                     at += 2 + inner;
                     continue;
                 }

@@ -99,6 +99,7 @@ fn words_tests_and_what_stands_beside_void_nothing() {
     let beside = [
         "//! Of a whole file.\npub ",
         "/// Of an item.\npub ",
+        "#[non_exhaustive]\npub ",
         "pub const BESIDE: i32 = 7;\npub ",
         "#[cfg(test)] mod tests { #[test] fn a() { assert!(true); } }\npub ",
         "pub fn beside() -> i32 { 7 }\npub ",
