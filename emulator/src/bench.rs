@@ -16,6 +16,9 @@ use crate::world::{Parts, World};
 pub const US: u64 = 170;
 /// Processor cycles per millisecond at 170 MHz.
 pub const MS: u64 = 1_000 * US;
+/// Largest speed in rad/s at which the simulated hand turns the knob to an angle, and the shortest time in s that it takes.
+const TURN_RAD_PER_S: f64 = 3.0;
+const TURN_S: f64 = 1.0;
 
 /// Properties of the emulated device on the bench.
 #[derive(Debug, Clone)]
@@ -314,6 +317,25 @@ impl Bench {
             let out = (time - ramp_s - hold_s) / ramp_s;
             here + (inside - here) * (minimum_jerk(time / ramp_s) - minimum_jerk(out))
         });
+        Ok(())
+    }
+
+    /// The simulated hand takes hold of the knob, if it does not yet, and turns it to an angle from the zero that the device
+    /// reports, in rad. The encoder has `counts` a turn. The hand stays there.
+    ///
+    /// # Errors
+    /// No telemetry has arrived, so the zero is unknown.
+    pub fn turn_to(&mut self, hand: &Hand, angle_rad: f64, counts: f64) -> Result<(), String> {
+        let record = self.link.telemetry.last().ok_or("no telemetry")?;
+        let reported = f64::from(record.count) / counts * std::f64::consts::TAU;
+        let world = &mut self.machine.chip_mut().world;
+        let to = world.angle_rad() - reported + angle_rad;
+        let from = world.rest_rad().unwrap_or_else(|| {
+            world.hold(hand, |_| 0.0);
+            world.angle_rad()
+        });
+        let duration_s = ((to - from).abs() * 1.875 / TURN_RAD_PER_S).max(TURN_S);
+        world.lead(move |time| from + (to - from) * minimum_jerk(time / duration_s));
         Ok(())
     }
 

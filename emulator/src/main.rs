@@ -30,9 +30,10 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
   trace ELF BOARD WHAT FILE.csv
                               what is seen at a first power-up: pwm, step, calibration, press
   ram ELF BOARD FILE          boot; then what the RAM holds, the log's ring among it: for the tests of touchstone-probe
-  serve ELF --tcp HOST:PORT [--hand] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
-                              the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
-                              each of these by a factor";
+  serve ELF --tcp HOST:PORT [--hand | --turned] [--for SECONDS] [--parts R,L,FLUX,J,B,FRICTION]
+                              the serial port on a socket, in real time; --hand: a hand presses now and then; --turned: it turns the knob as
+                              lines of the standard input say, `turn DEGREES`, `free` or `reset`; --parts: the usual motor and knob, each of these by
+                              a factor";
 
 /// Exit code for a command that failed. 0 means success.
 const FAILED: u8 = 1;
@@ -245,13 +246,14 @@ fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
     Ok(format!("{} bytes in {}", bytes.len(), file.display()))
 }
 
-/// Parses the options of `serve`: `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.
+/// Parses the options of `serve`: `--hand`, `--turned`, `--for SECONDS` and `--parts FACTORS`, in any order.
 fn serve_options(words: &[&str]) -> Result<serve::Wanted, String> {
     let mut wanted = serve::Wanted::default();
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match *word {
             "--hand" => wanted.hand = true,
+            "--turned" => wanted.turned = true,
             "--for" => {
                 let seconds = words.next().and_then(|seconds| seconds.parse().ok());
                 wanted.for_s = Some(seconds.ok_or("--for needs whole seconds, as in --for 60")?);
@@ -269,7 +271,7 @@ fn serve_options(words: &[&str]) -> Result<serve::Wanted, String> {
             }
             other => {
                 return Err(format!(
-                    "serve takes --hand, --for SECONDS and --parts FACTORS, not `{other}`"
+                    "serve takes --hand, --turned, --for SECONDS and --parts FACTORS, not `{other}`"
                 ));
             }
         }

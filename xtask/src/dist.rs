@@ -13,8 +13,8 @@ use crate::{firmware, inspect, shell, toolchain, wheel};
 
 const USAGE: &str = "cargo xtask dist";
 
-/// Features of the released program: `flash` and `log` without an external program, mesh files, Parquet files.
-const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
+/// Features of the released program: `flash` and `log` without an external program, mesh files, Parquet files, key presses.
+const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet,touchstone/keys";
 /// Cargo profile of the shipped program: optimised across crates and stripped.
 const PROFILE: &str = "dist";
 
@@ -56,15 +56,19 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Builds the program and the shared library for FMUs for this machine, and returns their paths. Paths of this machine's folders are
-/// removed from both.
-fn built(folder: &Path) -> Result<[PathBuf; 2], Outcome> {
+/// Flags of the compiler, as `CARGO_ENCODED_RUSTFLAGS` takes them, that remove paths of this machine's folders from what it builds.
+pub fn without_paths() -> String {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
         PathBuf::from,
     );
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.display());
-    let flags = [remap(&home, "cargo"), remap(&shell::root(), "touchstone")];
+    [remap(&home, "cargo"), remap(&shell::root(), "touchstone")].join("\x1f")
+}
+
+/// Builds the program and the shared library for FMUs for this machine, and returns their paths. Paths of this machine's folders are
+/// removed from both.
+fn built(folder: &Path) -> Result<[PathBuf; 2], Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo
         .args(["--profile", PROFILE, "--package", "touchstone"])
@@ -73,7 +77,7 @@ fn built(folder: &Path) -> Result<[PathBuf; 2], Outcome> {
         .arg(folder)
         .args(["--features", FEATURES])
         .env_remove("RUSTFLAGS")
-        .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+        .env("CARGO_ENCODED_RUSTFLAGS", without_paths());
     shell::run(&mut cargo).went_well()?;
     let name = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
     Ok([name, wheel::fmu_library()].map(|name| folder.join(PROFILE).join(name)))

@@ -4,6 +4,7 @@
 //! that the first command starts within seconds. The crate `inspect/` reads the files that other programs write (firmware,
 //! assembly, lists, reports); only the steps that need it build it.
 
+mod arduino;
 mod bench;
 mod board_scorecard;
 mod changes;
@@ -37,6 +38,7 @@ mod schema;
 mod setup;
 mod shell;
 mod site;
+mod smartknob;
 mod step;
 mod test;
 mod thumb;
@@ -174,6 +176,12 @@ const STEPS: &[Step] = &[
         run: fil::run,
     },
     Step {
+        name: "smartknob",
+        about: "a program for a SmartKnob configures, turns and reads a knob through `touchstone bridge`, before the emulated firmware",
+        gates: Gates::FULL_ONLY,
+        run: smartknob::run,
+    },
+    Step {
         name: "faults",
         about: "what a hand gets from a knob on the desktop in which one part breaks, on all boards: the tables of docs/faults.md are still \
                 right; `faults --write` writes them",
@@ -218,6 +226,12 @@ const STEPS: &[Step] = &[
                 checksums; unpacked and tried",
         gates: Gates::NONE,
         run: dist::run,
+    },
+    Step {
+        name: "arduino",
+        about: "the C library for Arduino and PlatformIO, compiled for Cortex-M0 to M33, `target/arduino`; its sketches compile with it",
+        gates: Gates::FULL_ONLY,
+        run: arduino::run,
     },
     Step {
         name: "wheel",

@@ -104,7 +104,10 @@ fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);
     cargo.args(["--package", "touchstone-fmi"]);
-    cargo.args(["--features", "touchstone/mesh,touchstone/parquet"]);
+    cargo.args([
+        "--features",
+        "touchstone/mesh,touchstone/parquet,touchstone/keys",
+    ]);
     shell::run(&mut cargo).went_well()?;
     let program = format!("touchstone{}", std::env::consts::EXE_SUFFIX);
     for (name, folder) in [(program, "data/scripts"), (fmu_library(), "data/data/lib")] {

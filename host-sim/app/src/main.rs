@@ -53,6 +53,7 @@ mod tune;
 mod wall_options;
 mod websocket;
 mod whole;
+mod zero;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use out::{say, tell};

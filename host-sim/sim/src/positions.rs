@@ -178,6 +178,27 @@ impl Positions {
         })
     }
 
+    /// Finds the position at an angle anew, as at the first call of [`Positions::take`]. Without end stops it gets the number
+    /// `number`, if there is one; between end stops the place alone gives the number.
+    pub fn settle(&mut self, angle_rad: f64, number: Option<i64>) -> Place {
+        self.now = None;
+        let place = self.take(angle_rad);
+        if let (None, Some(number)) = (self.ends, number) {
+            self.call(number);
+        }
+        Place {
+            position: self.number().unwrap_or(0),
+            change: 0,
+            beside: place.map_or(0.0, |place| place.beside),
+        }
+    }
+
+    /// The number of the present position; `None` before the first measured angle.
+    #[must_use]
+    pub fn number(&self) -> Option<i64> {
+        self.now.map(|now| now + self.shift)
+    }
+
     /// Sets the position in which the knob is, counted from the origin.
     pub const fn stand_at(&mut self, position: i64) {
         self.now = Some(position);
@@ -337,6 +358,22 @@ mod tests {
         assert_eq!(positions.numbers(), Some((98, 108)));
         let place = positions.take(3.0 * positions.pitch_rad).unwrap();
         assert_eq!((place.position, place.change), (101, 1));
+    }
+
+    #[test]
+    fn a_number_is_kept_where_angles_begin_anew() {
+        let mut positions = Positions::every(0.1, 0.0);
+        positions.take(5.72);
+        assert_eq!(positions.number(), Some(57));
+        let place = positions.settle(0.01, positions.number());
+        assert_eq!((place.position, place.change), (57, 0));
+        assert!((place.beside - 0.1).abs() < 1e-9);
+        assert_eq!(positions.take(0.12).unwrap().position, 58);
+        // A dial's number is that of the place.
+        let mut dial = Positions::of(&dial()).unwrap();
+        dial.take(5.0 * dial.pitch_rad);
+        let place = dial.settle(2.0 * dial.pitch_rad, dial.number());
+        assert_eq!((place.position, place.change), (2, 0));
     }
 
     #[test]

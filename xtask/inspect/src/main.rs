@@ -24,7 +24,7 @@ use answer::Answer;
 use cortex::ProgramCode;
 
 const USAGE: &str = "xtask-inspect firmware BOARD=ELF... | functions ELF | thumb ELF DESKTOP_LINES MICROCONTROLLER_LINES | \
-                     dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | \
+                     dist FOLDER NAME SECONDS VERSION PROGRAM BOARD=ELF... metadata=FILE... | zip ZIP FOLDER FILE... | \
                      float-source FOLDER | float-code ARCHITECTURE RELEASE_FOLDER CRATE EXAMPLE | changes LIST | \
                      proofs REPORT USAGE MEMORY_KIB PART | proofs REPORT USAGE MEMORY_KIB WORDS_ON_THE_RUN WORDS_ON_THE_MACHINE [--bless] [--resume LIST] | remaining LIST MEMO | refuted REPORT HARNESS | statements LOCK; \
                      `cargo xtask` calls it from the workspace's folder";
@@ -47,6 +47,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
             Some(parts) => dist::pack(&parts),
             None => Ok(Answer::Usage(USAGE.into())),
         },
+        ["zip", file, folder, names @ ..] => dist::zip(path(file), path(folder), names),
         ["changes", list] => changes::print(&text(list)?).map_err(|why| format!("{list}: {why}")),
         ["proofs", report, usage, memory, rest @ ..] => {
             let run = proofs::Run {

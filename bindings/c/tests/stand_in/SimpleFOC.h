@@ -1,6 +1,6 @@
-/* Declarations of the parts of SimpleFOC 2.3 and Arduino that the example uses, to compile it without them. */
+/* Declarations of the parts of SimpleFOC 2.3 that the example uses, to compile it without the library. */
 #pragma once
-#include <stdint.h>
+#include "Arduino.h"
 struct MagneticSensorSPIConfig_s {};
 extern MagneticSensorSPIConfig_s AS5048_SPI;
 class Sensor {};
@@ -32,9 +32,3 @@ public:
   void move(float target);
   void disable();
 };
-struct Printer {
-  void begin(unsigned long baud);
-  void println(const char *text);
-};
-extern Printer Serial;
-unsigned long micros();

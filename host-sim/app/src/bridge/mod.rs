@@ -12,6 +12,7 @@ use super::number;
 use super::out::{self, note, say, tell};
 use super::port::PortOption;
 use super::stream::{self, Until};
+use super::zero::{Angles, Zero};
 use feel::{Played, Strength, played, refused};
 use messages::{Ack, Answer, Asked, KnobConfig, KnobState, Log, ToKnob, VERSION, answered};
 use prost::Message;
@@ -83,7 +84,8 @@ pub fn main(options: &Options) -> Result<()> {
     }
     let rate_hz = settings.timing.rate_hz;
     let decimation = u16::try_from((rate_hz / RECORDS_PER_S).max(1)).unwrap_or(u16::MAX);
-    client.tell(&Request::Telemetry { decimation })?;
+    let records = Request::Telemetry { decimation };
+    client.tell(&records)?;
     client.forget_telemetry();
     let strength = Strength::of(&settings, options.detent_stiffness);
     let mut knob = SmartKnob::new(strength, settings.clone());
@@ -94,7 +96,12 @@ pub fn main(options: &Options) -> Result<()> {
         unread: true,
     };
     let served = stream::records(&mut client, until, |client, record| {
-        knob.see(record);
+        if matches!(
+            knob.see(client, &mut terminal, record)?,
+            Angles::Reset { .. }
+        ) {
+            client.tell(&records)?;
+        }
         for payload in terminal.messages() {
             knob.take(client, &mut terminal, &payload)?;
         }
@@ -204,6 +211,7 @@ struct SmartKnob {
     /// Whether the next configuration from a program arms the board.
     arms: bool,
     sent: Option<(KnobState, Instant)>,
+    zero: Zero,
 }
 
 impl SmartKnob {
@@ -215,6 +223,7 @@ impl SmartKnob {
             snap_point: 1.0,
             ..KnobConfig::default()
         };
+        let rate_hz = settings.timing.rate_hz;
         Self {
             strength,
             settings,
@@ -226,12 +235,25 @@ impl SmartKnob {
             is_asked: false,
             arms: false,
             sent: None,
+            zero: Zero::new(rate_hz),
         }
     }
 
-    fn see(&mut self, record: &Telemetry) {
+    fn see(
+        &mut self,
+        client: &mut Client,
+        terminal: &mut Terminal,
+        record: &Telemetry,
+    ) -> Result<Angles> {
+        let angles = self.zero.see(record);
+        if angles == Angles::Calibrating {
+            return Ok(angles);
+        }
         let counts = f64::from(self.settings.encoder.counts_per_rev);
         self.angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
+        if angles != Angles::Same {
+            self.begin_again(client, terminal)?;
+        }
         if let Some(place) = self.positions.take(self.angle_rad) {
             let number = place
                 .position
@@ -243,6 +265,27 @@ impl SmartKnob {
         if (beside - self.state.sub_position_unit).abs() > 0.005 {
             self.state.sub_position_unit = beside;
         }
+        Ok(angles)
+    }
+
+    /// The board's angles begin at another zero: the knob keeps its position, and the board gets its configuration again. Torque
+    /// stays off until a person arms the board.
+    fn begin_again(&mut self, client: &mut Client, terminal: &mut Terminal) -> Result<()> {
+        let (position, width) = (
+            self.state.current_position,
+            f64::from(self.config.position_width_radians),
+        );
+        let centre_rad = self.angle_rad - f64::from(self.state.sub_position_unit) * width;
+        if self.state.config.is_some() {
+            let config = self.config.clone();
+            self.render(client, terminal, config, position, centre_rad)?;
+        } else {
+            let origin_rad = centre_rad - f64::from(position) * width;
+            self.positions = Positions::every(width, origin_rad);
+            self.positions.stand_at(position.into());
+        }
+        terminal.log("The board has another zero; the position is kept");
+        Ok(())
     }
 
     fn take(&mut self, client: &mut Client, terminal: &mut Terminal, payload: &[u8]) -> Result<()> {
@@ -304,6 +347,23 @@ impl SmartKnob {
         } else {
             self.positions.angle_of(position.into())
         };
+        if self.render(client, terminal, config, position, centre_rad)?
+            && std::mem::take(&mut self.arms)
+        {
+            client.tell(&Request::Command(DeviceCommand::Arm))?;
+        }
+        Ok(())
+    }
+
+    /// Sends a configuration to the board, with `position` at the angle `centre_rad`. Returns whether it is rendered now.
+    fn render(
+        &mut self,
+        client: &mut Client,
+        terminal: &mut Terminal,
+        config: KnobConfig,
+        position: i32,
+        centre_rad: f64,
+    ) -> Result<bool> {
         let Played {
             environment,
             positions,
@@ -312,14 +372,11 @@ impl SmartKnob {
         // The board's own check, made here: a refusal becomes a log line for the program and does not end this command.
         if let Err(error) = environment.check(&self.settings) {
             terminal.log(&format!("Ignoring invalid config: {error}"));
-            return Ok(());
+            return Ok(false);
         }
         match client.ask(&Request::SetEnvironment(environment))? {
             Reply::Taken(_) => {}
             other => return Err(client.odd(&other)),
-        }
-        if std::mem::take(&mut self.arms) {
-            client.tell(&Request::Command(DeviceCommand::Arm))?;
         }
         self.positions = positions;
         self.config = config;
@@ -331,7 +388,7 @@ impl SmartKnob {
         for words in notes {
             terminal.log(&words);
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Sends a state message if the state changed, if the program requested it, or if the longest time between two messages has

@@ -169,9 +169,9 @@ impl Client {
         nonce.cast_unsigned()
     }
 
-    /// Reads messages until the condition holds; panics after some seconds.
+    /// Reads messages until the condition holds; panics after two minutes.
     fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
-        let end = Instant::now() + Duration::from_secs(20);
+        let end = Instant::now() + Duration::from_secs(120);
         while !holds(self) {
             assert!(
                 Instant::now() < end,
@@ -246,22 +246,58 @@ impl Drop for Bridge {
     }
 }
 
-#[test]
-fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
-    let mut demo = Demo::new();
-    demo.run(&["device", "calibrate"]);
-    let mut bridge = Bridge(
-        demo.command(&["bridge", "--arm"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap(),
-    );
+/// Starts the program before a board, and a client at its pseudo terminal.
+fn bridged(board: &Demo) -> (Bridge, Client) {
+    let mut command = board.command(&["bridge", "--arm"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut bridge = Bridge(command.spawn().unwrap());
     let mut path = String::new();
     BufReader::new(bridge.0.stdout.take().unwrap())
         .read_line(&mut path)
         .unwrap();
-    let mut client = Client::new(path.trim());
+    let client = Client::new(path.trim());
+    (bridge, client)
+}
+
+#[test]
+fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
+    configures_turns_and_reads(&mut Demo::new());
+}
+
+/// The same with the firmware of a board in the emulator.
+#[test]
+#[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
+fn a_program_for_a_smartknob_configures_turns_and_reads_the_emulated_firmware() {
+    configures_turns_and_reads(&mut Demo::emulated());
+}
+
+/// A reset of the board is none of the knob: position and configuration are those of before.
+#[test]
+#[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
+fn a_reset_keeps_the_position_of_the_emulated_firmware() {
+    let mut board = Demo::emulated();
+    board.run(&["device", "calibrate"]);
+    let (_bridge, mut client) = bridged(&board);
+    board.happens("turn 0");
+    client.send(&config(5, [0, 10], 12.0, &[], "dial"));
+    client.until("a dial", |it| {
+        it.state.as_ref().is_some_and(|state| state.1 == "dial")
+    });
+    board.happens("turn 26");
+    client.until("position 7", |it| it.positions.last() == Some(&7));
+    board.happens("reset");
+    client.until("a reset", |it| {
+        it.logs.iter().any(|words| words.contains("another zero"))
+    });
+    let asked = client.send(&bytes(3, &[]));
+    client.until("a state", |it| it.acknowledged.contains(&asked));
+    assert_eq!(client.positions.last(), Some(&7), "{:?}", client.positions);
+    assert_eq!(client.state.as_ref().unwrap().1, "dial");
+}
+
+fn configures_turns_and_reads(demo: &mut Demo) {
+    demo.run(&["device", "calibrate"]);
+    let (mut bridge, mut client) = bridged(demo);
     demo.happens("turn 0");
     let nonce = client.send(&config(5, [0, 10], 12.0, &[], "dial"));
     client.until("a dial", |it| {

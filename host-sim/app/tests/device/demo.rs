@@ -1,11 +1,11 @@
-//! Helpers for tests with `touchstone demo`: a complete simulated knob, which a test starts and turns.
+//! Helpers for tests with a complete knob, which a test starts and turns: `touchstone demo`, or the emulated firmware.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
 
-/// A running `touchstone demo --port-only`; its process ends with the test.
+/// A running `touchstone demo --port-only` or emulated board; its process ends with the test.
 pub struct Demo {
     pub process: Child,
     address: String,
@@ -31,6 +31,31 @@ impl Demo {
             process,
             address: address.trim().into(),
         }
+    }
+
+    /// Starts a board's firmware in the emulator, whose paths `cargo xtask smartknob` gives.
+    #[cfg(target_os = "linux")]
+    pub fn emulated() -> Self {
+        let path = |name| std::env::var_os(name).unwrap_or_else(|| panic!("{name} is no path"));
+        let mut process = Command::new(path("TOUCHSTONE_EMULATOR"))
+            .arg("serve")
+            .arg(path("TOUCHSTONE_EMULATED_FIRMWARE"))
+            .args(["--tcp", "127.0.0.1:0", "--turned"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        let said = lines.next().expect("the emulator ended").unwrap();
+        let (_, address) = said.split_once("tcp:").expect("an address");
+        let address = format!("tcp:{address}");
+        // Shows all later output, because the emulator would wait if nobody read it.
+        std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                eprintln!("emulator: {line}");
+            }
+        });
+        Self { process, address }
     }
 
     /// The program's command with these arguments, connected to the demo's port; not yet run.

@@ -3,6 +3,8 @@
 use crate::demo::Demo;
 use crate::fake::Fake;
 use std::io::{BufRead, BufReader};
+#[cfg(target_os = "linux")]
+use std::process::Command;
 use std::process::Stdio;
 
 /// Turns a dial of eleven detents up to its end and back. Checks that the program prints every position once, in order, and that
@@ -146,4 +148,66 @@ fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
     );
     let shown = demo.run(&["config", "environment"]);
     assert!(shown.contains("[environment.endstops]"), "{shown}");
+}
+
+/// A reset of the board and a calibration, which turns the shaft, are no positions: the number stays, and is kept for the next start.
+#[test]
+#[cfg(target_os = "linux")]
+#[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
+fn a_number_is_kept_over_a_reset_of_the_emulated_firmware() {
+    let kept = crate::folder("kept-number").join("number");
+    let kept = kept.display().to_string();
+    let mut board = Demo::emulated();
+    board.run(&["device", "calibrate"]);
+    board.happens("turn 0");
+    let words = ["--json", "events", "--pitch", "10", "--keep", &kept];
+    let follow = |board: &Demo, seconds: &str| {
+        let mut events = board
+            .command(&[&words[..], &["--seconds", seconds]].concat())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        (
+            BufReader::new(events.stdout.take().unwrap()).lines(),
+            events,
+        )
+    };
+    let parsed = |line: std::io::Result<String>| -> serde_json::Value {
+        serde_json::from_str(&line.unwrap()).unwrap()
+    };
+    let (mut lines, mut events) = follow(&board, "60");
+    let mut next = || loop {
+        let line = parsed(lines.next().expect("events ended"));
+        if line["event"] == "position" {
+            return (
+                line["position"].as_i64().unwrap(),
+                line["change"].as_i64().unwrap(),
+            );
+        }
+    };
+    let (begun, change) = next();
+    assert_eq!(change, 0);
+    board.happens("turn 30");
+    for step in 1..=3 {
+        assert_eq!(next(), (begun + step, 1));
+    }
+    board.happens("reset");
+    assert_eq!(next(), (begun + 3, 0));
+    let ended = Command::new("kill")
+        .args(["-INT", &events.id().to_string()])
+        .status();
+    assert!(ended.unwrap().success());
+    assert!(events.wait().unwrap().success());
+    assert_eq!(
+        std::fs::read_to_string(&kept).unwrap(),
+        format!("{}\n", begun + 3)
+    );
+    // The next start goes on from the file.
+    let (mut lines, mut events) = follow(&board, "1");
+    let first = lines
+        .by_ref()
+        .map(parsed)
+        .find(|line| line["event"] == "position");
+    assert_eq!(first.unwrap()["position"], begun + 3);
+    events.wait().unwrap();
 }

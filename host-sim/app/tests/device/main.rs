@@ -28,6 +28,8 @@ mod json;
 mod lifecycle;
 #[cfg(unix)]
 mod link_faults;
+#[cfg(target_os = "linux")]
+mod midi;
 mod monitor;
 mod setup;
 #[cfg(target_os = "linux")]

@@ -8,6 +8,7 @@ mod image;
 mod licences;
 #[cfg(test)]
 mod tests;
+mod zip;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -113,6 +114,26 @@ pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
         "{}: {} files, {:.1} MB, SHA-256 {}",
         file.display(),
         entries.len(),
+        packed.len() as f64 / 1e6,
+        digest(&packed)
+    )))
+}
+
+/// Packs files of a folder, by their paths in it, into a zip archive with a checksum beside it.
+pub fn zip(file: &Path, folder: &Path, names: &[&str]) -> Result<Answer, String> {
+    let mut files = Vec::new();
+    for name in names {
+        files.push(((*name).to_owned(), read(&folder.join(name))?));
+    }
+    let packed = zip::packed(&files).map_err(|why| format!("{}: {why}", file.display()))?;
+    write(file, &packed)?;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let sum = format!("{}  {name}\n", digest(&packed));
+    write(&file.with_added_extension("sha256"), sum.as_bytes())?;
+    Ok(Answer::Right(format!(
+        "{}: {} files, {:.1} MB, SHA-256 {}",
+        file.display(),
+        files.len(),
         packed.len() as f64 / 1e6,
         digest(&packed)
     )))

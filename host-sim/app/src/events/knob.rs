@@ -1,0 +1,222 @@
+//! The knob whose positions are printed: its feel, the numbers of its positions, and what programs ask for.
+
+use super::kept::Kept;
+use super::lines::Lines;
+use super::wish::Wish;
+use super::{Options, RECORDS_PER_S};
+use crate::config::environment::{as_scene, of_scene};
+use crate::out::{note, tell};
+use crate::zero::{Angles, Zero};
+use touchstone_device::Client;
+use touchstone_protocol::settings::environment::Surround;
+use touchstone_protocol::{DeviceSettings, Reply, Request, Telemetry};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::positions::{Place, Positions};
+use touchstone_sim::scene::{Scene, feels, list};
+
+/// A board with its numbered positions.
+#[derive(Debug)]
+pub struct Knob<'a> {
+    options: &'a Options,
+    settings: &'a DeviceSettings,
+    /// The numbered positions of the present feel.
+    pub positions: Positions,
+    /// The feel that a program has chosen.
+    feel: Option<String>,
+    /// The number that the present position gets at the next record.
+    called: Option<i64>,
+    kept: Option<Kept>,
+    zero: Zero,
+}
+
+impl<'a> Knob<'a> {
+    /// Asks the board for its feel. Without positions of its own it has a whole turn as one, if a program may choose another feel
+    /// (`is_asked`).
+    ///
+    /// # Errors
+    /// The board does not answer, or has no positions.
+    pub fn new(
+        client: &mut Client,
+        options: &'a Options,
+        settings: &'a DeviceSettings,
+        kept: Option<Kept>,
+        is_asked: bool,
+    ) -> Result<Self> {
+        let environment = environment(client)?;
+        let positions = match positions(options, &environment) {
+            Err(_) if is_asked => unnumbered(),
+            positions => positions?,
+        };
+        let mut called = options.position;
+        if let Some(number) = kept.as_ref().and_then(|kept| kept.number) {
+            match positions.numbers() {
+                None => called = Some(number),
+                Some(_) => note!("note: --keep: between end stops the place gives the number"),
+            }
+        }
+        let mut knob = Self {
+            options,
+            settings,
+            positions,
+            feel: None,
+            called,
+            kept,
+            zero: Zero::new(settings.timing.rate_hz),
+        };
+        knob.positions.hysteresis = options.hysteresis;
+        Ok(knob)
+    }
+
+    /// Asks the board for as many records as the positions need.
+    pub fn ask_for_records(&self, client: &mut Client) -> Result<()> {
+        let every = (self.settings.timing.rate_hz / RECORDS_PER_S).max(1);
+        client.tell(&Request::Telemetry {
+            decimation: u16::try_from(every).unwrap_or(u16::MAX),
+        })
+    }
+
+    /// Takes a record of the board: carries out what programs ask for, and passes changes on.
+    pub fn take(
+        &mut self,
+        client: &mut Client,
+        lines: &mut Lines,
+        record: &Telemetry,
+    ) -> Result<()> {
+        for (from, wish) in lines.wishes(&self.positions) {
+            match wish {
+                Wish::Position(number) => self.called = Some(number.into()),
+                Wish::Feel(name) => match self.render(client, &name)? {
+                    Ok(()) => self.feel = Some(name),
+                    Err(problem) => lines.refuse(from, &problem),
+                },
+            }
+        }
+        let angles = self.zero.see(record);
+        if let Angles::Reset { before } = angles {
+            lines.go_on_from(before, record);
+        }
+        lines.state(record)?;
+        let counts = f64::from(self.settings.encoder.counts_per_rev);
+        let angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
+        let mut place = match angles {
+            Angles::Same => self.positions.take(angle_rad),
+            // The motor turns the shaft, not a hand.
+            Angles::Calibrating => return Ok(()),
+            Angles::Calibrated => {
+                let number = self.positions.number();
+                Some(self.positions.settle(angle_rad, number))
+            }
+            Angles::Reset { .. } => {
+                let number = self.positions.number();
+                self.begin_again(client)?;
+                Some(self.positions.settle(angle_rad, number))
+            }
+        };
+        if let Some(number) = self.called.take() {
+            self.positions.call(number);
+            lines.number(number);
+            place = Some(Place {
+                position: number,
+                change: 0,
+                beside: self.positions.beside(angle_rad),
+            });
+        }
+        if let Some(place) = place {
+            lines.position(record, &place, angle_rad, &self.positions)?;
+        }
+        if let (Some(kept), Some(number)) = (&mut self.kept, self.positions.number()) {
+            kept.see(number)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the number to its file.
+    pub fn keep(&mut self) -> Result<()> {
+        self.kept.as_mut().map_or(Ok(()), Kept::write)
+    }
+
+    /// After a reset the board has its stored feel and its usual records. Gives it those of before.
+    fn begin_again(&mut self, client: &mut Client) -> Result<()> {
+        tell!("the board was reset");
+        self.ask_for_records(client)?;
+        if let Some(name) = self.feel.clone() {
+            if let Err(problem) = self.render(client, &name)? {
+                note!("note: {problem}");
+            }
+            return Ok(());
+        }
+        let environment = environment(client)?;
+        let positions = positions(self.options, &environment).unwrap_or_else(|_| unnumbered());
+        self.follow(positions);
+        Ok(())
+    }
+
+    fn follow(&mut self, positions: Positions) {
+        self.positions = positions;
+        self.positions.hysteresis = self.options.hysteresis;
+    }
+
+    /// Sends a shipped feel to the board. A feel that is none, or that the board refuses, changes nothing; the reason is returned.
+    fn render(
+        &mut self,
+        client: &mut Client,
+        name: &str,
+    ) -> Result<std::result::Result<(), String>> {
+        // Only shipped feels: a message must not make this program read a file.
+        if !feels().contains(&name) {
+            return Ok(Err(format!(
+                "there is no feel {name}; give {}",
+                list(&feels())
+            )));
+        }
+        if !client.identity().board.is_large() {
+            return Ok(Err("this board has no room for feels".to_owned()));
+        }
+        let around = Scene::load(name)?.environment.unwrap_or_default();
+        let environment = of_scene(&around);
+        if let Err(error) = environment.check(self.settings) {
+            return Ok(Err(format!("the device refuses the feel {name}: {error}")));
+        }
+        match client.ask(&Request::SetEnvironment(environment))? {
+            Reply::Taken(_) => {}
+            other => return Err(client.odd(&other)),
+        }
+        tell!("feel {name}");
+        self.follow(Positions::of(&around).unwrap_or_else(unnumbered));
+        Ok(Ok(()))
+    }
+}
+
+/// A knob without positions of its own: a whole turn is one.
+const fn unnumbered() -> Positions {
+    Positions::every(std::f64::consts::TAU, 0.0)
+}
+
+/// Requests the device's detents, end stops and further walls. A board without memory for them has only its single wall.
+fn environment(client: &mut Client) -> Result<Surround> {
+    if !client.identity().board.is_large() {
+        return Ok(Surround::default());
+    }
+    match client.ask(&Request::Environment)? {
+        Reply::Environment(environment) => Ok(environment),
+        other => Err(client.odd(&other)),
+    }
+}
+
+fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
+    let environment = as_scene(environment);
+    let own = Positions::of(&environment);
+    match options.pitch {
+        Some(degrees) => {
+            let origin_rad = own.map_or(0.0, |it| it.origin_rad);
+            Ok(Positions::every(degrees.to_radians(), origin_rad).between(&environment))
+        }
+        None => own.ok_or_else(|| Error::Option {
+            option: "--pitch".into(),
+            problem: "the device has no detents, no profile in which it rests and no clicks, so it has no positions of its own"
+                .into(),
+            fix: "give the distance between two positions, e.g. --pitch 10, or send it a feel with `touchstone config environment coarse-detents`"
+                .into(),
+        }),
+    }
+}

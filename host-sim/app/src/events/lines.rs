@@ -1,0 +1,219 @@
+//! Prints a line for every change, and passes it to the programs that use the knob.
+
+use super::midi::Midi;
+use super::wish::{Asker, Wish};
+use crate::osc::{Osc, Value};
+use crate::out::{self, note, print, say};
+use crate::websocket::WebSocketServer;
+use serde_json::{Value as Json, json};
+use touchstone_keys::{KeyPair, Keyboard};
+use touchstone_link::words::name_of;
+use touchstone_protocol::{Fault, Phase, Telemetry};
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::positions::{Place, Positions};
+
+/// Keys that the knob presses, and the keyboard that has them.
+#[derive(Debug)]
+pub struct Keys {
+    pair: KeyPair,
+    keyboard: Box<dyn Keyboard>,
+}
+
+impl Keys {
+    /// Makes the keyboard.
+    pub fn open(pair: KeyPair) -> Result<Self> {
+        let keyboard = touchstone_keys::open(&pair)?;
+        Ok(Self { pair, keyboard })
+    }
+
+    fn press(&mut self, change: i64) -> Result<()> {
+        let pressed = self.pair.press(self.keyboard.as_mut(), change);
+        pressed.map_err(|error| Error::Option {
+            option: "--keys".into(),
+            problem: format!("the system takes no more key presses: {error}"),
+            fix: "start the command again".into(),
+        })
+    }
+}
+
+/// State of the printed lines: when they began, and how many are left to print.
+pub struct Lines {
+    /// Number of the control period in which the first telemetry record was made.
+    pub first: Option<u32>,
+    pub rate_hz: u32,
+    /// Number of lines that are still to be printed; `None` without a limit.
+    pub left: Option<u64>,
+    pub state: Option<(Phase, u8)>,
+    pub osc: Osc,
+    pub websocket: Option<WebSocketServer>,
+    pub midi: Option<Midi>,
+    pub keys: Option<Keys>,
+    /// The newest lines of state and position, for the WebSocket's next client.
+    pub told: [Option<Json>; 2],
+}
+
+impl Lines {
+    /// The wishes of all programs since the last call. A message without a wish is noted, or answered by an error.
+    pub fn wishes(&mut self, positions: &Positions) -> Vec<(Asker, Wish)> {
+        let mut wishes = Vec::new();
+        while let Some(message) = self.osc.next() {
+            match Wish::of_message(&message) {
+                Some(wish) => wishes.push((Asker::Osc, wish)),
+                None => note!("note: {} is no message for a knob", message.address),
+            }
+        }
+        if let Some(midi) = &mut self.midi {
+            let asked = midi.asked(positions);
+            wishes.extend(asked.into_iter().map(|it| (Asker::Midi, Wish::of_midi(it))));
+        }
+        let Some(websocket) = &mut self.websocket else {
+            return wishes;
+        };
+        let news = websocket.turn();
+        for client in news.arrived {
+            for line in self.told.iter().flatten() {
+                websocket.answer(client, line);
+            }
+        }
+        for asked in news.asked {
+            let from = Asker::Client(asked.client);
+            match serde_json::from_str(&asked.text) {
+                Ok(wish) => wishes.push((from, wish)),
+                Err(error) => self.refuse(from, &format!("this is no request: {error}")),
+            }
+        }
+        wishes
+    }
+
+    /// Tells a program why its wish was refused.
+    pub fn refuse(&mut self, from: Asker, problem: &str) {
+        match (from, &mut self.websocket) {
+            (Asker::Client(client), Some(websocket)) => {
+                websocket.answer(client, &json!({ "event": "error", "problem": problem }));
+            }
+            _ => note!("note: {problem}"),
+        }
+    }
+
+    /// The present position has got this number.
+    pub fn number(&mut self, position: i64) {
+        if let Some(midi) = &mut self.midi {
+            midi.number(position);
+        }
+    }
+
+    pub fn goes_on(&self) -> bool {
+        self.left != Some(0)
+    }
+
+    fn count(&mut self) {
+        if let Some(left) = &mut self.left {
+            *left = left.saturating_sub(1);
+        }
+    }
+
+    /// Time since the first record, s.
+    fn time_s(&mut self, record: &Telemetry) -> f64 {
+        let first = *self.first.get_or_insert(record.tick);
+        f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz)
+    }
+
+    /// The board was reset between the control period `before` and this record: its time goes on.
+    pub fn go_on_from(&mut self, before: u32, record: &Telemetry) {
+        let first = &mut self.first;
+        *first = first.map(|first| record.tick.wrapping_sub(before.wrapping_sub(first)));
+    }
+
+    /// Prints a line if the device's state or its fault has changed.
+    pub fn state(&mut self, record: &Telemetry) -> Result<()> {
+        let now = (record.phase, record.fault);
+        if self.state.replace(now) == Some(now) || !self.goes_on() {
+            return Ok(());
+        }
+        self.count();
+        let time_s = self.time_s(record);
+        let fault = (record.fault != 0).then(|| {
+            name_of(&Fault {
+                code: record.fault,
+                tick: record.tick,
+                value: 0,
+            })
+        });
+        self.osc.send(
+            "/touchstone/state",
+            [
+                Value::Text(record.phase.name().into()),
+                Value::Text(fault.clone().unwrap_or_default()),
+            ],
+        );
+        let line = json!({
+            "event": "state", "time_s": time_s, "state": record.phase.name(), "fault": fault,
+        });
+        if let Some(websocket) = &mut self.websocket {
+            websocket.send(&line);
+            self.told[0] = Some(line.clone());
+        }
+        if out::json() {
+            return print(format_args!("{line}\n"));
+        }
+        say!(
+            "{time_s:>9.3} s  {}{}",
+            record.phase.name(),
+            fault.map_or_else(String::new, |fault| format!(": {fault}"))
+        );
+        Ok(())
+    }
+
+    /// Prints a line for a new position of the knob.
+    pub fn position(
+        &mut self,
+        record: &Telemetry,
+        place: &Place,
+        angle_rad: f64,
+        positions: &Positions,
+    ) -> Result<()> {
+        if !self.goes_on() {
+            return Ok(());
+        }
+        self.count();
+        let time_s = self.time_s(record);
+        let degrees = angle_rad.to_degrees();
+        let Place {
+            position,
+            change,
+            beside,
+        } = *place;
+        let whole = |number: i64| Value::Int(number.clamp(i32::MIN.into(), i32::MAX.into()) as i32);
+        self.osc.send(
+            "/touchstone/position",
+            [whole(position), whole(change), Value::Float(beside as f32)],
+        );
+        if let Some(midi) = &mut self.midi {
+            midi.send(place, positions);
+        }
+        if let Some(keys) = &mut self.keys {
+            keys.press(change)?;
+        }
+        let (first, last) = positions.numbers().unzip();
+        let mut line = json!({
+            "event": "position", "time_s": time_s, "position": position, "change": change,
+            "beside": beside, "angle_rad": angle_rad, "first": first, "last": last,
+        });
+        if let Some(websocket) = &mut self.websocket {
+            websocket.send(&line);
+        }
+        if out::json() {
+            print(format_args!("{line}\n"))?;
+        }
+        if self.websocket.is_some() {
+            // A client that comes later has seen no change.
+            line["change"] = 0.into();
+            self.told[1] = Some(line);
+        }
+        if out::json() {
+            return Ok(());
+        }
+        say!("{time_s:>9.3} s  position {position:>5} ({change:+})  {degrees:>9.2}°");
+        Ok(())
+    }
+}

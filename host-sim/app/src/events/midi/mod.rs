@@ -1,0 +1,119 @@
+//! The position of a knob as MIDI control changes, to and from a raw MIDI device of Linux, a FIFO or a pseudo terminal.
+//!
+//! | message | bytes | when |
+//! |---|---|---|
+//! | control change | `Bn cc vv` | sent on every change; received: the value of a knob without end stops |
+//! | program change | `Cn pp` | received: the feel with this number in `touchstone feels`, from 0 |
+//!
+//! `n` is the channel less 1. With 14 bits the upper seven are sent first, as controller `cc`, and the lower as `cc` + 32.
+
+mod line;
+mod messages;
+
+use crate::number;
+use crate::out::note;
+use line::Line;
+use messages::{Heard, Kind, Knob, LOWER, Parser};
+use std::path::PathBuf;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::positions::{Place, Positions};
+
+/// Options for MIDI.
+#[derive(Debug, Clone, clap::Args)]
+pub struct MidiOptions {
+    /// Also sends every change as a MIDI control change to this raw MIDI device, FIFO or pseudo terminal (Linux). Takes control
+    /// changes, which set the value of a knob without end stops, and program changes, which choose a shipped feel by its number.
+    #[arg(long, value_name = "PATH")]
+    midi: Option<PathBuf>,
+    /// MIDI channel.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "midi", value_parser = number::within(1_u8, 16, "of a channel"))]
+    midi_channel: u8,
+    /// MIDI controller; with --midi-value 14-bit at most 31.
+    #[arg(long, value_name = "N", default_value_t = 16, requires = "midi", value_parser = number::within(0_u8, 119, "of a controller"))]
+    midi_controller: u8,
+    /// What a control change says.
+    #[arg(long, value_name = "KIND", default_value = "7-bit", requires = "midi")]
+    midi_value: Kind,
+}
+
+/// What a program asks for by MIDI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// The shipped feel with this number, from 0.
+    Program(u8),
+}
+
+/// A MIDI line to the programs that use the knob.
+#[derive(Debug)]
+pub struct Midi {
+    line: Line,
+    knob: Knob,
+    parser: Parser,
+    has_noted: bool,
+}
+
+impl Midi {
+    /// Opens the device; `None` if the options name none.
+    ///
+    /// # Errors
+    /// The path is no MIDI device, or may not be opened; the controller has no second one for 14 bits.
+    pub fn open(options: &MidiOptions) -> Result<Option<Self>> {
+        let Some(path) = &options.midi else {
+            return Ok(None);
+        };
+        if options.midi_value == Kind::Fourteen && options.midi_controller >= LOWER {
+            return Err(Error::Option {
+                option: "--midi-controller".into(),
+                problem: format!(
+                    "{} has no second controller for 14 bits",
+                    options.midi_controller
+                ),
+                fix: "give one from 0 to 31".into(),
+            });
+        }
+        Ok(Some(Self {
+            line: Line::open(path)?,
+            knob: Knob {
+                channel: options.midi_channel - 1,
+                controller: options.midi_controller,
+                kind: options.midi_value,
+                value: 0,
+                upper: 0,
+            },
+            parser: Parser::default(),
+            has_noted: false,
+        }))
+    }
+
+    /// Sends a change of position.
+    pub fn send(&mut self, place: &Place, positions: &Positions) {
+        let bytes = self.knob.turned(place, positions.numbers());
+        self.line.write(&bytes);
+    }
+
+    /// Sets the value of a knob without end stops to the number of its position, without a message.
+    pub fn number(&mut self, position: i64) {
+        self.knob.value = self.knob.within(position);
+    }
+
+    /// What programs have asked for since the last call. Values are taken here.
+    pub fn asked(&mut self, positions: &Positions) -> Vec<Asked> {
+        let mut asked = Vec::new();
+        for byte in self.line.read() {
+            let Some(message) = self.parser.push(byte) else {
+                continue;
+            };
+            match self.knob.heard(message) {
+                Heard::Nothing => {}
+                Heard::Program(number) => asked.push(Asked::Program(number)),
+                Heard::Value(value) if positions.numbers().is_none() => self.knob.value = value,
+                Heard::Value(value) if !self.has_noted && !self.knob.is_own(value) => {
+                    self.has_noted = true;
+                    note!("note: --midi: a knob between end stops keeps the value of its place");
+                }
+                Heard::Value(_) => {}
+            }
+        }
+        asked
+    }
+}

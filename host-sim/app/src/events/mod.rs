@@ -1,0 +1,144 @@
+//! `touchstone events`: prints the position of a knob for other programs, a line on every change, and sends it as OSC messages and
+//! to the clients of a WebSocket.
+//!
+//! | OSC message | arguments | when |
+//! |---|---|---|
+//! | `/touchstone/position` | position, change, distance from it as a fraction | sent on every change |
+//! | `/touchstone/state` | the device's state, its fault or an empty text | sent on every change |
+//! | `/touchstone/position` | the number that the present position gets | received |
+//! | `/touchstone/feel` | name of a shipped feel, which the device renders from now on | received |
+//!
+//! A client of the WebSocket gets the lines of `events --json`, and sends the same requests as `{"position": 3}` and
+//! `{"feel": "on-off"}`. By MIDI see [`midi`]; a position can also press keys.
+
+mod kept;
+mod knob;
+mod lines;
+mod midi;
+mod wish;
+
+use super::device::warn_unwatched;
+use super::number;
+use super::osc::Osc;
+use super::out::{self, print, say, tell};
+use super::port::PortOption;
+use super::stream::{self, Until};
+use super::websocket::WebSocketServer;
+use kept::Kept;
+use knob::Knob;
+use lines::{Keys, Lines};
+use midi::{Midi, MidiOptions};
+use serde_json::json;
+use std::path::PathBuf;
+use touchstone_keys::KeyPair;
+use touchstone_protocol::Request;
+use touchstone_sim::error::Result;
+use touchstone_sim::positions::HYSTERESIS;
+
+/// Telemetry records per second from which the position is read: enough for a hand that turns 20 positions a second.
+const RECORDS_PER_S: u32 = 250;
+
+/// Options of the command `touchstone events`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    /// Distance between two positions, degrees. Default: that of the device's detents, or of its torque profile.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = number::up_to(360.0, "in degrees"))]
+    pitch: Option<f64>,
+    /// How far beyond the middle between two positions the number changes, as a fraction of their distance, 0 to 0.49.
+    #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
+    hysteresis: f64,
+    /// The number of the position in which the knob is now. Default: position 0 is at the scene's `centre_rad` or `start_rad`.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    position: Option<i64>,
+    /// Keeps the number in this file for the next start, of a knob without end stops. The position in which it is then found gets
+    /// the number.
+    #[arg(long, value_name = "FILE", conflicts_with = "position")]
+    keep: Option<PathBuf>,
+    /// Ends after this many seconds; without this option, at Ctrl-C.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
+    seconds: Option<f64>,
+    /// Ends after this many lines.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::within(1_u64, 1_000_000_000, "of lines"))]
+    lines: Option<u64>,
+    /// Also sends every change as an OSC message over UDP, to a port on this computer or to HOST:PORT.
+    #[arg(long, value_name = "PORT")]
+    osc: Option<String>,
+    /// Takes OSC messages from this computer: /touchstone/feel NAME renders a shipped feel, /touchstone/position N numbers the
+    /// present position.
+    #[arg(long, value_name = "PORT")]
+    osc_listen: Option<u16>,
+    /// Also gives every change, as --json prints it, to clients of a WebSocket on a port of this computer, and takes their requests
+    /// {"position": N} and {"feel": "NAME"}. Prints its address, which has a secret token. With HOST:PORT other computers can
+    /// connect.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
+    websocket: Option<String>,
+    /// Lets pages of this web site connect as well, e.g. `https://example.org`; `null` is a page opened from a file. Without this
+    /// option only programs and pages of http://localhost may.
+    #[arg(long, value_name = "ORIGIN", requires = "websocket")]
+    websocket_origin: Vec<String>,
+    #[command(flatten)]
+    midi: MidiOptions,
+    /// Also presses a key for each position up and another for each position down, e.g. volumeup,volumedown (Linux, feature `keys`).
+    #[arg(long, value_name = "UP,DOWN")]
+    keys: Option<KeyPair>,
+}
+
+/// Runs the command `touchstone events`.
+pub fn main(options: &Options) -> Result<()> {
+    let stop = super::interrupt::noted()?;
+    let osc = Osc::open(options.osc.as_deref(), options.osc_listen)?;
+    let websocket = options.websocket.as_deref();
+    let websocket = websocket.map(|place| WebSocketServer::open(place, &options.websocket_origin));
+    let websocket = websocket.transpose()?;
+    let midi = Midi::open(&options.midi)?;
+    let keys = options.keys.clone().map(Keys::open).transpose()?;
+    let kept = options.keep.as_deref().map(Kept::open).transpose()?;
+    let mut client = options.port.connect()?;
+    let settings = client.settings()?;
+    warn_unwatched(&settings);
+    // A program that chooses the feel may begin with a knob that has none.
+    let is_asked = osc.listens() || websocket.is_some() || midi.is_some();
+    let mut knob = Knob::new(&mut client, options, &settings, kept, is_asked)?;
+    knob.ask_for_records(&mut client)?;
+    client.forget_telemetry();
+    if let Some((first, last)) = knob.positions.numbers() {
+        tell!("positions {first} to {last}, Ctrl-C ends");
+    }
+    if let Some(websocket) = &websocket {
+        let address = &websocket.address;
+        match out::json() {
+            true => {
+                let line = json!({ "event": "websocket", "address": address });
+                print(format_args!("{line}\n"))?;
+            }
+            false => say!("websocket  {address}"),
+        }
+    }
+    let mut lines = Lines {
+        first: None,
+        rate_hz: settings.timing.rate_hz,
+        left: options.lines,
+        state: None,
+        osc,
+        websocket,
+        midi,
+        keys,
+        told: [const { None }; 2],
+    };
+    let until = Until {
+        stop: &stop,
+        seconds: options.seconds,
+        unread: false,
+    };
+    let watched = stream::records(&mut client, until, |client, record| {
+        knob.take(client, &mut lines, record)?;
+        Ok(lines.goes_on())
+    });
+    knob.keep()?;
+    client.tell(&Request::Telemetry {
+        decimation: settings.telemetry.decimation,
+    })?;
+    watched
+}

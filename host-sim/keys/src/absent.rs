@@ -1,0 +1,27 @@
+//! Replacement of the keyboard where there is none: on other systems than Linux, and without the feature `uinput`.
+
+use crate::{KeyPair, Keyboard, OPTION};
+use touchstone_sim::error::{Error, Result};
+
+/// Opens nothing and returns an error.
+///
+/// # Errors
+/// Always: the error says what to do instead.
+pub fn open(_keys: &KeyPair) -> Result<Box<dyn Keyboard>> {
+    let (problem, fix) = if cfg!(target_os = "linux") {
+        (
+            "this program was built without key presses",
+            "build it with its feature, as in cargo run --release --features keys, or let a program of yours press keys that reads --json or --websocket",
+        )
+    } else {
+        (
+            "this program presses keys on Linux alone",
+            "let a program of yours press keys that reads --json or --websocket",
+        )
+    };
+    Err(Error::Option {
+        option: OPTION.into(),
+        problem: problem.into(),
+        fix: fix.into(),
+    })
+}
