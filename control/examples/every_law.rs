@@ -1,5 +1,5 @@
-//! Everything that firmware uses of this crate: every control law in the 32-bit and in the 16-bit number format, set up from
-//! settings and run tick by tick (a tick is one control period).
+//! Uses every part of this crate that firmware uses. Each control law is set up from settings, in the 32-bit and in the 16-bit
+//! number format, and run tick by tick (a tick is one control period).
 //!
 //! The example is a library, so that it builds without an operating system. `cargo xtask float-free` checks that the compiled code
 //! has no floating-point operations.

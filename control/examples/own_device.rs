@@ -12,9 +12,10 @@ fn main() -> Result<(), SettingsError> {
         inertia: Si::lit("0.0001"), // of all that turns, kg·m²
         damping: Si::lit("0.0004"), // of the device alone, as measured, N·m·s/rad
         position: PositionSettings::of_counts_per_rev(COUNTS_PER_REV),
+        position_error: Si::ZERO, // besides the rounding to counts, rad: an off-centre magnet has more
         force_limit: Si::lit("0.5"), // the motor's torque, N·m
-        delay: Si::lit("0.0001"),    // from reading the encoder until the torque begins to act, s
-        lag: Si::ZERO,               // mean time from there until it acts, s
+        delay: Si::lit("0.0001"), // from reading the encoder until the torque begins to act, s
+        lag: Si::ZERO,            // mean time from there until it acts, s
     };
     let mut knob = device.own_force::<Fixed32>()?;
     let spring = device.spring(Si::lit("5")).expect("fits"); // N·m/rad

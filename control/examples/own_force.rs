@@ -1,5 +1,5 @@
-//! A user-defined force behind the energy guard. The force is a stiff end stop, sampled too slowly: without the guard it throws the
-//! knob back.
+//! A user-defined force behind the energy guard. The force is a stiff end stop, sampled too slowly: without the guard the knob
+//! rebounds faster than it came.
 
 use touchstone_control::{
     Device, Fixed32, Force, Guard, GuardSettings, Guarded, Position, PositionSettings,
@@ -13,6 +13,7 @@ fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
         inertia: Si::lit("0.000005"), // of all that turns, kg·m²; the guard does not need it
         damping: Si::lit("0.0001"),   // of the device alone, as measured, N·m·s/rad
         position: PositionSettings::of_counts_per_rev(16_384),
+        position_error: Si::ZERO,    // rad
         force_limit: Si::lit("0.5"), // the motor's torque, N·m
         delay: Si::lit("0.0001"),    // from reading the encoder until the torque acts, s
         lag: Si::ZERO,

@@ -4,10 +4,11 @@
 use crate::choices::{LawKind, OffsetUpdate, StatesKind};
 use crate::coefficients::{Common, soft_damper};
 use crate::estimator::EstimatorState;
-use crate::law::{
-    Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Impact, Law, Sample, Sfa,
-    SfaState, Spring, SpringState, Tdpa, TdpaState, View,
+use crate::law::kept::{
+    Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Kept as _, Sfa, SfaState, Tdpa,
+    TdpaState,
 };
+use crate::law::{Impact, Law, Sample, Spring, SpringState, View};
 use crate::settings::Settings;
 use crate::validate::SettingsError;
 use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
@@ -44,23 +45,34 @@ impl<N: Number> AnyLaw<N> {
             LawKind::SpringDamper => match common.damped(settings)? {
                 (spring, None) => Self::Spring(spring, SpringState::default()),
                 (spring, Some(velocity)) => {
-                    Self::Damped(Damped { spring, velocity }, DampedState::default())
+                    let law =
+                        Damped::kept(settings.law, || Ok(crate::law::Damped { spring, velocity }))?;
+                    Self::Damped(law, DampedState::default())
                 }
             },
-            LawKind::Tdpa => Self::Tdpa(common.tdpa(settings)?, TdpaState::default()),
-            LawKind::Fba => Self::Fba(common.fba(settings)?, FbaState::default()),
+            LawKind::Tdpa => Self::Tdpa(
+                Tdpa::kept(settings.law, || common.tdpa(settings))?,
+                TdpaState::default(),
+            ),
+            LawKind::Fba => Self::Fba(
+                Fba::kept(settings.law, || common.fba(settings))?,
+                FbaState::default(),
+            ),
             LawKind::Sfa => {
-                let law = common.sfa(settings, OffsetUpdate::TurnInward)?;
+                let law = Sfa::kept(settings.law, || {
+                    common.sfa(settings, OffsetUpdate::TurnInward)
+                })?;
                 Self::Sfa(law, SfaState::default())
             }
             LawKind::SfaContinuous => {
-                let law = common.sfa(settings, OffsetUpdate::Inward)?;
+                let law = Sfa::kept(settings.law, || common.sfa(settings, OffsetUpdate::Inward))?;
                 Self::Sfa(law, SfaState::default())
             }
             LawKind::EnhancedSfa if settings.is_plain_spring() => spring(soft_damper(settings)?),
-            LawKind::EnhancedSfa => {
-                Self::Enhanced(common.enhanced(settings)?, EnhancedState::default())
-            }
+            LawKind::EnhancedSfa => Self::Enhanced(
+                EnhancedSfa::kept(settings.law, || common.enhanced(settings))?,
+                EnhancedState::default(),
+            ),
         })
     }
 

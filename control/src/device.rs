@@ -6,7 +6,8 @@
 //! | `rate_hz` | 1 to 100,000 Hz | must be none: in a slower tick the damping takes less energy than the guard counts |
 //! | `inertia` | from `force_limit` (at least 0.76 N·m) over `rate_hz`² up | costs no safety: only the estimator uses it. With a wrong one a stiff force shakes |
 //! | `damping` | 0 to 1,000 N·m·s/rad | is safe if the value is **too small** |
-//! | `position` | one count up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
+//! | `position` | one count and twice `position_error`: up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
+//! | `position_error` | 0 to 0.05 rad | is safe if the value is **too large** |
 //! | `force_limit` | up to 127 N·m in 32 bits | is safe if the value is **too small**: the motor must give every force up to it |
 //! | `delay`, `lag` | together at most one tick | is safe on **neither side**. An error of a microsecond costs microwatts, one of a tick joules |
 //!
@@ -30,8 +31,11 @@ pub struct Device {
     pub inertia: Si,
     /// Viscous damping of the device alone, without a hand, as measured, N·m·s/rad (N·s/m). The guard relies on 0.8 of it.
     pub damping: Si,
-    /// The encoder: angle (length) of one count, or twice the largest error of a measured position.
+    /// The encoder: angle (length) of one count.
     pub position: PositionSettings,
+    /// Largest error of a measured position besides the rounding to counts, rad (m): an off-centre magnet, a sensor that is not
+    /// linear.
+    pub position_error: Si,
     /// Largest force that the motor gives, N·m (N).
     pub force_limit: Si,
     /// Time from reading the position until the new force begins to act, s.
@@ -47,7 +51,7 @@ impl Device {
         GuardedDevice {
             rate_hz: self.rate_hz,
             force_limit: self.force_limit,
-            count: self.position.count,
+            count: self.position.uncertainty(self.position_error),
         }
     }
 
@@ -129,6 +133,8 @@ impl Device {
         let trusted = GuardSettings::default().share_of_damping;
         let count = &mut settings.position.count;
         *count = self.position.count.max(*count);
+        let error = &mut settings.position_error;
+        *error = self.position_error.max(*error);
         settings.rate_hz = self.rate_hz;
         settings.force_limit = settings.force_limit.min(self.force_limit);
         let guard = &mut settings.guard;

@@ -13,8 +13,8 @@ const TURN: i64 = 1_768_559_438_007_110;
 
 /// Converts an encoder's counts to angles relative to a wall's surface.
 ///
-/// **The error does not grow over many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same
-/// at every turn, bit for bit: the counts are reduced to a turn before anything is rounded.
+/// **The error does not grow over many turns.** The counts are reduced to one turn before anything is rounded. So
+/// [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] give the same bits at every turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
     /// Angle of one encoder count in rad, with [`STEP_BITS`] fractional bits.

@@ -1,9 +1,9 @@
 //! The virtual mass of the enhanced law as a filter (thesis §3.5), discretised by backward Euler.
 //!
-//! A virtual mass `m` hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. `x`
-//! and `x_f` are the positions of HIP and mass, `T` is the control period, `f_p` the wall's force on the mass. With `d = T v_f`,
-//! the mass' displacement per tick, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one
-//! tick is
+//! A spring `k_f` and a damper `c_f` couple a virtual mass `m` to the hand's point (HIP), and a damper `c_env` connects the mass to
+//! ground. The positions of HIP and mass are `x` and `x_f`, the control period is `T`, the wall's force on the mass `f_p`. The mass
+//! moves by `d = T v_f` in a tick. All coefficients are in N·m/rad: `M = m/T²`, `C = c_f/T`, `G = c_env/T`, and the sum
+//! `D = M + k_f + C + G`. One tick is
 //!
 //! ```text
 //! N0 = M d + k_f (x - x_f) + C Δx        drives the mass, without the wall's force f_p
@@ -12,10 +12,10 @@
 //! ```
 //!
 //! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical
-//! port if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder
-//! of that rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy. `f_p`
-//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env` is at least `T/2` times the wall's
-//! soft stiffness `k_v`.
+//! port if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums, rounded towards zero. The
+//! remainder of that rounding, `r = N0 - f_p - D d'`, has the sign of `d'`. So it acts like dry friction and can only dissipate
+//! energy. `f_p` is calculated from the mass' position *before* the update. This can inject energy unless `c_env` is at least `T/2`
+//! times the wall's soft stiffness `k_v`.
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 

@@ -38,10 +38,6 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
-// The float reference takes square roots, which `core` does not have; it never runs where `std` is missing.
-#[cfg(feature = "float")]
-extern crate std;
-
 pub mod choices;
 mod coefficients;
 pub mod controller;

@@ -220,7 +220,7 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
 /// Result of [`affordable`]: how far a body moves out against a force until the stored energy is used up, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
-    /// Distance that the energy pays for: `floor(energy / force)`, saturating.
+    /// Distance for which the energy suffices: `floor(energy / force)`, saturating.
     pub moved: W,
     /// Energy left: `energy - force · moved`, never negative.
     pub rest: W::Wide,
@@ -255,8 +255,8 @@ pub struct Root<W: Word> {
     pub square: W::Wide,
 }
 
-/// One step of a square root: returns the candidate (the root so far with one more binary digit) if its square does not exceed the
-/// radicand, else the root so far.
+/// One step of a square root. The candidate is the root so far with one more binary digit. Returns the candidate if its square does
+/// not exceed the radicand, else the root so far.
 #[inline(always)]
 pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
     let square = candidate.times(candidate);

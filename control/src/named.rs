@@ -1,15 +1,28 @@
 //! Sets one setting from text: a path such as `law.kind` and a value. Scene files, boards and bindings to other languages use it.
 
 use crate::{Choice, Field, Settings};
+use core::fmt;
 
 /// Why [`Settings::set_by_path`] did not set a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NotSet {
     /// No setting has this path.
     UnknownPath,
     /// The text is no value of this setting: not a decimal number, or not one of the setting's words.
     NoValue,
 }
+
+impl fmt::Display for NotSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::UnknownPath => "no setting has this path",
+            Self::NoValue => "the text is no value of this setting",
+        })
+    }
+}
+
+impl core::error::Error for NotSet {}
 
 /// Parses a text as a value of this type; `None` if it is no such value.
 macro_rules! parse {

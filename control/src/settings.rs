@@ -77,8 +77,8 @@ impl Settings {
 /// Resolution of the measured position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionSettings {
-    /// Angle or length of one encoder count, rad (m). For another sensor it is twice the largest error of a measured position; 0
-    /// means an exact position.
+    /// Angle or length of one encoder count, rad (m); 0 means a position without steps. The sensor's other errors belong in
+    /// [`Settings::position_error`].
     pub count: Si,
 }
 
@@ -90,6 +90,12 @@ impl PositionSettings {
         Self {
             count: over(Si::TAU, counts).saturating_add(Si::DELTA),
         }
+    }
+
+    /// Twice the largest error of a measured position, rad (m). `error` is the largest error other than the rounding to counts.
+    #[must_use]
+    pub const fn uncertainty(&self, error: Si) -> Si {
+        self.count.saturating_add(error).saturating_add(error)
     }
 }
 

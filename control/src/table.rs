@@ -1,8 +1,8 @@
 //! The one table of the control law's settings. Each row has path, type, range, default, unit, and a description for people.
 //!
-//! Code is generated from the rows: the fields of [`crate::Settings`] with their defaults, the variants of
-//! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
-//! config schema`. A row has this form:
+//! The rows generate the fields of [`crate::Settings`] with their defaults, and the variants of [`crate::Field`] with their range
+//! checks. They also generate the settings of a device, the fields of a scene file, and the output of `touchstone config schema`. A
+//! row has this form:
 //!
 //! ```text
 //! Variant field, name: kind(range) = default, "unit", "words";
@@ -75,6 +75,9 @@ macro_rules! law_settings {
                 // The torque limit of the thesis' knob, five times a typical push in the thesis.
                 ForceLimit force_limit, force_limit_n_m: number("0.000001", "100") = "0.5", "N·m",
                     "the largest force that is ever commanded";
+                // An off-centre magnet of a magnetic encoder causes 0.2 to 1 degree (0.0035 to 0.017 rad).
+                PositionError position_error, position_error_rad: number("0", "0.05") = "0", "rad",
+                    "the largest error of a measured angle besides the rounding to counts, which the energy guard allows for";
                 States states, states: choice(StatesKind) = Estimated, "",
                     "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }

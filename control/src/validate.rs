@@ -1,7 +1,7 @@
 //! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and the
 //! consequence.
 
-use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
+use crate::{Choice as _, GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
 
 macro_rules! fields {
@@ -23,6 +23,7 @@ macro_rules! fields {
     })+) => {
         /// Names one setting of the control law.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
         pub enum Field {
             $($(#[doc = concat!("For ", $about)] $variant,)+)+
         }
@@ -84,6 +85,7 @@ pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), Se
 
 /// Why settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The value is outside its physical range.
     OutOfRange {
@@ -120,6 +122,11 @@ pub enum SettingsError {
         /// Largest allowed angle or length of an encoder count, rad (m).
         coarsest: Si,
     },
+    /// The build has no such law: the crate's feature for it is off.
+    LawLeftOut {
+        /// The law that the settings choose.
+        law: LawKind,
+    },
 }
 
 impl SettingsError {
@@ -130,6 +137,7 @@ impl SettingsError {
             Self::OutOfRange { field, .. } | Self::OutOfFormat { field, .. } => *field == setting,
             Self::NoCompensation { .. } => setting == Field::KDesired,
             Self::TooCoarse { .. } => false,
+            Self::LawLeftOut { .. } => setting == Field::Law,
         }
     }
 }
@@ -170,12 +178,29 @@ impl fmt::Display for SettingsError {
                 "{} needs counts of the encoder of at most {coarsest:.2} rad, and these are {count:.6} rad",
                 Field::Guard.path()
             ),
+            Self::LawLeftOut { law } => {
+                // Both forms of this law have one feature.
+                let feature = match law {
+                    LawKind::SfaContinuous => LawKind::Sfa,
+                    one => *one,
+                };
+                write!(
+                    f,
+                    "{} = {}: this build has no such law: build it with the feature `{}`, or choose another law",
+                    Field::Law.path(),
+                    law.word(),
+                    feature.word()
+                )
+            }
         }
     }
 }
 
+impl core::error::Error for SettingsError {}
+
 /// A passivity bound that the settings violate. The settings work, but the wall may give a hand more energy than it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Warning {
     /// The soft stiffness `k_v` is above the critical stiffness `k_c`: the soft spring alone already needs more damping than the
     /// device has.
@@ -226,8 +251,8 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy whatever the law
-    /// does, so the warning matters only without a guard.
+    /// Whether the warning is about energy that a hand can get out of the wall. An energy guard bounds that energy for any law, so
+    /// the warning matters only without a guard.
     #[must_use]
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(
@@ -378,7 +403,7 @@ impl Settings {
         GuardedDevice {
             rate_hz: self.rate_hz,
             force_limit: self.force_limit,
-            count: self.position.count,
+            count: self.position.uncertainty(self.position_error),
         }
     }
 

@@ -17,6 +17,7 @@ fn knob() -> Device {
         inertia: Si::lit("0.0001"),
         damping: Si::lit("0.0004"),
         position: PositionSettings::of_counts_per_rev(16_384),
+        position_error: Si::ZERO, // rad
         force_limit: Si::lit("0.5"),
         delay: Si::lit("0.0005"),
         lag: Si::ZERO,
@@ -37,6 +38,8 @@ struct Real {
     damping_n_m_s_per_rad: f64,
     count_rad: f64,
     delay_ticks: f64,
+    /// Amplitude of the encoder's error, rad, and its periods in a turn.
+    error: (f64, f64),
 }
 
 impl Real {
@@ -46,6 +49,7 @@ impl Real {
             damping_n_m_s_per_rad: device.damping.to_num(),
             count_rad: device.position.count.to_num(),
             delay_ticks: device.delay.to_num::<f64>() / TICK_S,
+            error: (0.0, 0.0),
         }
     }
 }
@@ -61,7 +65,11 @@ fn gets_j(
 ) -> f64 {
     let mut guard: Guarded<Fixed32> = told.guard().expect("valid");
     let refill_j = guard.guard.refill.to_si().to_num::<f64>();
-    let measured = |rad: f64| (rad / real.count_rad).round() * real.count_rad;
+    let measured = |rad: f64| {
+        let (amplitude, periods) = real.error;
+        let seen = rad + amplitude * (periods * rad).sin();
+        (seen / real.count_rad).round() * real.count_rad
+    };
     let mut before = hand(0);
     let (mut acts, mut acted) = (0.0, 0.0);
     let (mut window, mut best) = (0.0_f64, 0.0_f64);
@@ -83,12 +91,12 @@ fn gets_j(
     best
 }
 
-/// The bound: the account's capacity and half a count under the largest force that a full account allows.
+/// The bound: the account's capacity and half the position's uncertainty under the largest force that a full account allows.
 fn bound_j(device: &Device) -> f64 {
     let guard = device.guard::<Fixed32>().expect("valid").guard;
     let capacity_j = guard.capacity.to_si().to_num::<f64>();
     let largest_n_m = capacity_j * guard.per_reach.0.to_num::<f64>();
-    capacity_j + largest_n_m * device.position.count.to_num::<f64>() / 2.0
+    capacity_j + largest_n_m * device.guarded_device().count.to_num::<f64>() / 2.0
 }
 
 /// A hand that swings, and a hostile law that is a spring and a damper, both also negative.
@@ -188,6 +196,50 @@ fn fewer_counts_than_told_give_energy_out_and_more_do_not() {
     );
     assert!(with(right) <= bound && with(finer) <= bound);
     assert!(with(coarser) > 2.0 * bound, "{}", with(coarser));
+}
+
+#[test]
+fn an_encoder_error_beyond_the_told_one_gives_energy_out() {
+    let mut told = knob();
+    told.delay = Si::ZERO;
+    // Drives the hand where the encoder shows less motion than there is, and brakes it where it shows more. `share` moves the limit
+    // between both.
+    let with = |told: &Device, error: (f64, f64), share: f64| {
+        let real = Real {
+            error,
+            ..Real::of(told)
+        };
+        let hand = |tick: u32| (TAU * 0.5 * f64::from(tick) * TICK_S).sin();
+        gets_j(told, real, hand, |_, at, change| {
+            let drives = (error.1 * at).cos() < share;
+            let along = change.signum() * f64::from(u8::from(change != 0.0));
+            if drives { -0.5 * along } else { 0.5 * along }
+        })
+    };
+    // Degrees and periods in a turn of a magnetic encoder's errors.
+    for (degrees, periods) in [
+        (0.2_f64, 16.0),
+        (0.4, 16.0),
+        (0.1, 40.0),
+        (0.8, 4.0),
+        (1.0, 1.0),
+    ] {
+        let error = (degrees.to_radians(), periods);
+        told.position_error = Si::ZERO;
+        let most = |told: &Device| {
+            let shares = (-9..10).map(|tenth| with(told, error, f64::from(tenth) / 10.0));
+            shares.fold(0.0, f64::max)
+        };
+        let (untold, few) = (most(&told), bound_j(&told));
+        told.position_error = Si::from_num(error.0) + Si::DELTA;
+        let (as_told, bound) = (most(&told), bound_j(&told));
+        println!(
+            "{degrees} degrees, {periods} a turn: {as_told:.4} of {bound:.4} J as told, {untold:.4} of {few:.4} J untold"
+        );
+        assert!(as_told <= bound);
+        // In 20 s slow errors do not yet give more than the bound.
+        assert!(periods < 16.0 || untold > 1.5 * few);
+    }
 }
 
 /// A pseudo-random number from -1 to 1.

@@ -1,4 +1,4 @@
-//! The environments (several walls and detents) that a board renders: one that runs, and room for the one that replaces it.
+//! The environments (several walls and detents) of a board: one that runs, and memory for the next one.
 //!
 //! ```text
 //! armed:      prepare -> next tick:        replaces what runs, without a jump of the force
@@ -80,7 +80,7 @@ enum Waits {
     ForTheCalibration,
 }
 
-/// The environment (walls and detents) that a board renders, and the one that is prepared to replace it.
+/// The environment (walls and detents) that a board renders, and the environment that is prepared to replace it.
 #[derive(Debug, Clone)]
 pub struct Around {
     places: [Option<Surrounding>; 2],

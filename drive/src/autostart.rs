@@ -1,8 +1,8 @@
-//! Unattended start: a board that calibrates and arms by itself when power comes on. It gives the commands that a person would
+//! Automatic start: the board calibrates and arms without a desktop when power comes on. It gives the commands that a person would
 //! give, and no others.
 //!
 //! Fault machine and supervisor treat these commands like those from a computer: every limit holds, and the force fades in as after
-//! any arming. The board tries once. If a computer sends a frame before the board is armed, the unattended start ends and the
+//! any arming. The board tries once. If a computer sends a frame before the board is armed, the automatic start ends and the
 //! computer is in charge.
 //!
 //! ```text
@@ -30,7 +30,7 @@ const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
 /// Encoder counts within which a shaft counts as at rest.
 const JITTER: u64 = 4;
 
-/// The values of the board that one step of the unattended start looks at.
+/// The board's values that are the inputs of one step of the automatic start.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
     /// State of the device.
@@ -45,7 +45,7 @@ pub struct Glance {
     pub desktop_spoke: bool,
 }
 
-/// The state of the unattended start, from one step to the next.
+/// The state of the automatic start, from one step to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
@@ -57,7 +57,7 @@ pub struct Autostart {
 }
 
 impl Autostart {
-    /// The unattended start at power-up. Whether it begins depends on the setting for autostart, on the reason why the processor
+    /// The automatic start at power-up. Whether it begins depends on the setting for autostart, on the reason why the processor
     /// started, and on whether an alignment to check is stored.
     #[must_use]
     pub fn new(is_asked: bool, reason: ResetReason, has_alignment: bool) -> Self {
@@ -78,7 +78,7 @@ impl Autostart {
         }
     }
 
-    /// The present phase of the unattended start, for the report to the computer.
+    /// The present phase of the automatic start, for the report to the computer.
     #[must_use]
     pub const fn told(&self) -> SelfStart {
         self.told
@@ -91,7 +91,7 @@ impl Autostart {
         matches!(self.told, SelfStart::Checking | SelfStart::Started) && !desktop_spoke
     }
 
-    /// Runs one step of the unattended start (every 10 ms); returns a command for the next control period, if one is due.
+    /// Runs one step of the automatic start (every 10 ms); returns a command for the next control period, if one is due.
     pub fn step(&mut self, now: &Glance) -> Option<Command> {
         let is_first = self.told == SelfStart::Waiting;
         if !is_first && self.told != SelfStart::Checking {

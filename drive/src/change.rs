@@ -156,19 +156,20 @@ fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
 }
 
-/// When the encoder is read a second time in a control period, and the factors with which the reading is used.
+/// Time of the second encoder reading in a control period, and the factors with which the guard uses it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
     /// PWM periods from the first encoder reading of a control period to the second.
     pub read_at: u16,
-    /// The displacement before the second reading counts by this fraction (in 2^-28) as made under the new force. The delay that
+    /// Fraction (in 2^-28) of the displacement before the second reading that the guard multiplies by the new force. The delay that
     /// the energy guard itself charges is not included.
     pub before: i32,
-    /// The displacement after the second reading counts by this fraction (in 2^-28) as made under the new force.
+    /// Fraction (in 2^-28) of the displacement after the second reading that the guard multiplies by the new force.
     pub after: i32,
     /// Mean time in seconds from the encoder reading at the start of a control period to the change of force, without `lag_s`.
     pub delay_s: Si,
-    /// Lag in seconds that the energy guard charges for what a second reading leaves uncertain.
+    /// Lag in seconds that the energy guard charges, because the position at the change of force is uncertain even with a second
+    /// reading.
     pub lag_s: Si,
 }
 

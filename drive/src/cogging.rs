@@ -38,7 +38,7 @@ pub struct Played {
     /// Current by position within a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
-    /// How far ahead of the shaft the table is read, per speed: 2^-16 turns per rad/s.
+    /// Angle per unit of speed by which the table is read ahead of the shaft's position: 2^-16 turns per rad/s.
     lead: I16F16,
 }
 
@@ -117,7 +117,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     }
 }
 
-/// Angle that the shaft turns, per speed, from the encoder reading to the middle of the time in which the current acts.
+/// Angle per unit of speed that the shaft turns from the encoder reading to the middle of the time in which the current acts.
 fn lead(settings: &DeviceSettings, hardware: &Hardware) -> I16F16 {
     let of = |parts: i64, rate: Si| quotient(Si::const_from_int(parts), rate);
     let period = of(ACTS_AFTER_PERIODS, Si::saturating_from_num(hardware.pwm_hz));

@@ -34,7 +34,7 @@ pub enum DriveCommand {
     Analogue(DacCode),
 }
 
-/// Position and motion of the rotor, for the drives that must know them.
+/// Position and motion of the rotor, for the drives that need them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
     /// Number of the control period, as a sign of life for the current loop.

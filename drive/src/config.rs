@@ -49,7 +49,7 @@ pub struct Config {
     pub electrical: ElectricalScale,
     /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// How the second encoder reading, at the change of force, is timed and used; `None` where it is not used.
+    /// Time and use of the second encoder reading, at the change of force; `None` where no second reading is used.
     pub change: Option<ChangeConfig>,
     /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three
-//! things: the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really
+//! inputs: the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really
 //! commanded. Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's
 //! estimator and its energy guard.
 

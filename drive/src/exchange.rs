@@ -88,8 +88,8 @@ fn load<const N: usize>(words: &Words<N>) -> [u32; N] {
     values
 }
 
-/// Passes words from a lower interrupt priority to a higher one. The reader never sees half of a value, because one store publishes
-/// the whole value.
+/// Passes words from a lower interrupt priority to a higher one. The reader never reads a half-written value, because one store
+/// publishes the whole value.
 #[derive(Debug)]
 struct Down<const N: usize> {
     first: Words<N>,

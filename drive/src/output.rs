@@ -20,8 +20,8 @@ pub struct ControlOutput {
     pub reconfigure: bool,
     /// Whether the command in this period's input had an effect; `None` without a command.
     pub accepted: Option<bool>,
-    /// The telemetry record. The firmware also puts it into the [`Ring`](crate::Ring), which is not part of the device, as it is
-    /// too large for a stack.
+    /// The telemetry record. The firmware also puts it into the [`Ring`](crate::Ring), which is not part of the device, because it
+    /// is too large for a stack.
     pub record: Record,
 }
 

@@ -21,7 +21,7 @@ pub struct ResetFlags {
     pub low_power: bool,
     /// Whether the mark that the running program keeps in memory is still there. If so, the memory kept its power.
     pub memory_kept: bool,
-    /// Where the program panicked, as the panic handler stored it before the reset; `None` without a panic.
+    /// Number of the place where the program panicked, stored by the panic handler before the reset; `None` without a panic.
     pub panic: Option<u32>,
 }
 

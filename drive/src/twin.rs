@@ -18,17 +18,17 @@ use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry
 /// then.
 const FINDS_IN: u32 = 500;
 
-/// How much the model knows of the memory that the device's control law has.
+/// How much of the memory of the device's control law the copy has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// The law's whole memory: the model has run since the device was armed.
+    /// The law's whole memory: the copy has run since the device was armed.
     All,
     /// Too little of the law's memory for a comparison of forces. Holds the number of control periods that the knob has been
     /// outside the wall.
     Little(u32),
 }
 
-/// A model of the control law that runs beside a device.
+/// A copy of the device's control law. It calculates the force from the device's records, for comparison with the device's force.
 #[derive(Debug, Clone)]
 pub struct Twin {
     config: Config,
@@ -60,7 +60,7 @@ impl Twin {
     }
 
     /// The model's force in the control period of this record. `None` where the device's control law does not run, or where the
-    /// model does not know the law's memory.
+    /// copy does not have the law's memory.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
         let limits = Limits::from_wire(record.limits);
         let has_reading = !limits.has(Limit::Encoder);

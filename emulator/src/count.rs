@@ -3,7 +3,7 @@
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
-use touchstone_protocol::{DeviceCommand, Phase, Request};
+use touchstone_protocol::{DeviceCommand, Phase, Reply, Request, Surround};
 use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
@@ -13,6 +13,7 @@ use crate::cpu::core::{Cost, WAIT_STATES};
 use crate::cpu::decode::EXCEPTION;
 use crate::cpu::elf::Program;
 use crate::cpu::handler::{CONTROL_TICK, CURRENT_LOOP, Handler};
+use crate::fil::around::{largest, sweep};
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;
 use crate::peripheral::CORE_HZ;
@@ -120,6 +121,8 @@ struct Counted {
 #[derive(Default)]
 struct Table {
     worst: Counted,
+    /// The costs with the largest feel, on boards that render one.
+    feel: Option<Counted>,
     stack_used: u32,
     wrong: Vec<String>,
 }
@@ -127,6 +130,21 @@ struct Table {
 impl Table {
     /// Prints one row of the table: the costs that were counted since the previous row.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
+        let counted = self.shown(name, result, bench, stack_top);
+        let worst = &mut self.worst;
+        worst.law = worst.law.worst(counted.law);
+        worst.control.worst = worst.control.worst.worst(counted.control.worst);
+        worst.current.worst = worst.current.worst.worst(counted.current.worst);
+    }
+
+    /// Prints a row, and returns the costs that were counted since the previous row.
+    fn shown(
+        &mut self,
+        name: &str,
+        result: Result<(), String>,
+        bench: &mut Bench,
+        stack_top: u32,
+    ) -> Counted {
         let counted = take(bench);
         let show = |cost: Cost| {
             format!(
@@ -142,15 +160,12 @@ impl Table {
         };
         let (control, current) = (show(counted.control.worst), show(counted.current.worst));
         println!("{name:<36}{law:>22}{control:>24}{current:>22}");
-        let worst = &mut self.worst;
-        worst.law = worst.law.worst(counted.law);
-        worst.control.worst = worst.control.worst.worst(counted.control.worst);
-        worst.current.worst = worst.current.worst.worst(counted.current.worst);
         self.stack_used = self.stack_used.max(bench.machine.stack_used(stack_top));
         if let Err(error) = result {
             println!("WRONG: {name}: {error}");
             self.wrong.push(error);
         }
+        counted
     }
 }
 
@@ -250,6 +265,12 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
             }
         }
         tell_places(program, &bench);
+        if index == 0 && board.is_large() {
+            let calibrated = calibrate(&mut bench, &CASES[0], encoder);
+            table.row("  calibration and fading in", calibrated, &mut bench, top);
+            let felt = feel(&mut bench, &setup);
+            table.feel = Some(table.shown("the largest feel", felt, &mut bench, top));
+        }
     }
     println!("stack: {} of {size} bytes were used", table.stack_used);
     let worst = &table.worst;
@@ -269,6 +290,18 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         if count > budget {
             over.push(name);
         }
+    }
+    if let Some(feel) = &table.feel {
+        let (control, current) = (feel.control.worst, feel.current.worst);
+        let free =
+            |current: u64| CORE_HZ * PROCESSOR_PERCENT / 100 - (current + 2 * EXCEPTION) * PWM_HZ;
+        let fastest = |control: u64, current: u64| free(current) / (control + 2 * EXCEPTION);
+        println!(
+            "largest feel: control interrupt at most {} instructions; with {PROCESSOR_PERCENT} % of the processor up to {} Hz without wait states, {} Hz waiting",
+            control.instructions,
+            fastest(control.cycles, current.cycles),
+            fastest(control.waiting(), current.waiting())
+        );
     }
     for rate_hz in [1_000, FASTEST_HZ] {
         let taken = |control: u64, current: u64| {
@@ -382,6 +415,26 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
     })?;
     bench.arm()?;
     bench.run(250 * MS)
+}
+
+/// Lets a hand sweep through the largest feel for two swings.
+fn feel(bench: &mut Bench, setup: &Setup) -> Result<(), String> {
+    let set = |bench: &mut Bench, environment| match bench
+        .demand(Request::SetEnvironment(environment))?
+    {
+        Reply::Taken(_) => Ok(()),
+        other => Err(format!("{other:?} for a feel")),
+    };
+    set(bench, largest(setup))?;
+    sweep(bench);
+    bench.run(3_300 * MS)?;
+    let status = bench.status()?;
+    bench.release();
+    set(bench, Surround::default())?;
+    match status.phase {
+        Phase::Armed => Ok(()),
+        other => Err(format!("{} with {:?}", other.name(), status.fault)),
+    }
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! Passes the unattended start, and the stored encoder alignment that it checks, from the main thread to the control interrupt. Not
+//! Passes the automatic start, and the stored encoder alignment that it checks, from the main thread to the control interrupt. Not
 //! on boards with an STM32G431.
 
 use core::sync::atomic::Ordering::Relaxed;
@@ -22,7 +22,7 @@ pub fn give(control: &mut Control, session: &Session) {
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Begins the unattended start before the first control period, with the stored encoder alignment.
+/// Begins the automatic start before the first control period, with the stored encoder alignment.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);
@@ -33,7 +33,7 @@ pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     });
 }
 
-/// Runs one step of the unattended start. The supervision task calls it at each of its checks, every 10 ms.
+/// Runs one step of the automatic start. The supervision task calls it at each of its checks, every 10 ms.
 pub fn step(here: InThread) {
     let desktop_spoke = SPOKEN.load(Relaxed);
     let is_stop_pressed = board::is_stop_pressed();

@@ -53,7 +53,7 @@ pub struct Control {
     pub cycles_max: u32,
     /// Largest lateness of a control interrupt, in processor cycles.
     pub lateness_max: u32,
-    /// State of the unattended start at power-on.
+    /// State of the automatic start at power-on.
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,

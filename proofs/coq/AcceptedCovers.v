@@ -1,6 +1,6 @@
 (** Whatever [Guard::new] accepts covers the device that it was told ([accepted_covers]), and one of the same delay that is no worse
-    ([no_worse_is_covered]), as the guard's theorem asks of a guard ([covers], GuardLosesNothing.v). Positions are taken
-    once a tick here: of one that is also taken when the force changes, the theorem does not speak. *)
+    ([no_worse_is_covered]), as the guard's theorem asks of a guard ([covers], GuardLosesNothing.v): with a position once a tick
+    ([device_told]) and with one more when the force changes ([device_measured]). *)
 
 Require Import ZArith QArith Qabs Qminmax Lqa Lia Bool.
 From Touchstone Require Import Guard Port GuardLosesNothing GuardSettings AcceptedIsValid.
@@ -58,7 +58,137 @@ Proof.
     numbers. nia.
 Qed.
 
+(** * The device that is told *)
+
+Open Scope Q_scope.
+
+(** The numbers of the settings themselves, not rounded. A position is wrong by half a count, and by a quantum of its own word. *)
+Definition device_told : device :=
+  let c_ := inject_Z (set_share S * set_damping S * told_rate T) / inject_Z (2 ^ 64) in
+  let s_ := inject_Z ((set_delay S + set_lag S) * told_rate T) / inject_Z si_one in
+  {|
+    c := c_;
+    s := s_;
+    r := s_;
+    d := inject_Z (set_overspeed S) / inject_Z (2 ^ 8 * told_rate T);
+    delta := inject_Z (told_count T) / inject_Z (2 ^ 8) + 2;
+    kappa := s_ * (1 - s_) / (4 * c_);
+    way_after := inject_Z (furthest made);
+    rough := 0
+  |}.
+
+Lemma share_exact : inject_Z si_one * s device_told == late_ticks.
+Proof. unfold device_told, late_ticks. cbn [s]. field. discriminate. Qed.
+
+Lemma way_exact : inject_Z (2 ^ 8) * told_rate T * d device_told == set_overspeed S.
+Proof.
+  unfold device_told. cbn [d]. rewrite inject_Z_mult. field. split; [|discriminate].
+  pose proof rate_pos as R. intros E.
+  change 0 with (inject_Z 0) in E. rewrite inject_Z_injective in E. lia.
+Qed.
+
+Lemma delta_exact : inject_Z (2 ^ 9) * (delta device_told * (1 # 2)) == told_count T + 512.
+Proof. unfold device_told. cbn [delta]. change (inject_Z (2 ^ 9)) with (512 # 1). change (inject_Z (2 ^ 8)) with (256 # 1). field. Qed.
+
+Lemma damping_exact : inject_Z (2 ^ 64) * c device_told == (set_share S * set_damping S * told_rate T)%Z.
+Proof. unfold device_told. cbn [c]. field. discriminate. Qed.
+
+(** Of a device with this damping, delay, speed and count, what is left to ask is the change of force. *)
+Lemma covers_if (rest kap way rou : Q) :
+  let D := {| c := c device_told; s := s device_told; r := rest; d := d device_told; delta := delta device_told;
+              kappa := kap; way_after := way; rough := rou |} in
+  0 <= way -> 0 <= kap ->
+  Qabs (rest - late made / signal_one) * way <= (distance_of + (set_overspeed S / 256)%Z) * (1 # 4294967296) ->
+  kap <= (stray made + 1) / signal_one -> rou <= rounded_change ->
+  covers made D.
+Proof.
+  intros D W0 K0 A3 K1 RO.
+  pose proof made_is_valid as V. destruct V.
+  pose proof share_exact as ES. pose proof way_exact as EW. pose proof delta_exact as ED.
+  pose proof damping_exact as EC. pose proof rate_pos as R. destruct late_exact as [_ L]. fold late_ticks in L.
+  destruct delays as (A & B & _). destruct trusted_within as [T0 T1]. destruct damping_within as [D0 D1].
+  assert (Y : (0 <= late_ticks)%Z) by (unfold late_ticks; nia).
+  pose proof (check_overspeed checks) as [O _]. pose proof (check_count checks) as [K _].
+  assert (O1 : (0 <= set_overspeed S)%Z) by lia.
+  apply Zle_Q in L, Y, O1, K. change (inject_Z 0) with 0 in *.
+  assert (RQ : 0 < told_rate T) by (change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; exact R).
+  set (ss := s device_told) in *. set (dd := d device_told) in *. set (de := delta device_told) in *.
+  constructor; unfold D; cbn [c s r d delta kappa way_after rough]; fold ss dd de; try assumption; try tauto; try lia.
+  - split; apply (cancel (inject_Z si_one)); try reflexivity; rewrite ES; lra.
+  - apply (cancel (inject_Z (2 ^ 64))); [reflexivity|]. rewrite EC. change (inject_Z (2 ^ 64) * 0) with (inject_Z 0).
+    apply Zle_Q. nia.
+  - apply (cancel (inject_Z (2 ^ 8) * told_rate T)); [change (inject_Z (2 ^ 8)) with (256 # 1); lra|]. rewrite EW. lra.
+  - change (inject_Z (2 ^ 9)) with (512 # 1) in ED. lra.
+  - destruct damping_made as [_ M]. apply (cancel (inject_Z (2 ^ 52))); [reflexivity|].
+    assert (E : inject_Z (2 ^ 52) * (c device_told * gain_one) == inject_Z (2 ^ 64) * c device_told).
+    { change (inject_Z (2 ^ 64)) with (inject_Z (2 ^ 52) * inject_Z gain_one). ring. }
+    rewrite E, EC, <- inject_Z_mult. apply Zle_Q.
+    assert (si_one * trusted_of * told_rate T <= set_share S * set_damping S * told_rate T)%Z
+      by (apply Z.mul_le_mono_nonneg_r; lia).
+    numbers. lia.
+  - destruct count_made as [M _]. apply Zle_Q in M. in_Q M.
+    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z (2 ^ 8)) with (256 # 1) in *. lra.
+  - pose proof flight_enough as M. apply Zle_Q in M. in_Q M.
+    assert (E : inject_Z si_one * inject_Z (2 ^ 8) * (ss * dd) == (set_delay S + set_lag S)%Z * set_overspeed S).
+    { rewrite <- EW. setoid_replace (inject_Z si_one * inject_Z (2 ^ 8) * (ss * dd))
+        with (inject_Z si_one * ss * (inject_Z (2 ^ 8) * dd)) by ring.
+      rewrite ES. unfold late_ticks. rewrite inject_Z_mult. ring. }
+    rewrite inject_Z_plus in E.
+    apply (cancel (inject_Z si_one * inject_Z (2 ^ 9))); [reflexivity|].
+    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z (2 ^ 8)) with (256 # 1) in *.
+    change (inject_Z si_one) with (4294967296 # 1) in *. change (inject_Z 2) with (2 # 1) in *. lra.
+  - destruct per_reach_made as [[P0 _] P]. destruct per_reach_within as (_ & P2 & _).
+    set (r := (measured_of + 2 * told_count T + 784)%Z) in *.
+    assert (R0 : (0 <= r)%Z) by (destruct measured_within; pose proof (check_count checks); unfold r; lia).
+    assert (P3 : (2 ^ 20 * per_reach made * r <= si_one * si_one)%Z).
+    { assert (2 ^ 20 * per_reach made * r <= per_reach_of * r)%Z by (apply Z.mul_le_mono_nonneg_r; lia). lia. }
+    pose proof reach_enough as M. fold r in M. apply Zle_Q in M, P3, P0, R0. in_Q M. in_Q P3. change (inject_Z 0) with 0 in *.
+    assert (X : (1 - ss) * dd + in_flight made + de * (1 # 2) <= r * (1 # 256)).
+    { apply (cancel (2 * told_rate T * inject_Z si_one * 256)).
+      - assert (0 < told_rate T * inject_Z si_one) by (change (inject_Z si_one) with (4294967296 # 1); lra). lra.
+      - assert (E : 2 * told_rate T * inject_Z si_one * 256 * ((1 - ss) * dd + in_flight made + de * (1 # 2))
+                    == 2 * (inject_Z si_one - inject_Z si_one * ss) * (inject_Z (2 ^ 8) * told_rate T * dd)
+                       + told_rate T * inject_Z si_one * (inject_Z (2 ^ 9) * in_flight made)
+                       + told_rate T * inject_Z si_one * (inject_Z (2 ^ 9) * (de * (1 # 2)))).
+        { change (inject_Z (2 ^ 8)) with (256 # 1). change (inject_Z (2 ^ 9)) with (512 # 1). ring. }
+        rewrite E, ES, EW, ED.
+        change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z 2) with (2 # 1) in *. lra. }
+    apply (cancel (inject_Z (2 ^ 28))); [reflexivity|].
+    assert (X2 : per_reach made * ((1 - ss) * dd + in_flight made + de * (1 # 2)) <= per_reach made * (r * (1 # 256)))
+      by (apply scaled; assumption).
+    change (inject_Z (2 ^ 28)) with (268435456 # 1). change (inject_Z (2 ^ 20)) with (1048576 # 1) in P3.
+    change (inject_Z gain_one) with (4096 # 1). change (inject_Z signal_one) with (16777216 # 1).
+    change (inject_Z si_one) with (4294967296 # 1) in *. lra.
+  - destruct slack_made as [E _]. destruct largest_made as (G0 & G1 & _).
+    set (ww := distance_of) in *. set (oo := (set_overspeed S / 256)%Z) in *.
+    assert (OO : (0 <= oo)%Z) by (apply Z.div_pos; lia).
+    assert (W1 : (0 <= ww)%Z).
+    { unfold ww. rewrite distance_exact. destruct measured_within. pose proof (check_count checks). lia. }
+    assert (B3 : Qmax 0 (kap - stray made / signal_one) * (2 * largest made)
+                 <= 2 * largest made * (1 # 16777216)).
+    { assert (0 <= largest made) by (change 0 with (inject_Z 0); apply Zle_Q; lia).
+      assert (Qmax 0 (kap - stray made / signal_one) <= 1 # 16777216).
+      { apply Q.max_lub; [discriminate|].
+        assert (E1 : (stray made + 1) / signal_one == stray made / signal_one + (1 # 16777216))
+          by (change (inject_Z signal_one) with (16777216 # 1); field).
+        lra. }
+      nra. }
+    assert (C1 : (largest_change_of + ww + oo < si_one * ((largest_change_of + ww + oo) / si_one + 1))%Z)
+      by (pose proof (floors (largest_change_of + ww + oo) si_one ltac:(reflexivity)); lia).
+    assert (C2 : (told_count T < 2 ^ 9 * (told_count T / 2 / 2 ^ 8 + 1))%Z) by divided.
+    set (h := (told_count T / 2 / 2 ^ 8)%Z) in *. set (l := ((largest_change_of + ww + oo) / si_one)%Z) in *.
+    assert (C3 : (2 ^ 9 * largest made + ww + oo <= si_one * (l + 1))%Z) by lia.
+    assert (C4 : (told_count T <= 2 ^ 9 * (h + 1))%Z) by lia.
+    apply Zle_Q in C3, C4. in_Q C3. in_Q C4. rewrite E, !inject_Z_plus.
+    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z si_one) with (4294967296 # 1) in *.
+    change (inject_Z 4) with (4 # 1). change (inject_Z 1) with (1 # 1) in *. lra.
+Qed.
+
+Section Estimated.
+
 Hypothesis Estimated : set_measured S = false.
+
+Open Scope Z_scope.
 
 Lemma share_within : late_ticks <= share_of <= late_ticks + told_rate T.
 Proof.
@@ -135,40 +265,7 @@ Proof.
   numbers. lia.
 Qed.
 
-(** * The device that is told *)
-
 Open Scope Q_scope.
-
-(** The numbers of the settings themselves, not rounded. A position is wrong by half a count, and by a quantum of its own word. *)
-Definition device_told : device :=
-  let c_ := inject_Z (set_share S * set_damping S * told_rate T) / inject_Z (2 ^ 64) in
-  let s_ := inject_Z ((set_delay S + set_lag S) * told_rate T) / inject_Z si_one in
-  {|
-    c := c_;
-    s := s_;
-    r := s_;
-    d := inject_Z (set_overspeed S) / inject_Z (2 ^ 8 * told_rate T);
-    delta := inject_Z (told_count T) / inject_Z (2 ^ 8) + 2;
-    kappa := s_ * (1 - s_) / (4 * c_);
-    way_after := inject_Z (furthest made);
-    rough := 0
-  |}.
-
-Lemma share_exact : inject_Z si_one * s device_told == late_ticks.
-Proof. unfold device_told, late_ticks. cbn [s]. field. discriminate. Qed.
-
-Lemma way_exact : inject_Z (2 ^ 8) * told_rate T * d device_told == set_overspeed S.
-Proof.
-  unfold device_told. cbn [d]. rewrite inject_Z_mult. field. split; [|discriminate].
-  pose proof rate_pos as R. intros E.
-  change 0 with (inject_Z 0) in E. rewrite inject_Z_injective in E. lia.
-Qed.
-
-Lemma delta_exact : inject_Z (2 ^ 9) * (delta device_told * (1 # 2)) == told_count T + 512.
-Proof. unfold device_told. cbn [delta]. change (inject_Z (2 ^ 9)) with (512 # 1). change (inject_Z (2 ^ 8)) with (256 # 1). field. Qed.
-
-Lemma damping_exact : inject_Z (2 ^ 64) * c device_told == (set_share S * set_damping S * told_rate T)%Z.
-Proof. unfold device_told. cbn [c]. field. discriminate. Qed.
 
 (** Where a force straddles two ticks, the damping is there: [kappa] is no quotient by nothing. *)
 Lemma damping_of_a_delay : 0 < s device_told -> 0 < c device_told.
@@ -221,113 +318,285 @@ Qed.
 
 Theorem made_covers : covers made device_told.
 Proof.
-  pose proof made_is_valid as V. destruct V.
-  destruct kappa_told as [K0 K1]. pose proof share_exact as ES. pose proof way_exact as EW. pose proof delta_exact as ED.
-  pose proof damping_exact as EC. pose proof rate_pos as R. destruct late_exact as [_ L]. fold late_ticks in L.
-  destruct delays as (A & B & _). destruct trusted_within as [T0 T1]. destruct damping_within as [D0 D1].
-  assert (Y : (0 <= late_ticks)%Z) by (unfold late_ticks; nia).
-  pose proof (check_overspeed checks) as [O _]. pose proof (check_count checks) as [K _].
-  assert (O1 : (0 <= set_overspeed S)%Z) by lia.
-  apply Zle_Q in L, Y, O1, K. change (inject_Z 0) with 0 in *.
-  assert (RQ : 0 < told_rate T) by (change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; exact R).
-  set (ss := s device_told) in *. set (dd := d device_told) in *. set (de := delta device_told) in *.
-  constructor; fold ss dd de; try tauto; try lia.
-  - split; apply (cancel (inject_Z si_one)); try reflexivity; rewrite ES; lra.
-  - change (way_after device_told) with (inject_Z (furthest made)). change 0 with (inject_Z 0). apply Zle_Q. lia.
-  - apply (cancel (inject_Z (2 ^ 64))); [reflexivity|]. rewrite EC. change (inject_Z (2 ^ 64) * 0) with (inject_Z 0).
-    apply Zle_Q. nia.
-  - apply (cancel (inject_Z (2 ^ 8) * told_rate T)); [change (inject_Z (2 ^ 8)) with (256 # 1); lra|]. rewrite EW. lra.
-  - change (inject_Z (2 ^ 9)) with (512 # 1) in ED. lra.
-  - destruct damping_made as [_ M]. apply (cancel (inject_Z (2 ^ 52))); [reflexivity|].
-    assert (E : inject_Z (2 ^ 52) * (c device_told * gain_one) == inject_Z (2 ^ 64) * c device_told).
-    { change (inject_Z (2 ^ 64)) with (inject_Z (2 ^ 52) * inject_Z gain_one). ring. }
-    rewrite E, EC, <- inject_Z_mult. apply Zle_Q.
-    assert (si_one * trusted_of * told_rate T <= set_share S * set_damping S * told_rate T)%Z
-      by (apply Z.mul_le_mono_nonneg_r; lia).
-    numbers. lia.
-  - destruct count_made as [M _]. apply Zle_Q in M. in_Q M.
-    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z (2 ^ 8)) with (256 # 1) in *. lra.
-  - pose proof flight_enough as M. apply Zle_Q in M. in_Q M.
-    assert (E : inject_Z si_one * inject_Z (2 ^ 8) * (ss * dd) == (set_delay S + set_lag S)%Z * set_overspeed S).
-    { rewrite <- EW. setoid_replace (inject_Z si_one * inject_Z (2 ^ 8) * (ss * dd))
-        with (inject_Z si_one * ss * (inject_Z (2 ^ 8) * dd)) by ring.
-      rewrite ES. unfold late_ticks. rewrite inject_Z_mult. ring. }
-    rewrite inject_Z_plus in E.
-    apply (cancel (inject_Z si_one * inject_Z (2 ^ 9))); [reflexivity|].
-    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z (2 ^ 8)) with (256 # 1) in *.
-    change (inject_Z si_one) with (4294967296 # 1) in *. change (inject_Z 2) with (2 # 1) in *. lra.
-  - destruct per_reach_made as [[P0 _] P]. destruct per_reach_within as (_ & P2 & _).
-    set (r := (measured_of + 2 * told_count T + 784)%Z) in *.
-    assert (R0 : (0 <= r)%Z) by (destruct measured_within; pose proof (check_count checks); unfold r; lia).
-    assert (P3 : (2 ^ 20 * per_reach made * r <= si_one * si_one)%Z).
-    { assert (2 ^ 20 * per_reach made * r <= per_reach_of * r)%Z by (apply Z.mul_le_mono_nonneg_r; lia). lia. }
-    pose proof reach_enough as M. fold r in M. apply Zle_Q in M, P3, P0, R0. in_Q M. in_Q P3. change (inject_Z 0) with 0 in *.
-    assert (X : (1 - ss) * dd + in_flight made + de * (1 # 2) <= r * (1 # 256)).
-    { apply (cancel (2 * told_rate T * inject_Z si_one * 256)).
-      - assert (0 < told_rate T * inject_Z si_one) by (change (inject_Z si_one) with (4294967296 # 1); lra). lra.
-      - assert (E : 2 * told_rate T * inject_Z si_one * 256 * ((1 - ss) * dd + in_flight made + de * (1 # 2))
-                    == 2 * (inject_Z si_one - inject_Z si_one * ss) * (inject_Z (2 ^ 8) * told_rate T * dd)
-                       + told_rate T * inject_Z si_one * (inject_Z (2 ^ 9) * in_flight made)
-                       + told_rate T * inject_Z si_one * (inject_Z (2 ^ 9) * (de * (1 # 2)))).
-        { change (inject_Z (2 ^ 8)) with (256 # 1). change (inject_Z (2 ^ 9)) with (512 # 1). ring. }
-        rewrite E, ES, EW, ED.
-        change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z 2) with (2 # 1) in *. lra. }
-    apply (cancel (inject_Z (2 ^ 28))); [reflexivity|].
-    assert (X2 : per_reach made * ((1 - ss) * dd + in_flight made + de * (1 # 2)) <= per_reach made * (r * (1 # 256)))
-      by (apply scaled; assumption).
-    change (inject_Z (2 ^ 28)) with (268435456 # 1). change (inject_Z (2 ^ 20)) with (1048576 # 1) in P3.
-    change (inject_Z gain_one) with (4096 # 1). change (inject_Z signal_one) with (16777216 # 1).
-    change (inject_Z si_one) with (4294967296 # 1) in *. lra.
-  - destruct late_error as [A1 A2]. destruct slack_made as [E _]. destruct largest_made as (G0 & G1 & _).
-    set (ww := distance_of) in *. set (oo := (set_overspeed S / 256)%Z) in *.
-    assert (W0 : (0 <= oo)%Z) by (apply Z.div_pos; lia).
+  destruct kappa_told as [K0 K1]. destruct late_error as [A1 A2]. pose proof share_exact as ES.
+  assert (F0 : 0 <= furthest made) by (change 0 with (inject_Z 0); apply Zle_Q; destruct furthest_made; lia).
+  refine (covers_if (s device_told) (kappa device_told) (inject_Z (furthest made)) 0 F0 K0 _ K1 _).
+  - set (ww := distance_of) in *. set (oo := (set_overspeed S / 256)%Z) in *. set (ss := s device_told) in *.
+    assert (W0 : (0 <= oo)%Z) by (apply Z.div_pos; [pose proof (check_overspeed checks)|]; lia).
     assert (W1 : (0 <= ww)%Z).
     { unfold ww. rewrite distance_exact. destruct measured_within. pose proof (check_count checks). lia. }
-    assert (F0 : 0 <= furthest made) by (change 0 with (inject_Z 0); apply Zle_Q; lia).
-    change (r device_told) with ss. change (way_after device_told) with (inject_Z (furthest made)). change (rough device_told) with 0.
-    assert (A3 : Qabs (ss - late made / signal_one) * furthest made <= (ww + oo) * (1 # 4294967296)).
-    { apply Zle_Q in A1, A2, W0, W1. in_Q A1. in_Q A2. change (inject_Z 0) with 0 in *.
-      change (inject_Z (2 ^ 8)) with (256 # 1) in *.
-      assert (E1 : (ss - late made / signal_one) * furthest made
-                   == (late_ticks - (256 # 1) * late made) * furthest made * (1 # 4294967296)).
-      { rewrite <- ES. change (inject_Z si_one) with (4294967296 # 1). change (inject_Z signal_one) with (16777216 # 1). field. }
-      apply Qabs_case; intros _; lra. }
-    assert (B3 : Qmax 0 (kappa device_told - stray made / signal_one) * (2 * largest made)
-                 <= 2 * largest made * (1 # 16777216)).
-    { assert (0 <= largest made) by (change 0 with (inject_Z 0); apply Zle_Q; lia).
-      assert (Qmax 0 (kappa device_told - stray made / signal_one) <= 1 # 16777216).
-      { apply Q.max_lub; [discriminate|].
-        assert (E1 : (stray made + 1) / signal_one == stray made / signal_one + (1 # 16777216))
-          by (change (inject_Z signal_one) with (16777216 # 1); field).
-        lra. }
-      nra. }
-    assert (C1 : (largest_change_of + ww + oo < si_one * ((largest_change_of + ww + oo) / si_one + 1))%Z)
-      by (pose proof (floors (largest_change_of + ww + oo) si_one ltac:(reflexivity)); lia).
-    assert (C2 : (told_count T < 2 ^ 9 * (told_count T / 2 / 2 ^ 8 + 1))%Z) by divided.
-    set (h := (told_count T / 2 / 2 ^ 8)%Z) in *. set (l := ((largest_change_of + ww + oo) / si_one)%Z) in *.
-    assert (C3 : (2 ^ 9 * largest made + ww + oo <= si_one * (l + 1))%Z) by lia.
-    assert (C4 : (told_count T <= 2 ^ 9 * (h + 1))%Z) by lia.
-    apply Zle_Q in C3, C4. in_Q C3. in_Q C4. rewrite E, !inject_Z_plus.
-    change (inject_Z (2 ^ 9)) with (512 # 1) in *. change (inject_Z si_one) with (4294967296 # 1) in *.
-    change (inject_Z 4) with (4 # 1). change (inject_Z 1) with (1 # 1) in *. lra.
+    apply Zle_Q in A1, A2, W0, W1. in_Q A1. in_Q A2. change (inject_Z 0) with 0 in *.
+    change (inject_Z (2 ^ 8)) with (256 # 1) in *.
+    assert (E1 : (ss - late made / signal_one) * furthest made
+                 == (late_ticks - (256 # 1) * late made) * furthest made * (1 # 4294967296)).
+    { rewrite <- ES. change (inject_Z si_one) with (4294967296 # 1). change (inject_Z signal_one) with (16777216 # 1). field. }
+    assert (E2 : Qabs (ss - late made / signal_one) * furthest made == Qabs ((ss - late made / signal_one) * furthest made))
+      by (rewrite Qabs_Qmult, (Qabs_pos (furthest made) F0); reflexivity).
+    rewrite E2, E1. apply Qabs_case; intros _; lra.
+  - unfold rounded_change. rewrite Estimated. apply Qle_refl.
 Qed.
+
+End Estimated.
+
+Section Measured.
+
+Hypothesis Measured : set_measured S = true.
+
+Open Scope Z_scope.
+
+(** The rest of a tick after the delay, and the lag, in the digits of a tick. *)
+Definition rest_ticks : Z := si_one - set_delay S * told_rate T.
+Definition lag_ticks : Z := set_lag S * told_rate T.
+
+Lemma lag_in_rest : 0 <= lag_ticks /\ lag_ticks <= rest_ticks /\ rest_ticks <= si_one.
+Proof.
+  destruct delays as (A & B & _). destruct late_exact as [_ L]. pose proof rate_pos. unfold lag_ticks, rest_ticks. nia.
+Qed.
+
+(** The share of the rest, rounded down, of a rest that is rounded down itself. *)
+Lemma share_of_rest :
+  0 < set_lag S ->
+  lag_ticks * si_one <= (share_of + 1) * rest_ticks
+  /\ share_of * rest_ticks <= (lag_ticks + told_rate T) * si_one
+  /\ rest_ticks <= told_rate T * (tick_of - set_delay S) + told_rate T.
+Proof.
+  intros P. destruct delays as (A & B & C & E). destruct tick_within as [_ [F1 F2]]. pose proof rate_pos as R.
+  pose proof lag_in_rest as (L0 & L1 & L2).
+  unfold share_of, mean_of, span_of. rewrite Measured. destruct (Z.ltb_spec 0 (set_lag S)); [|lia].
+  unfold si_over. destruct (Z.leb_spec (tick_of - set_delay S) 0) as [|T0]; [lia|].
+  set (n := tick_of - set_delay S) in *. set (e := rest_ticks) in *. set (z := lag_ticks) in *. set (t := told_rate T) in *.
+  assert (N1 : t * n <= e) by (unfold n, e, rest_ticks; fold t; nia).
+  assert (N2 : e <= t * n + t) by (unfold n, e, rest_ticks; fold t; nia).
+  assert (EZ : z = set_lag S * t) by reflexivity.
+  pose proof (floors (set_lag S * si_one) n T0) as [G1 G2]. set (f := set_lag S * si_one / n) in *.
+  assert (F0 : 0 <= f) by (apply Z.div_pos; numbers; lia).
+  assert (F3 : f <= si_one) by (apply Z.div_le_upper_bound; numbers; nia).
+  rewrite (Z.min_l f si_most), (Z.min_l f si_one) by (numbers; lia).
+  assert (H1 : t * (set_lag S * si_one) <= t * (n * (f + 1))) by (apply Z.mul_le_mono_nonneg_l; lia).
+  assert (H2 : (f + 1) * (t * n) <= (f + 1) * e) by (apply Z.mul_le_mono_nonneg_l; lia).
+  assert (H3 : t * (n * f) <= t * (set_lag S * si_one)) by (apply Z.mul_le_mono_nonneg_l; lia).
+  assert (H4 : f * e <= f * (t * n + t)) by (apply Z.mul_le_mono_nonneg_l; lia).
+  assert (H5 : f * t <= si_one * t) by (apply Z.mul_le_mono_nonneg_r; lia).
+  split; [rewrite EZ; lia|]. split; [rewrite EZ; lia | exact N2].
+Qed.
+
+(** Without damping a lag is refused. *)
+Lemma stray_of_rest :
+  0 < set_lag S ->
+  0 < set_share S * set_damping S
+  /\ lag_ticks * (rest_ticks - lag_ticks) * 2 ^ 24 * si_one
+     <= 4 * (set_share S * set_damping S * told_rate T) * rest_ticks * (stray made + 1).
+Proof.
+  intros P. destruct delays as (A & B & C & E). pose proof rate_pos as R. pose proof lag_in_rest as (L0 & L1 & L2).
+  destruct (share_of_rest P) as (S1 & _ & S3). destruct trusted_within as [U1 U2]. destruct stray_made as (N & N1 & N2).
+  pose proof share_at_most_one as SH.
+  assert (M0 : 0 <= tick_of - set_delay S - set_lag S <= si_one) by lia.
+  assert (Split : split_of = share_of * (tick_of - set_delay S - set_lag S) / si_one + 8).
+  { assert (0 <= share_of * (tick_of - set_delay S - set_lag S) <= si_one * si_one) by nia.
+    unfold split_of, mean_of, span_of, si_mul, si_add. rewrite Measured.
+    destruct (Z.ltb_spec 0 (set_lag S)); [|lia]. rewrite Z.max_l by lia.
+    numbers. set (p := share_of * _) in *. divided. }
+  set (m := tick_of - set_delay S - set_lag S) in *. set (t := told_rate T) in *. set (v := set_share S * set_damping S) in *.
+  set (e := rest_ticks) in *. set (z := lag_ticks) in *. set (f := share_of) in *.
+  assert (Q0 : 0 <= f * m) by (apply Z.mul_nonneg_nonneg; lia).
+  pose proof (floors (f * m) si_one ltac:(reflexivity)) as [_ Q1]. rewrite <- (Z.add_simpl_r (_ / _) 8), <- Split in Q1.
+  assert (Q2 : 8 <= split_of <= si_one * si_one).
+  { rewrite Split. assert (0 <= f * m / si_one) by (apply Z.div_pos; [exact Q0 | reflexivity]).
+    assert (f * m / si_one <= si_one) by (apply Z.div_le_upper_bound; [reflexivity | numbers; nia]). numbers. lia. }
+  (* what the split is for *)
+  assert (Q3 : z * (e - z) <= split_of * (t * e)).
+  { assert (H1 : z * si_one * (e - z) <= (f + 1) * e * (e - z)) by (apply Z.mul_le_mono_nonneg_r; lia).
+    assert (EM : e - z <= t * m + t).
+    { assert (EZ : z = set_lag S * t) by reflexivity. unfold m. lia. }
+    assert (H2 : (f + 1) * (e - z) <= (f + 1) * (t * m + t)) by (apply Z.mul_le_mono_nonneg_l; lia).
+    assert (H3 : f * m + m + f + 1 <= si_one * split_of) by (numbers; lia).
+    assert (H4 : t * (f * m + m + f + 1) <= t * (si_one * split_of)) by (apply Z.mul_le_mono_nonneg_l; lia).
+    assert (H5 : (f + 1) * (e - z) <= t * (si_one * split_of)) by lia.
+    assert (H6 : e * ((f + 1) * (e - z)) <= e * (t * (si_one * split_of))) by (apply Z.mul_le_mono_nonneg_l; lia).
+    apply (Z.mul_le_mono_pos_l _ _ si_one); [reflexivity|]. lia. }
+  unfold stray_of in *. destruct (Z.ltb_spec 0 split_of); [|lia].
+  unfold si_mul in *. assert (U3 : Z.min (trusted_of * (4 * si_one) / si_one) si_most = 4 * trusted_of) by (numbers; divided).
+  rewrite U3 in *. unfold si_over in *. destruct (Z.leb_spec (4 * trusted_of) 0) as [|U4]; [numbers; lia|].
+  split; [numbers; lia|].
+  pose proof (floors (split_of * si_one) (4 * trusted_of) U4) as [_ V]. set (g := split_of * si_one / (4 * trusted_of)) in *.
+  assert (G1 : g + 1 <= 2 ^ 8 * (stray made + 1)) by (numbers; lia).
+  assert (G2 : split_of * si_one <= 4 * trusted_of * (2 ^ 8 * (stray made + 1))).
+  { assert (4 * trusted_of * (g + 1) <= 4 * trusted_of * (2 ^ 8 * (stray made + 1))) by (apply Z.mul_le_mono_nonneg_l; lia). lia. }
+  assert (G3 : si_one * trusted_of * (stray made + 1) <= v * (stray made + 1)) by (apply Z.mul_le_mono_nonneg_r; lia).
+  assert (G4 : split_of * si_one * si_one <= 2 ^ 10 * (v * (stray made + 1))) by (numbers; lia).
+  assert (TE : 0 <= t * e) by (apply Z.mul_nonneg_nonneg; lia).
+  assert (G5 : t * e * (split_of * si_one * si_one) <= t * e * (2 ^ 10 * (v * (stray made + 1))))
+    by (apply Z.mul_le_mono_nonneg_l; lia).
+  numbers. lia.
+Qed.
+
+Open Scope Q_scope.
+
+(** The device that is told, with the change of force after the delay at the instant that is measured there, and a lag of its own from
+    there on. From that instant on nothing moves further than the speed of the settings allows, as it is measured. *)
+Definition device_measured : device :=
+  let rest := inject_Z lag_ticks / inject_Z rest_ticks in
+  {|
+    c := c device_told;
+    s := s device_told;
+    r := rest;
+    d := d device_told;
+    delta := delta device_told;
+    kappa := inject_Z lag_ticks / inject_Z si_one * (1 - rest) / (4 * c device_told);
+    way_after := inject_Z (set_overspeed S) * inject_Z rest_ticks / inject_Z (si_one * 2 ^ 8 * told_rate T);
+    rough := 1
+  |}.
+
+Lemma damping_of_a_lag : (0 < set_lag S)%Z -> 0 < c device_told.
+Proof.
+  intros P. destruct (stray_of_rest P) as [V _]. pose proof rate_pos as R.
+  apply Qlt_shift_div_l; [reflexivity|]. rewrite Qmult_0_l. change 0 with (inject_Z 0). rewrite <- Zlt_Qlt. nia.
+Qed.
+
+Lemma no_lag : set_lag S = 0%Z -> lag_ticks = 0%Z.
+Proof. unfold lag_ticks. intros ->. reflexivity. Qed.
+
+Lemma kappa_measured : 0 <= kappa device_measured <= (stray made + 1) / signal_one.
+Proof.
+  destruct stray_made as ((N & _) & _). destruct delays as (_ & B & _). pose proof lag_in_rest as (L0 & L1 & L2).
+  assert (N1 : 0 <= stray made) by (change 0 with (inject_Z 0); apply Zle_Q; exact N).
+  assert (N2 : 0 <= (stray made + 1) / signal_one).
+  { apply Qle_shift_div_l; [reflexivity|]. rewrite Qmult_0_l. lra. }
+  unfold device_measured. cbn [kappa].
+  destruct (Z.eq_dec (set_lag S) 0) as [E0|P].
+  - rewrite (no_lag E0). change (inject_Z 0) with 0.
+    assert (E : 0 / inject_Z si_one * (1 - 0 / inject_Z rest_ticks) / (4 * c device_told) == 0)
+      by (unfold Qdiv; ring).
+    rewrite E. split; [apply Qle_refl | exact N2].
+  - assert (P0 : (0 < set_lag S)%Z) by lia. pose proof (damping_of_a_lag P0) as C.
+    destruct (stray_of_rest P0) as [V W]. pose proof damping_exact as EC. pose proof rate_pos as R.
+    assert (Z0 : (0 < lag_ticks)%Z) by (unfold lag_ticks; nia).
+    assert (E0 : 0 < inject_Z rest_ticks) by (change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; lia).
+    apply Zle_Q in W, L0, L1. in_Q W. change (inject_Z 0) with 0 in *.
+    set (cc := c device_told) in *. set (z := inject_Z lag_ticks) in *. set (e := inject_Z rest_ticks) in *.
+    set (x := inject_Z (stray made)) in *.
+    change (inject_Z (2 ^ 64)) with (inject_Z si_one * inject_Z si_one) in EC.
+    assert (K : z / inject_Z si_one * (1 - z / e) / (4 * cc) == z * (e - z) / (4 * cc * e * inject_Z si_one))
+      by (field; repeat split; try discriminate; lra).
+    rewrite K.
+    assert (D0 : 0 < 4 * cc * e * inject_Z si_one).
+    { change (inject_Z si_one) with (4294967296 # 1). pose proof (Qmult_lt_0_compat _ _ C E0) as CE.
+      assert (X : 4 * cc * e * (4294967296 # 1) == (17179869184 # 1) * (cc * e)) by ring. rewrite X. lra. }
+    split.
+    + apply Qle_shift_div_l; [exact D0|]. rewrite Qmult_0_l. apply times_nonneg; lra.
+    + apply Qle_shift_div_r; [exact D0|].
+      apply (cancel (inject_Z si_one * signal_one)); [reflexivity|].
+      assert (E3 : inject_Z si_one * signal_one * (z * (e - z)) == z * (e - z) * inject_Z (2 ^ 24) * inject_Z si_one)
+        by (change signal_one with (2 ^ 24)%Z; ring).
+      assert (E4 : inject_Z si_one * signal_one * ((x + 1) / signal_one * (4 * cc * e * inject_Z si_one))
+                   == 4 * (inject_Z si_one * inject_Z si_one * cc) * e * (x + 1))
+        by (field; discriminate).
+      rewrite E3, E4, EC. in_Q W. rewrite ?inject_Z_mult. change (inject_Z 4) with 4 in W. exact W.
+Qed.
+
+Theorem made_covers_measured : covers made device_measured.
+Proof.
+  destruct kappa_measured as [K0 K1]. pose proof lag_in_rest as (L0 & L1 & L2). destruct delays as (_ & B & _).
+  pose proof rate_pos as R. pose proof (check_overspeed checks) as [O _]. destruct late_made as [[M0 _] [M1 M2]].
+  destruct measured_within as [Q0 [Q1 Q2]]. pose proof (check_count checks) as [CK _].
+  set (den := inject_Z (si_one * 2 ^ 8 * told_rate T)).
+  assert (D0 : 0 < den) by (unfold den; change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; numbers; lia).
+  assert (W0 : 0 <= way_after device_measured).
+  { unfold device_measured. cbn [way_after]. fold den. apply Qle_shift_div_l; [exact D0|]. rewrite Qmult_0_l.
+    apply times_nonneg; change 0 with (inject_Z 0); apply Zle_Q; lia. }
+  refine (covers_if (r device_measured) (kappa device_measured) (way_after device_measured) 1 W0 K0 _ K1 _).
+  2: { unfold rounded_change. rewrite Measured. apply Qle_refl. }
+  unfold device_measured. cbn [r way_after]. fold den.
+  set (oo := (set_overspeed S / 256)%Z). set (ww := distance_of).
+  assert (WW : (ww = measured_of + told_count T + 8)%Z) by apply distance_exact.
+  assert (OO : (set_overspeed S < 256 * oo + 256)%Z) by (unfold oo; pose proof (floors (set_overspeed S) 256 ltac:(reflexivity)); lia).
+  assert (OZ : (0 <= oo)%Z) by (apply Z.div_pos; lia).
+  destruct (Z.eq_dec (set_lag S) 0) as [E0|P].
+  - (* nothing is late by itself *)
+    assert (S0 : share_of = 0%Z).
+    { unfold share_of, mean_of. rewrite Measured, E0. reflexivity. }
+    assert (LZ : late made = 0%Z) by lia.
+    rewrite (no_lag E0), LZ. change (inject_Z 0) with 0.
+    assert (E : 0 / inject_Z rest_ticks - 0 / inject_Z signal_one == 0) by (unfold Qdiv; ring).
+    rewrite E. change (Qabs 0) with 0. rewrite Qmult_0_l.
+    assert (H : (0 <= ww + oo)%Z) by lia. apply Zle_Q in H. rewrite inject_Z_plus in H. change (inject_Z 0) with 0 in H. lra.
+  - assert (P0 : (0 < set_lag S)%Z) by lia. destruct (share_of_rest P0) as (S1 & S2 & _).
+    assert (Z0 : (0 < lag_ticks)%Z) by (unfold lag_ticks; nia).
+    set (z := lag_ticks) in *. set (e := rest_ticks) in *. set (f := share_of) in *. set (l := late made) in *.
+    set (o := set_overspeed S) in *. set (t := told_rate T) in *.
+    (* of the quotient both ways *)
+    assert (A1 : (o * (z * si_one - 2 ^ 8 * l * e) <= (ww + oo) * (2 ^ 8 * t * si_one))%Z).
+    { assert (H1 : (z * si_one - 2 ^ 8 * l * e <= 2 ^ 8 * si_one)%Z).
+      { assert (((f + 1) * e <= (2 ^ 8 * l + 2 ^ 8) * e)%Z) by (apply Z.mul_le_mono_nonneg_r; lia). nia. }
+      assert (H2 : (o * (z * si_one - 2 ^ 8 * l * e) <= o * (2 ^ 8 * si_one))%Z) by (apply Z.mul_le_mono_nonneg_l; lia).
+      assert (H3 : (o <= t * (ww + oo))%Z) by nia. nia. }
+    assert (A2 : (o * (2 ^ 8 * l * e - z * si_one) <= (ww + oo) * (2 ^ 8 * t * si_one))%Z).
+    { assert (H1 : (2 ^ 8 * l * e - z * si_one <= t * si_one)%Z).
+      { assert ((2 ^ 8 * l * e <= f * e)%Z) by (apply Z.mul_le_mono_nonneg_r; lia). lia. }
+      assert (H2 : (o * (2 ^ 8 * l * e - z * si_one) <= o * (t * si_one))%Z) by (apply Z.mul_le_mono_nonneg_l; lia).
+      assert (H3 : (o <= 2 ^ 8 * (ww + oo))%Z) by lia.
+      assert (H4 : (o * (t * si_one) <= 2 ^ 8 * (ww + oo) * (t * si_one))%Z) by (apply Z.mul_le_mono_nonneg_r; numbers; lia).
+      lia. }
+    apply Zle_Q in A1, A2. in_Q A1. in_Q A2.
+    assert (EE : 0 < inject_Z e) by (change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; lia).
+    assert (TT : 0 < inject_Z t) by (change 0 with (inject_Z 0); rewrite <- Zlt_Qlt; lia).
+    set (way := inject_Z o * inject_Z e / den).
+    assert (WY : 0 <= way) by exact W0.
+    assert (X : (inject_Z z / inject_Z e - inject_Z l / inject_Z signal_one) * way
+                == inject_Z o * (inject_Z z * inject_Z si_one - inject_Z (2 ^ 8) * inject_Z l * inject_Z e)
+                   / (inject_Z si_one * (inject_Z (2 ^ 8) * inject_Z t * inject_Z si_one))).
+    { unfold way, den. rewrite !inject_Z_mult. change (inject_Z signal_one) with (16777216 # 1).
+      change (inject_Z (2 ^ 8)) with (256 # 1). change (inject_Z si_one) with (4294967296 # 1). field. split; lra. }
+    assert (E2 : Qabs (inject_Z z / inject_Z e - inject_Z l / inject_Z signal_one) * way
+                 == Qabs ((inject_Z z / inject_Z e - inject_Z l / inject_Z signal_one) * way))
+      by (rewrite Qabs_Qmult, (Qabs_pos way WY); reflexivity).
+    rewrite E2, X.
+    set (n := inject_Z o * (inject_Z z * inject_Z si_one - inject_Z (2 ^ 8) * inject_Z l * inject_Z e)) in *.
+    set (q := inject_Z (2 ^ 8) * inject_Z t * inject_Z si_one) in *.
+    assert (QP : 0 < q) by (unfold q; change (inject_Z (2 ^ 8)) with (256 # 1); change (inject_Z si_one) with (4294967296 # 1); lra).
+    assert (NE : - n == inject_Z o * (inject_Z (2 ^ 8) * inject_Z l * inject_Z e - inject_Z z * inject_Z si_one)) by (unfold n; ring).
+    assert (B2 : - n <= (ww + oo) * q) by (rewrite NE; exact A2).
+    assert (SQ : 0 < inject_Z si_one * q) by (change (inject_Z si_one) with (4294967296 # 1); lra).
+    assert (EQ : (ww + oo) * (1 # 4294967296) == (ww + oo) * q / (inject_Z si_one * q))
+      by (change (inject_Z si_one) with (4294967296 # 1); field; lra).
+    rewrite EQ. apply Qabs_case; intros _.
+    + apply Qle_shift_div_r; [exact SQ|]. 
+      assert (Y : (ww + oo) * q / (inject_Z si_one * q) * (inject_Z si_one * q) == (ww + oo) * q) by (field; change (inject_Z si_one) with (4294967296 # 1); lra).
+      rewrite Y. exact A1.
+    + assert (Y : - (n / (inject_Z si_one * q)) == (- n) / (inject_Z si_one * q)) by (field; change (inject_Z si_one) with (4294967296 # 1); lra).
+      rewrite Y. apply Qle_shift_div_r; [exact SQ|].
+      assert (Y2 : (ww + oo) * q / (inject_Z si_one * q) * (inject_Z si_one * q) == (ww + oo) * q) by (field; change (inject_Z si_one) with (4294967296 # 1); lra).
+      rewrite Y2. exact B2.
+Qed.
+
+End Measured.
 
 End Told.
 
 (** The claims name both. *)
 Arguments device_told : clear implicits.
+Arguments device_measured : clear implicits.
+
+(** The device that is told, with a position once a tick or one more when the force changes. *)
+Definition device_of (S : settings) (T : told) : device :=
+  if set_measured S then device_measured S T else device_told S T.
 
 (** * The theorems *)
 
 Open Scope Q_scope.
 
-(** Whatever is accepted covers the device that it was told; with a delay, that device has damping. *)
+(** Whatever is accepted covers the device that it was told. With what is late by itself, that device has damping: a lag where the
+    position is measured when the force changes, else a delay or a lag. *)
 Theorem accepted_covers (S : settings) (T : told) (G : guard) :
-  set_measured S = false -> accepted S T = Some G ->
-  covers G (device_told S T) /\ (0 < s (device_told S T) -> 0 < c (device_told S T)).
+  accepted S T = Some G ->
+  covers G (device_of S T) /\ ((0 < mean_of)%Z -> 0 < c (device_of S T)).
 Proof.
-  intros M A. apply accepted_made in A. destruct A as [F ->].
-  split; [apply made_covers | apply damping_of_a_delay]; assumption.
+  intros A. apply accepted_made in A. destruct A as [F ->]. unfold device_of, mean_of.
+  destruct (set_measured S) eqn:M.
+  - split; [exact (made_covers_measured M) | exact (damping_of_a_lag M)].
+  - split; [exact (made_covers M)|]. intros P. apply (damping_of_a_delay M).
+    unfold device_told. cbn [s]. apply Qlt_shift_div_l; [reflexivity|]. rewrite Qmult_0_l. change 0 with (inject_Z 0).
+    rewrite <- Zlt_Qlt. apply Z.mul_pos_pos; [unfold si_add in P; lia | exact rate_pos].
 Qed.
 
 (** Of the same delay, and otherwise no worse. *)

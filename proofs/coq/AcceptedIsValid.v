@@ -315,6 +315,7 @@ Qed.
 
 Lemma slack_made :
   slack made = told_count T / 2 / 2 ^ 8 + 4 + (largest_change_of + distance_of + set_overspeed S / 256) / si_one
+                 + rounded_change
   /\ 0 <= slack made < 2 ^ 29.
 Proof.
   pose proof (check_count checks). pose proof (check_overspeed checks). destruct largest_change_exact as [E F].
@@ -326,7 +327,8 @@ Proof.
   rewrite (Z.min_l (l + w)) by lia. rewrite (Z.min_l (l + w + o)) by lia.
   assert (0 <= (l + w + o) / 0x100000000 <= 2 ^ 10) by divided. set (n := (l + w + o) / 0x100000000) in *.
   rewrite (Z.min_l n), (Z.min_l (k + _)) by lia. rewrite (Z.mul_comm (2 ^ 8)), Z.div_add by lia.
-  assert (0 <= k / 2 ^ 8 <= 2 ^ 20) by divided. lia.
+  assert (0 <= k / 2 ^ 8 <= 2 ^ 20) by divided.
+  assert (0 <= rounded_change <= 1) by (unfold rounded_change; destruct (set_measured S); lia). lia.
 Qed.
 
 (** * They are valid *)

@@ -72,7 +72,7 @@ Qed.
     [e] half of it and a quantum, [v T] the way of a tick at overspeed. *)
 Theorem any_accepted_window (S : settings) (T : told) (G : guard) (D : device)
     (error0 : Q) (before window : list event) (early rest damped : Q) :
-  set_measured S = false -> accepted S T = Some G -> no_worse D (device_told S T) ->
+  accepted S T = Some G -> no_worse D (device_of S T) ->
   Qabs error0 <= delta D * (1 # 2) ->
   let begin := run G (power_up G error0) before in
   let w := run G begin window in
@@ -86,8 +86,8 @@ Theorem any_accepted_window (S : settings) (T : told) (G : guard) (D : device)
   <= si (set_capacity S) * (1 + error / (way + 2 * si (told_count T)))
      + si (set_refill S) / told_rate T * inject_Z (Z.of_nat (length window)).
 Proof.
-  intros M A B E0 begin w Hb Hw He Hr Hd port_took error way.
-  destruct (accepted_covers S T G M A) as [K _]. pose proof (no_worse_is_covered _ _ _ K B) as KD.
+  intros A B E0 begin w Hb Hw He Hr Hd port_took error way.
+  destruct (accepted_covers S T G A) as [K _]. pose proof (no_worse_is_covered _ _ _ K B) as KD.
   pose proof (any_window_by_settings G D KD error0 before window early rest damped E0 Hb Hw He Hr Hd) as H.
   cbn zeta in H. fold begin w port_took in H.
   apply accepted_made in A. destruct A as [F ->].
@@ -96,6 +96,8 @@ Proof.
   unfold joules. apply Qmult_le_compat_r; [|discriminate].
   assert (L : 0 <= largest made) by (apply Q_nonneg; apply largest_made).
   destruct B as [_ _ _ _ _ _ [_ X] _].
+  assert (Same : delta (device_of S T) == delta (device_told S T))
+    by (unfold device_of; destruct (set_measured S); reflexivity).
   assert (largest made * (delta D * (1 # 2)) <= largest made * (delta (device_told S T) * (1 # 2)))
     by (apply scaled; [exact L | lra]).
   lra.

@@ -100,9 +100,10 @@ Definition stray_of : Z := if 0 <? split_of then si_over split_of (si_mul truste
 Definition half_count : Z := told_count T / 2.
 Definition left_out_of : Z := si_add (si_add largest_change_of distance_of) (set_overspeed S / 256).
 (** Half a count, and what is left out: its units and the rest, a quantum each. The position and the part under the old force are rounded
-    by one each. *)
+    by one each, and so is a position that is measured at the change of force. *)
 Definition half_count_up : Z := si_add half_count (step_bits * (Z.min (left_out_of / si_one) 0xffff + 1)).
-Definition slack_of : Z := signal_add (signal_add (signal_up half_count_up) 1) 1.
+Definition rounded_change : Z := if set_measured S then 1 else 0.
+Definition slack_of : Z := signal_add (signal_add (signal_add (signal_up half_count_up) 1) 1) rounded_change.
 Definition in_flight_of : Z :=
   if (0 <? set_delay S) || (0 <? set_lag S)
   then si_add (si_add (si_mul late_of distance_of) up_bits) half_count

@@ -2,7 +2,7 @@
     claim goes, and none says less, without that file changing. What a tick of guard and laws is, is compared with the code. *)
 
 Require Import ZArith QArith Qabs Qminmax List.
-From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldChange Shipped Boards GuardSettings AcceptedIsValid AcceptedCovers
+From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldChange Shipped GuardSettings AcceptedIsValid AcceptedCovers
   AcceptedWindow Laws LawsArePassive Mass Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
 
 Open Scope Q_scope.
@@ -31,7 +31,6 @@ Print GuardLosesNothing.all_may_precede.
 Print GuardLosesNothing.power_up.
 Print Shipped.knob.
 Print Shipped.microjoules.
-Print Boards.told.
 Print AcceptedIsValid.valid.
 Print AcceptedCovers.device_told.
 Print AcceptedCovers.no_worse.
@@ -106,7 +105,6 @@ Check once_a_tick.
 Check read_in_between.
 Check knob_acts_late.
 Check shipped_window.
-Check board_window.
 Check accepted_is_valid.
 Check accepted_covers.
 Check no_worse_is_covered.
@@ -132,7 +130,7 @@ Check halves_are_the_root.
 (** All of them, so that what they assume is asked once: the question goes through all that they are made of, which takes a while. *)
 Definition claims :=
   (change_of_force, pure_delay_acts_late, current_loop_acts_late, told_change_acts_late, any_window, any_window_by_settings,
-   once_a_tick, read_in_between, knob_acts_late, shipped_window, board_window, accepted_is_valid, accepted_covers,
+   once_a_tick, read_in_between, knob_acts_late, shipped_window, accepted_is_valid, accepted_covers,
    no_worse_is_covered, any_accepted_window, thesis_sum_is_never_negative, fba_is_passive, contact_gives_at_most_the_loan,
    given_at_most, enhanced_gives_at_most_the_loan, enhanced_gives_at_most, enhanced_energy_is_never_negative, offset_in_a_tick,
    offset_goes_no_further, storage_is_kept, force_is_the_tension_rounded, hand_over_adds_nothing,

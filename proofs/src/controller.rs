@@ -267,7 +267,7 @@ replaced_property! {
             ..Settings::default()
         };
         settings.guard.on = s.bool();
-        let told = [&mut settings.guard.capacity, &mut settings.k_desired, &mut settings.force_limit, &mut settings.position.count];
+        let told = [&mut settings.guard.capacity, &mut settings.k_desired, &mut settings.force_limit, &mut settings.position.count, &mut settings.position_error];
         for value in told {
             let any = Si::from_bits(s.i64());
             *value = if s.shortcut() { Si::from_bits(value.to_bits() - (any.to_bits() & 7)) } else { any };

@@ -1,20 +1,22 @@
-//! Properties of the parts of a knob's feel (spring to a centre, viscous and dry friction, click) at 32 bits: each force is within
-//! its limit, and each memory within its bounds.
+//! Properties of the parts of a knob's feel (spring to a centre, viscous and dry friction, click, inertia) at 32 bits: each force is
+//! within its limit, and each memory within its bounds.
 //!
 //! `f` is the force, `A` its limit, `z` the stretch of a spring, `Z` the largest stretch, `l` the ticks that are left of a click of
-//! `2 h` ticks.
+//! `2 h` ticks, `y` what the device is ahead of the mass that it drags.
 //!
 //! ```text
 //! |f| <= A, f z >= 0                              p4_elastic_force
 //! |f| <= A, f' = f at the next tick               p4_viscous_force
 //! |z| <= Z, |z' - z| <= |Δ|, |f| <= A             p4_dry_force
 //! f = A or -A while l > 0, else 0; l <= 2 h       p4_click_force
+//! |f| <= A, y, Δ >= 0 => y' >= 0                  p4_inertia_force
 //! ```
 
 use crate::format::Format;
 use crate::source::{Source, one_with};
 use crate::{assume, cover, property};
 use touchstone_control::environment::feel::{Click, Dry, Elastic, Viscous};
+use touchstone_control::environment::inertia::Dragged;
 use touchstone_control::{Compliance, Fixed32, Force, Position, Ratio};
 
 type N = Fixed32;
@@ -120,5 +122,33 @@ property! {
         cover!(s, begins && click.upward, "begins upwards");
         cover!(s, begins && !click.upward, "begins downwards");
         cover!(s, !begins && left > 0 && left <= u32::from(half), "the second half");
+    }
+}
+property! {
+    /// P4: rendered inertia stays within the force limit and remembers the force that it gave. A device that moves on stays ahead of
+    /// the mass that it drags.
+    equation "|f| <= A; f is the memory of the next tick; y >= 0, Δ >= 0 => y' >= 0; y <= 0, Δ <= 0 => y' <= 0"
+    over "coefficients, force limit, last force, distance to the mass, displacement"
+    fn p4_inertia_force(s) {
+        let damper = Viscous::<N> {
+            kept: one_with(s, N::any_ratio, |it| *it >= Ratio::zero()),
+            per_way: one_with(s, N::any_compliance, |it| *it >= Compliance::zero()),
+            most: positive_force32(s),
+            force: N::any_force(s),
+        };
+        let kept = one_with(s, N::any_ratio, |it| *it >= Ratio::zero());
+        let mut dragged = Dragged { kept, ahead: N::any_position(s), damper };
+        assume!(s, damper.kept >= Ratio::zero() && damper.per_way >= Compliance::zero() && damper.most >= Force::zero(), "ViscousSettings::viscous");
+        assume!(s, kept >= Ratio::zero(), "InertiaSettings::rendered");
+        let before = dragged.ahead;
+        let moved = N::any_position(s);
+        let force = dragged.drag(moved);
+        assert!(force <= damper.most && force >= -damper.most);
+        assert!(dragged.damper.force == force);
+        let none = Position::zero();
+        assert!(before < none || moved < none || dragged.ahead >= none);
+        assert!(before > none || moved > none || dragged.ahead <= none);
+        cover!(s, force == damper.most && force > Force::zero(), "the force limit");
+        cover!(s, before > none && moved < none, "a turn");
     }
 }

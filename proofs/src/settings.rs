@@ -155,6 +155,7 @@ mod tests {
             },
             energy_credit: pick(s, base.energy_credit),
             force_limit: pick(s, base.force_limit),
+            position_error: pick(s, Si::lit("0.01")),
             states: [StatesKind::Measured, StatesKind::Estimated][s.bits(1) as usize],
             estimator: EstimatorSettings {
                 bandwidth_hz: pick(s, base.estimator.bandwidth_hz),

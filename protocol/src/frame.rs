@@ -46,6 +46,7 @@ pub struct NoRoom;
 
 /// Why a received frame cannot be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrameError {
     /// The frame is longer than any frame of this protocol.
     TooLong,

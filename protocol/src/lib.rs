@@ -1,6 +1,6 @@
-//! Code that firmware and desktop share: an unbroken encoder count from a counter that wraps ([`unwrap`]), the states that decide
-//! whether the outputs may be on ([`machine`]), and a device's settings ([`settings`]). The feature `wire` adds the communication:
-//! the encoding of settings on the wire and in flash, requests and replies, telemetry, and the frames around them.
+//! Code that firmware and desktop share. [`unwrap`] makes an unbroken encoder count from a counter that wraps, [`machine`] has the
+//! states that decide whether the outputs may be on, [`settings`] has a device's settings. The feature `wire` adds the
+//! communication: the encoding of settings on the wire and in flash, requests and replies, telemetry, and the frames around them.
 //!
 //! All functions are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
 #![cfg_attr(not(test), no_std)]
@@ -30,6 +30,9 @@ pub mod session;
 pub mod stored;
 #[cfg(feature = "wire")]
 pub mod telemetry;
+
+/// The crate of the control laws, re-exported so that a user need not depend on the same version of it.
+pub use touchstone_control;
 
 pub use board::Board;
 pub use limit::{Limit, Limits};

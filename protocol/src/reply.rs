@@ -58,6 +58,7 @@ pub enum Reply {
 
 /// Reasons for refusing a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The request is not allowed in this state of the device.
     NotNow(Phase),
@@ -69,7 +70,7 @@ pub enum Refusal {
     Flash,
     /// The ring buffer is still recording. It stops at a fault and can then be read.
     RingRuns,
-    /// The frame's CRC was right, but the device does not know this request.
+    /// The frame's CRC was right, but the device's firmware has no such request.
     NotUnderstood,
     /// The encoder's alignment with the motor cannot be stored, or none is stored for an automatic start.
     #[cfg(feature = "large")]

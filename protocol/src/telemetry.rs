@@ -105,8 +105,8 @@ impl From<State> for Phase {
     }
 }
 
-/// The record of a fault on the serial link. The code is a plain number, so that an older desktop program can show a code that it
-/// does not know.
+/// The record of a fault on the serial link. The code is a plain number, so that an older desktop program can show the code of a
+/// newer fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Number of the fault: [`FaultCode::to_wire`].
@@ -118,7 +118,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// The fault code, if this version of the protocol knows the number.
+    /// The fault code, if this version of the protocol has the number.
     #[must_use]
     pub fn known(&self) -> Option<FaultCode> {
         FaultCode::from_wire(self.code)

@@ -13,7 +13,7 @@ macro_rules! unwrap {
         }
 
         impl $name {
-            /// Starts with a first reading of the counter, which stands for the unbroken count `count`.
+            /// Starts with a first reading of the counter, which is given the unbroken count `count`.
             #[must_use]
             pub const fn new(reading: $counter, count: i64) -> Self {
                 Self { last: reading, count }

@@ -12,6 +12,7 @@ PARTS = (
     ("spring", "stiffness_n_m_per_rad", "40", "environment.spring.stiffness_n_m_per_rad", 0.04, "runs[0].parts.spring !== null"),
     ("dry_friction", "strength_n_m", "4", "environment.dry_friction.strength_n_m", 0.004, "runs[0].parts.friction !== null"),
     ("damper", "damping_n_m_s_per_rad", "0.3", "environment.damper.damping_n_m_s_per_rad", 0.0003, "runs[0].parts.damper !== null"),
+    ("inertia", "inertia_kg_m2", "50", "environment.inertia.inertia_kg_m2", 5e-6, "runs[0].parts.inertia !== null"),
     ("first_wall", "surface_rad", "40", "wall.surface_rad", 0.698132, "runs[0].facts.has_wall === 1"),
 )
 

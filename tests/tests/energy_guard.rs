@@ -149,7 +149,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
         change: ChangeOfForce::Estimated,
         ..law.guard
     };
-    // `board_window` of proofs/coq/Boards.v, with half a count under the force that 45 mJ allow.
+    // `any_accepted_window` of proofs/coq/AcceptedWindow.v, with half a count under the force that 45 mJ allow.
     let bound_j = 0.045_145;
     let count_rad = law.position.count.to_num::<f64>();
     let port = |settings: GuardSettings, reads: bool| {

@@ -2,8 +2,8 @@
 //! force where a motion would not be counted.
 
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, Environment, Extent, FeelSettings, MOST_POINTS,
-    ProfileSettings, Reached, Reading, Shape, Side, Spacing, ViscousSettings, WHOLE,
+    CentreSettings, ClickSettings, DrySettings, Environment, Extent, FeelSettings, InertiaSettings,
+    MOST_POINTS, ProfileSettings, Reached, Reading, Shape, Side, Spacing, ViscousSettings, WHOLE,
 };
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
 use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wall};
@@ -226,7 +226,7 @@ fn a_knob_turns_on_without_end() {
     assert!(!environment.tripped() && pushes > 200_000);
 }
 
-/// Every other seed: spring, damper, dry friction and clicks at their strongest.
+/// Every other seed: spring, damper, dry friction, clicks and inertia at their strongest.
 fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
     if seed.is_multiple_of(2) {
         return FeelSettings::default();
@@ -237,6 +237,13 @@ fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
         damping: Si::ZERO,
         bandwidth_hz,
     };
+    // Either all damping is that of the friction, or a quarter of it, so that the mass has some.
+    let damping = viscous.most(settings) / (1 + 3 * (i64::from(seed % 4 == 1)));
+    let mut inertia = InertiaSettings {
+        inertia: Si::ZERO,
+        bandwidth_hz: si("5"),
+    };
+    inertia.inertia = inertia.heaviest(settings, damping);
     FeelSettings {
         spring: Some(CentreSettings {
             centre: si("0.05"),
@@ -244,7 +251,7 @@ fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
             strength,
         }),
         viscous: Some(ViscousSettings {
-            damping: viscous.most(settings),
+            damping,
             bandwidth_hz,
         }),
         dry: Some(DrySettings {
@@ -257,6 +264,7 @@ fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
             strength,
             duration_s: si("0.001"),
         }),
+        inertia: Some(inertia),
     }
 }
 

@@ -165,6 +165,39 @@ fn a_profile_is_felt_as_it_is_drawn() {
     assert!(felt > 12 * 1000, "{felt}");
 }
 
+/// Checks that a hand feels listed detents as they are listed, to within 5 % of the strongest, and that the knob passes all of them.
+#[test]
+fn a_list_is_felt_as_it_is_listed() {
+    for grip in ["medium", "firm"] {
+        let scene = feel("selector", &[&format!("grip={grip}")]);
+        let list = scene.environment.clone().unwrap().detent_list.unwrap();
+        let most = list.strengths_n_m.iter().copied().fold(0.0, f64::max);
+        let listed = |angle: f64| -> f64 {
+            let detents = list.positions_rad.iter().zip(&list.strengths_n_m);
+            let torques = detents
+                .zip(&list.widths_rad)
+                .map(|((at, strength), width)| {
+                    let size = (angle - at) / (width / 4.0);
+                    size.signum() * strength * size.abs().min(2.0 - size.abs()).max(0.0)
+                });
+            torques.sum()
+        };
+        let trace = traced(&scene);
+        // Near the end stops their walls push as well.
+        let free = -0.1..1.2;
+        let mut furthest = 0.0_f64;
+        for (angle, force) in trace.angle_rad.iter().zip(&trace.force_n_m) {
+            furthest = furthest.max(*angle);
+            let wrong = (force - listed(*angle)).abs();
+            assert!(
+                !free.contains(angle) || wrong <= 0.05 * most,
+                "{grip}: {wrong} N·m wrong at {angle} rad"
+            );
+        }
+        assert!(furthest > 1.2, "{grip}: {furthest} rad");
+    }
+}
+
 /// Checks that a press on the lower end stop, whose force is negative, gives the same largest force, verdict and torque limit as a
 /// press on the upper one.
 #[test]

@@ -46,7 +46,7 @@ fn a_pattern_found_against_a_files_guard_gets_no_more_than_promised_from_what_se
         port.law = SpringDamper { k: 20.0, b: 0.0 }.into();
         port.force_limit_n_m = 0.5;
     }
-    // 45 mJ and half a count under the force that 45 mJ allow; `board_window` of proofs/coq/Boards.v.
+    // 45 mJ and half a count under the force that 45 mJ allow; `any_accepted_window` of proofs/coq/AcceptedWindow.v.
     let bound_j = 0.045_145;
     assert_eq!(guard.capacity, Si::lit("0.045"));
     let (mut worst_j, mut left_j) = (0.0_f64, 0.0_f64);

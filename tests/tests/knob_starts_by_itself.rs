@@ -1,4 +1,4 @@
-//! Tests the unattended start of a board: it gives itself the start commands once if everything is in order, and no command
+//! Tests the automatic start of a board: it gives itself the start commands once if everything is in order, and no command
 //! otherwise.
 
 use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
@@ -9,7 +9,7 @@ use touchstone_world::motor::GIMBAL;
 
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
-/// Inputs of the unattended start with which everything is in order.
+/// Inputs of the automatic start with which everything is in order.
 const GOOD: Glance = Glance {
     state: State::Boot,
     is_supplied: true,
@@ -30,7 +30,7 @@ fn asked() -> Autostart {
     Autostart::new(true, ResetReason::PowerOn, true)
 }
 
-/// Runs the steps of the unattended start with the inputs `now` for at most this many seconds. Returns the first command that it
+/// Runs the steps of the automatic start with the inputs `now` for at most this many seconds. Returns the first command that it
 /// gives, and the number of its step.
 fn until(
     autostart: &mut Autostart,
@@ -234,7 +234,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
     }
 }
 
-/// Checks the unattended start with a whole simulated knob and without a desktop program: the motor is switched on, and its force
+/// Checks the automatic start with a whole simulated knob and without a desktop program: the motor is switched on, and its force
 /// fades in.
 #[test]
 fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {

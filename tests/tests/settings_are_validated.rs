@@ -9,7 +9,7 @@ use touchstone_tests::si::{assert_one_line, next, si};
 /// A setting, the function that sets it, and its smallest and largest accepted value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
-const BOUNDS: [Bound; 30] = [
+const BOUNDS: [Bound; 31] = [
     (Field::KDesired, |s, x| s.k_desired = x, "0", "500000"),
     (Field::KSoft, |s, x| s.k_soft = x, "0.01", "500000"),
     (
@@ -57,6 +57,12 @@ const BOUNDS: [Bound; 30] = [
         |s, x| s.force_limit = x,
         "0.000001",
         "100",
+    ),
+    (
+        Field::PositionError,
+        |s, x| s.position_error = x,
+        "0",
+        "0.05",
     ),
     // Measured states and no guard. Settings that only an estimator or a guard uses have their own tests.
     (

@@ -3,8 +3,8 @@
 
 use touchstone_control::Si;
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, FeelSettings, MOST_POINTS, Shape, Spacing,
-    ViscousSettings, WHOLE,
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, MOST_POINTS, Shape,
+    Spacing, ViscousSettings, WHOLE,
 };
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
@@ -248,6 +248,10 @@ fn the_longest_environment_has_room() {
                 centre: Si::MIN,
                 strength: Si::MIN,
                 duration_s: Si::MIN,
+            }),
+            inertia: Some(InertiaSettings {
+                inertia: Si::MIN,
+                bandwidth_hz: Si::MIN,
             }),
         }),
     };

@@ -1,13 +1,26 @@
 //! `cargo xtask doc`: builds the documentation of all crates; any warning, also about a broken link, is an error. Packs the two crates
-//! that others use, and builds and runs the examples of their README files in a crate outside of the workspace.
+//! that others use, and builds and runs the examples of their README files in a crate outside of the workspace. Builds both
+//! crates for microcontrollers, which have no standard library.
 
 use std::path::Path;
 
 use crate::outcome::Outcome;
-use crate::shell;
+use crate::{shell, toolchain};
 
 /// The crates that are published, in the order of their dependence.
 const PUBLISHED: [&str; 2] = ["touchstone-control", "touchstone-protocol"];
+
+/// Targets without a standard library: without and with a float unit.
+const WITHOUT_STD: [&str; 2] = ["thumbv6m-none-eabi", toolchain::BOARD];
+
+/// Features with which each crate builds there.
+const FEATURES: [(&str, &str); 5] = [
+    ("touchstone-control", ""),
+    ("touchstone-control", "float"),
+    ("touchstone-control", "float,laws"),
+    ("touchstone-protocol", ""),
+    ("touchstone-protocol", "flash,large"),
+];
 
 pub fn run(_: &[String]) -> Outcome {
     let mut command = shell::cargo_locked("doc");
@@ -64,8 +77,20 @@ fn outside() -> Result<Outcome, Outcome> {
         run.arg("--target-dir").arg(folder.join("target"));
         shell::run(&mut run).went_well()?;
     }
+    let mut builds = 0;
+    for target in WITHOUT_STD {
+        let compiler = toolchain::obtain(target)?;
+        for (package, features) in FEATURES {
+            let (mut build, options) = compiler.cargo(&["core"]);
+            build.args(["--quiet", "--lib", "--package", package]);
+            build.args(["--no-default-features", "--features", features]);
+            build.arg("--target-dir").arg(shell::target("without-std"));
+            shell::run(build.args(options)).went_well()?;
+            builds += 1;
+        }
+    }
     Ok(Outcome::Ok(format!(
-        "{} README examples run in a crate outside",
+        "{} README examples run in a crate outside; {builds} builds without the standard library",
         examples.len()
     )))
 }

@@ -228,7 +228,7 @@ const STEPS: &[Step] = &[
     Step {
         name: "site",
         about: "book, live pages, a report and the API's documentation in one folder for any static host, `target/site`; links and loads checked",
-        gates: Gates::NONE,
+        gates: Gates::FULL_ONLY,
         run: site::run,
     },
     Step {

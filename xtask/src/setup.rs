@@ -132,6 +132,14 @@ const TOOLS: &[Tool] = &[
         packages: &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
     },
     Tool {
+        name: "mdbook",
+        need: Need::Full,
+        purpose: "site: the book",
+        version: || first_line(&["mdbook", "--version"]),
+        hint: "cargo install --locked mdbook --version 0.4.52",
+        packages: &[],
+    },
+    Tool {
         name: "coq",
         need: Need::Full,
         purpose: "prove: the theorems over traces",

@@ -267,6 +267,20 @@ typedef struct {
 } ts_feel_profile;
 
 /*
+ An added inertia, rendered as a virtual mass that the device drags by a damper; without inertia there is none.
+ */
+typedef struct {
+  /*
+   The mass, kg·m². The largest value follows from the inertia and the delay in the settings.
+   */
+  ts_si inertia;
+  /*
+   Frequency below which motions feel the mass, Hz, 5 to 30.
+   */
+  ts_si bandwidth_hz;
+} ts_feel_inertia;
+
+/*
  All parts of a feel. Start from `ts_feel_defaults`, which has no part, and set those that you want.
  */
 typedef struct {
@@ -302,6 +316,10 @@ typedef struct {
    Torque profile.
    */
   ts_feel_profile profile;
+  /*
+   Added inertia.
+   */
+  ts_feel_inertia inertia;
 } ts_feel_config;
 
 /*

@@ -5,7 +5,7 @@ use touchstone_control::Si;
 use touchstone_control::environment::profile::Shape;
 use touchstone_control::environment::{
     CentreSettings, ClickSettings, DetentSettings, DrySettings, Extent, Face, FeelSettings,
-    ProfileSettings, Refused, Side, Spacing, ViscousSettings, WallSettings,
+    InertiaSettings, ProfileSettings, Refused, Side, Spacing, ViscousSettings, WallSettings,
 };
 
 /// The most walls of a feel.
@@ -93,6 +93,17 @@ pub struct ts_feel_click {
     pub duration: ts_si,
 }
 
+/// An added inertia, rendered as a virtual mass that the device drags by a damper; without inertia there is none.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(non_camel_case_types)]
+pub struct ts_feel_inertia {
+    /// The mass, kg·m². The largest value follows from the inertia and the delay in the settings.
+    pub inertia: ts_si,
+    /// Frequency below which motions feel the mass, Hz, 5 to 30.
+    pub bandwidth_hz: ts_si,
+}
+
 /// A torque drawn over the angle, by points with straight lines between them; without strength there is none.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -133,6 +144,8 @@ pub struct ts_feel_config {
     pub click: ts_feel_click,
     /// Torque profile.
     pub profile: ts_feel_profile,
+    /// Added inertia.
+    pub inertia: ts_feel_inertia,
 }
 
 const NOWHERE: ts_feel_wall = ts_feel_wall {
@@ -177,6 +190,10 @@ pub(crate) const EMPTY: ts_feel_config = ts_feel_config {
         end: 0,
         count: 0,
         points: [0; TS_FEEL_POINTS],
+    },
+    inertia: ts_feel_inertia {
+        inertia: 0,
+        bandwidth_hz: 0,
     },
 };
 
@@ -232,6 +249,7 @@ impl ts_feel_config {
             damper,
             dry_friction,
             click,
+            inertia,
             ..
         } = self;
         FeelSettings {
@@ -253,6 +271,10 @@ impl ts_feel_config {
                 centre: si(click.centre),
                 strength: si(click.strength),
                 duration_s: si(click.duration),
+            }),
+            inertia: (inertia.inertia != 0).then(|| InertiaSettings {
+                inertia: si(inertia.inertia),
+                bandwidth_hz: si(inertia.bandwidth_hz),
             }),
         }
     }

@@ -49,7 +49,7 @@ pub extern "C" fn ts_settings_set(
         (Ok(settings), Ok(path), Ok(value)) => match settings.set_by_path(path, value) {
             Ok(()) => ts_status::TS_OK,
             Err(NotSet::UnknownPath) => ts_status::TS_UNKNOWN_SETTING,
-            Err(NotSet::NoValue) => ts_status::TS_BAD_VALUE,
+            Err(_) => ts_status::TS_BAD_VALUE,
         },
         (Err(status), ..) | (_, Err(status), _) | (.., Err(status)) => status,
     }

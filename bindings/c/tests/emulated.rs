@@ -53,12 +53,14 @@ const CHIPS: [Chip; 4] = [
 ];
 
 impl Chip {
-    /// Builds the library for this chip, in a folder of its own under cargo's. `None` without Rust's target.
-    fn library(&self) -> Option<PathBuf> {
+    /// Builds the library for this chip with the laws of these features, in a folder of its own under cargo's. `None` without Rust's
+    /// target.
+    fn library(&self, laws: &str) -> Option<PathBuf> {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("emulated");
         let built = Command::new(env!("CARGO"))
             .args(["build", "--quiet", "--jobs", "1", "--profile", "embedded"])
             .args(["--package", "touchstone-c", "--target", self.target])
+            .args(["--no-default-features", "--features", laws])
             .arg("--target-dir")
             .arg(&folder)
             .current_dir(ROOT)
@@ -210,7 +212,7 @@ fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
     }
     println!("| chip | part | flash, bytes | RAM, bytes | instructions, mean | largest |");
     for chip in CHIPS {
-        let Some(library) = chip.library() else {
+        let Some(library) = chip.library("laws") else {
             continue;
         };
         let is_small = chip.memory.contains(&"16K");
@@ -226,6 +228,56 @@ fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
             };
             assert_eq!(chip.said(source, &library), desktop, "{}", chip.name);
             println!("{}: {source} has the same bits", chip.name);
+        }
+    }
+}
+
+/// Features of the library, each with the words of the laws that it adds to the spring.
+const ONE_LAW: [(&str, &[&str]); 6] = [
+    ("", &[]),
+    ("spring-damper", &["spring-damper"]),
+    ("tdpa", &["tdpa"]),
+    ("fba", &["fba"]),
+    ("sfa", &["sfa", "sfa-continuous"]),
+    ("enhanced-sfa", &["enhanced-sfa"]),
+];
+
+#[test]
+#[ignore = "builds the library for a microcontroller six times"]
+fn a_library_with_one_law_has_its_bits_and_refuses_the_others_by_name() {
+    if !(is_here("arm-none-eabi-gcc") && is_here("qemu-system-arm")) {
+        return;
+    }
+    let chip = &CHIPS[2];
+    let laws = "tests/emulated/laws.c";
+    let Some(desktop) = Program::c("laws", &[laws]).said(&[]) else {
+        return;
+    };
+    println!("| {}, laws | wall | feel |", chip.name);
+    for (feature, has) in ONE_LAW {
+        let Some(library) = chip.library(feature) else {
+            return;
+        };
+        let [wall, feel] = ["WALL", "FEEL"].map(|part| size(chip, part, &library)[0]);
+        let name = if feature.is_empty() {
+            "spring"
+        } else {
+            feature
+        };
+        println!("| {name} | {wall} | {feel} |");
+        let said = chip.said(laws, &library);
+        assert_eq!(said.lines().count(), desktop.lines().count(), "{said}");
+        for (here, there) in said.lines().zip(desktop.lines()) {
+            let law = there.split(' ').next().unwrap_or_default();
+            if law == "spring" || has.contains(&law) {
+                assert_eq!(here, there, "{feature}");
+            } else {
+                let feature = law.trim_end_matches("-continuous");
+                let words = format!(
+                    "{law}: law.kind = {law}: this build has no such law: build it with the feature `{feature}`, or choose another law"
+                );
+                assert_eq!(here, words);
+            }
         }
     }
 }

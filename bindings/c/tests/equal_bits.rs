@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use touchstone_control::environment::profile::Shape;
 use touchstone_control::environment::{
     CentreSettings, ClickSettings, Counted, DetentSettings, DrySettings, Extent, Face,
-    FeelSettings, ProfileSettings, Side, Spacing, ViscousSettings, WallSettings,
+    FeelSettings, InertiaSettings, ProfileSettings, Side, Spacing, ViscousSettings, WallSettings,
 };
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::fixed::types::I8F24;
@@ -191,6 +191,10 @@ fn all_parts(settings: &Settings, around: bool) -> Environment<Fixed32> {
             centre: si("0.0625"),
             strength: si("0.03125"),
             duration_s: si("0.0078125"),
+        }),
+        inertia: Some(InertiaSettings {
+            inertia: si("0.00000762939453125"),
+            bandwidth_hz: si("12"),
         }),
     };
     let points: Vec<i16> = (0..7)

@@ -30,6 +30,7 @@ static void all_parts(int around) {
   config.damper = (ts_feel_damper){TS_SI(0.0009765625), TS_SI(100)};
   config.dry_friction = (ts_feel_dry_friction){TS_SI(0.015625), TS_SI(0.0078125)};
   config.click = (ts_feel_click){TS_SI(0.03125), around ? 36 : 0, TS_SI(0.1875), TS_SI(0.0625), TS_SI(0.0078125)};
+  config.inertia = (ts_feel_inertia){TS_SI(0.00000762939453125), TS_SI(12)};
   config.profile.strength = TS_SI(0.0625);
   config.profile.per_turn = around ? 3 : 0;
   config.profile.start = TS_SI(-0.5);

@@ -107,6 +107,7 @@ static ts_feel_config feel_config(void) {
   if (one_in(2)) it.damper = (ts_feel_damper){TS_SI(0.0005), TS_SI(100)};
   if (one_in(2)) it.dry_friction = (ts_feel_dry_friction){TS_SI(0.01), TS_SI(0.01)};
   if (one_in(2)) it.click = (ts_feel_click){TS_SI(0.02), below(30), TS_SI(0.2), number(), TS_SI(0.01)};
+  if (one_in(2)) it.inertia = (ts_feel_inertia){TS_SI(0.000005), TS_SI(12)};
   if (one_in(2)) {
     it.profile.strength = TS_SI(0.05);
     it.profile.per_turn = below(3);
@@ -119,7 +120,7 @@ static ts_feel_config feel_config(void) {
   ts_si *const fields[] = {&it.detents.strength, &it.detents.pitch,         &it.spring.strength,       &it.spring.stiffness,
                            &it.damper.damping,   &it.damper.bandwidth_hz,   &it.dry_friction.strength, &it.dry_friction.stretch,
                            &it.click.strength,   &it.click.pitch,           &it.click.duration,        &it.profile.strength,
-                           &it.profile.start};
+                           &it.profile.start,    &it.inertia.inertia,       &it.inertia.bandwidth_hz};
   if (one_in(3)) *fields[below(sizeof fields / sizeof fields[0])] = number();
   if (one_in(12)) it.detents.per_turn = (uint32_t)number();
   if (one_in(12)) it.click.per_turn = (uint32_t)number();

@@ -241,7 +241,7 @@ impl PyWall {
                     NotSet::UnknownPath => {
                         format!("{path}: no such setting; `touchstone config schema` lists them")
                     }
-                    NotSet::NoValue => format!("{path} = {text}: no value of this setting"),
+                    _ => format!("{path} = {text}: no value of this setting"),
                 })
             })?;
         }

@@ -1,9 +1,9 @@
 //! Replaces an environment (walls, detents, torque profile) by another while a hand touches it.
 //!
-//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference `d`
-//! between the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: the commanded force
-//! is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T`
-//! per tick of length `T` to the changes that `g` makes by itself.
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The new environment has
+//! the force `g`. The difference `d` between the old force and `g` is added to `g`, and fades at a set rate `r`. So the commanded
+//! force is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most
+//! `r T` per tick of length `T` to the changes of `g`.
 //!
 //! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
 //! hand that is deep inside it, the wall pushes the hand out with the energy in the account and no more.

@@ -1,10 +1,11 @@
-//! The parts of a knob's feel that depend on more than the position in a pattern: a spring to a centre, viscous and dry friction,
-//! and a click.
+//! The parts of a knob's feel that are no pattern over the position: a spring to a centre, viscous and dry friction, a click, and
+//! an added inertia.
 //!
 //! ```text
 //! distance from the centre ----> spring           \
 //! displacement in a tick ------> viscous friction   \
 //!                          ----> dry friction        > sum
+//!                          ----> inertia            |
 //! distance from a position ----> click              /
 //! ```
 //!
@@ -15,6 +16,7 @@
 //! A texture needs no part of its own: it is a [torque profile](super::profile) with many copies in a turn.
 
 use super::detents::Ring;
+use super::inertia::{Dragged, InertiaSettings};
 use super::{Reading, Refused, Spacing};
 use crate::quotient::over;
 use crate::{Compliance, Force, Number, Position, Ratio, Settings, Si};
@@ -30,6 +32,8 @@ pub struct FeelSettings {
     pub dry: Option<DrySettings>,
     /// A short pulse when the device crosses one of many positions.
     pub click: Option<ClickSettings>,
+    /// A virtual mass that the device drags.
+    pub inertia: Option<InertiaSettings>,
 }
 
 /// Settings of a spring to a centre.
@@ -75,7 +79,7 @@ pub struct ClickSettings {
 }
 
 /// Refuses a value outside its range, with the setting's path in a scene.
-fn within(path: &'static str, value: Si, least: Si, most: Si) -> Result<(), Refused> {
+pub(super) fn within(path: &'static str, value: Si, least: Si, most: Si) -> Result<(), Refused> {
     if value < least || value > most {
         return Err(Refused::Part {
             path,
@@ -105,6 +109,13 @@ impl FeelSettings {
             viscous: self.viscous.map(|it| it.viscous(settings)).transpose()?,
             dry: self.dry.map(|it| it.dry(limit)).transpose()?,
             click: self.click.map(|it| it.click(settings)).transpose()?,
+            inertia: match &self.inertia {
+                Some(it) => {
+                    let beside = self.viscous.map_or(Si::ZERO, |it| it.damping);
+                    Some(it.rendered(settings, beside)?)
+                }
+                None => None,
+            },
         })
     }
 }
@@ -244,6 +255,7 @@ pub struct Feel<N: Number> {
     viscous: Option<Viscous<N>>,
     dry: Option<Dry<N>>,
     click: Option<(Ring, Click<N>)>,
+    inertia: Option<Dragged<N>>,
 }
 
 impl<N: Number> Feel<N> {
@@ -270,6 +282,9 @@ impl<N: Number> Feel<N> {
         if let Some((_, click)) = &mut self.click {
             sum = sum + click.tick(beyond);
         }
+        if let Some(inertia) = &mut self.inertia {
+            sum = sum + inertia.drag(moved);
+        }
         sum
     }
 
@@ -283,6 +298,9 @@ impl<N: Number> Feel<N> {
         }
         if let Some((_, click)) = &mut self.click {
             (click.side, click.left) = (None, 0);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            inertia.let_go();
         }
     }
 }
@@ -342,8 +360,8 @@ impl<N: Number> Viscous<N> {
 /// Rendered dry friction (Dahl's model as a spring that slips): a spring to an anchor, which the device drags along when the
 /// stretch would exceed a set distance.
 ///
-/// The force depends on displacements alone, so there is no chatter at rest. Around a closed path the anchor only takes energy;
-/// what sampling adds, the energy guard counts.
+/// The force depends on displacements alone, so there is no chatter at rest. Around a closed path the friction only takes energy.
+/// The energy guard counts the energy that sampling adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dry<N: Number> {
     /// The spring from the anchor to the device.

@@ -1,5 +1,5 @@
-//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, a drawn torque profile, and the
-//! further parts of a feel (spring to a centre, friction, click). One energy guard limits the sum of their forces.
+//! All haptic effects of one axis: several walls, detents, a drawn torque profile, and the further parts of a feel (spring to a
+//! centre, friction, click, inertia). A wall is solid above or below its surface. One energy guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
@@ -27,6 +27,7 @@ mod changing;
 mod detents;
 mod face;
 pub mod feel;
+pub mod inertia;
 pub mod profile;
 mod refused;
 
@@ -34,6 +35,7 @@ use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
 pub use feel::{CentreSettings, ClickSettings, DrySettings, Feel, FeelSettings, ViscousSettings};
+pub use inertia::InertiaSettings;
 pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 
@@ -99,7 +101,7 @@ pub struct Environment<N: Number> {
     commanded: Force<N>,
     /// The force of the last tick, before any later stage (such as a current limit) changes it.
     shown: Force<N>,
-    /// What is left of the force difference to a replaced environment, while it fades; `None` if nothing fades.
+    /// The remaining force difference to a replaced environment, while the difference fades; `None` if no difference fades.
     carried: Option<Carried<N>>,
 }
 
@@ -284,8 +286,8 @@ impl<N: Number> Environment<N> {
         displacement(self.last, now)
     }
 
-    /// Runs the guard's stage, whose positions have no end here: a knob turns on where those of [`Guarded::tick`] end, at 128 rad with
-    /// 32 bits. A test holds the books of both against each other, bit for bit.
+    /// Runs the guard's stage, whose positions have no end here: a knob turns on where those of [`Guarded::tick`] end, at 128 rad
+    /// with 32 bits. A test checks that both give the same energy account, bit for bit.
     #[inline(always)]
     fn guarded(
         &mut self,

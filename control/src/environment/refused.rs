@@ -5,6 +5,7 @@ use core::fmt;
 
 /// Why an environment's settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Refused {
     /// There are more walls than [`super::MOST_WALLS`].
     TooManyWalls,
@@ -103,3 +104,5 @@ impl fmt::Display for Refused {
         }
     }
 }
+
+impl core::error::Error for Refused {}

@@ -124,7 +124,7 @@ impl DeviceInTicks {
 }
 
 impl<N: Number> Flow<N, 0> {
-    /// The motion over one tick of a device without damping and without commands: a velocity of 1 per tick moves it by 1, an
+    /// The motion over one tick of a device without damping and without commands. A velocity of 1 per tick moves it by 1, an
     /// acceleration of 1 per tick² by 1/2. `None` where a weight does not fit its format.
     #[must_use]
     pub fn free() -> Option<Self> {
@@ -153,8 +153,8 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
     /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). It requires that no weight exceeds the time
-    /// in ticks, and that commands up to the force limit change the position by less than 2 rad, and the displacement per tick by
-    /// less than 2 rad, in each tick.
+    /// in ticks. In each tick, commands up to the force limit must change the position, and the displacement per tick, by less than
+    /// 2 rad.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;

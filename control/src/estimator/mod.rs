@@ -17,8 +17,8 @@
 //! β = 2 + ρ - 3z - α - X γ`. Then the same model predicts the state for the time at which the next command begins to act, with the
 //! commands that are already given but not yet in effect. The law gets that prediction.
 //!
-//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, whatever inertia and
-//! torque constant are assumed. So a wrong inertia costs accuracy while the device moves, and none when it is held.
+//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, for any assumed inertia
+//! and torque constant. So a wrong inertia costs accuracy while the device moves, and none when it is held.
 //!
 //! **Nothing overflows**, and no sum has to saturate. A state that leaves `|r| < 8 rad`, `|d| < 4 rad` per tick or `|g| < 4 rad`
 //! per tick², which no real device does, is reset to the measured position. So `|x| <= 128 + 8`. Commands take less than 2 rad in

@@ -102,8 +102,9 @@ impl EstimatorSettings {
     /// Validates the settings, and computes the estimator's coefficients.
     ///
     /// # Errors
-    /// Same as [`EstimatorSettings::validate`]. An error about the inertia also means that the force limit does not fit the number
-    /// format, or that the sums of the coefficients could overflow ([`Estimator::is_bounded`]; no such settings are known).
+    /// Same as [`EstimatorSettings::validate`]. An error about the inertia has two further causes: the force limit does not fit the
+    /// number format, or sums of coefficients could overflow ([`Estimator::is_bounded`]). No settings with the second cause are
+    /// known.
     pub fn estimator<N: Number>(
         &self,
         rate_hz: u32,

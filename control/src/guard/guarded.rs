@@ -15,7 +15,8 @@ pub struct Guarded<N: Number> {
     pub last: Option<Position<N>>,
     /// Whether the guard allowed less force than the law requested at the last tick.
     pub limited: bool,
-    /// Whether the guard has shut the force off, after overspeed or a requested force at the end of the range of positions.
+    /// Whether the guard has switched the force off. The cause is overspeed, or a requested force at the end of the range of
+    /// positions.
     pub tripped: bool,
     /// Position, to either side, from which on no force is allowed: the end of the position format less two largest displacements
     /// per tick. A position beyond the format's end is measured as that end, so that a motion there would not be counted.
@@ -118,8 +119,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// Same as [`Guarded::tick`] for positions that do not end where the number format does: takes the last position, this one, and the
-    /// displacement since the force changed (where it is measured).
+    /// Same as [`Guarded::tick`], for positions that may exceed the range of the number format. Takes the last position, this one,
+    /// and the displacement since the force changed (where it is measured).
     ///
     /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the distance,
     /// are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits. The axis is reversed
@@ -152,7 +153,8 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// Runs one control period with the axis as it is or reversed. The code is long, so both directions share this one function.
+    /// Runs one control period with the given or the reversed direction of the axis. The code is long, so both directions share
+    /// this function.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,

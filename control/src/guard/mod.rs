@@ -1,4 +1,4 @@
-//! The energy guard: a bound on the energy that any hand can get out of a device, whatever the control law does.
+//! The energy guard: a bound on the energy that any hand can get out of a device, with any control law.
 //!
 //! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the
 //! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and the energy of a
@@ -47,11 +47,11 @@ pub struct Guard<N: Number> {
     /// Fraction of a tick's displacement that passes under the old force. It is used if the position at the change of force is not
     /// measured.
     pub late: Ratio<N>,
-    /// Compliance: times the square of a change of force, it is the energy charged for that change. The displacement under the old
-    /// force can differ from the assumed fraction `late`, which can cost this energy. Rounded up.
+    /// The guard charges this value times the square of a change of force. The displacement under the old force can differ from the
+    /// assumed fraction `late`, and the charge covers the energy of that difference. Rounded up.
     pub stray: Compliance<N>,
-    /// Distance: times the size of a change of force, it is the energy charged for position errors. Half an encoder count and the
-    /// errors of rounding.
+    /// The guard charges this distance times the size of a change of force, for position errors. It is half an encoder count and
+    /// the errors of rounding.
     pub slack: Position<N>,
     /// Largest allowed force for each joule in the account: 1 over the largest displacement per tick plus a count. Rounded down.
     pub per_reach: Stiffness<N>,
@@ -227,8 +227,8 @@ impl<N: Number> Guard<N> {
 
     /// The largest force whose work over the largest displacement per tick is covered by this energy, which must not be negative.
     ///
-    /// It is the quotient of energy and displacement, without a square root, because the device's damping is not used up here. The
-    /// largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
+    /// It is the quotient of energy and displacement. Counting the device's damping too would need a square root, and is left out.
+    /// The largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
     /// suddenly.
     #[inline(always)]
     #[must_use]

@@ -179,8 +179,8 @@ impl<N: Number> Guard<N> {
         .into_iter()
         .find(|room| quarter(Field::GuardCapacity, *room).is_ok())
         .unwrap_or_default();
-        // Roundings that are added to the largest displacement: that of the reserve's displacement, a step of the format and a
-        // little more, and those of the two measured positions, a step each.
+        // Roundings that are added to the largest displacement. The rounding of the reserve's displacement is a little more than a
+        // step of the format, that of each of the two measured positions is a step.
         let step = quantum::<N>();
         let rounded = step
             .saturating_add(step)
@@ -224,10 +224,16 @@ impl<N: Number> Guard<N> {
         let quanta = 1 + i64::from(left_out.saturating_to_num::<u16>());
         // Below 2^48, as a step of the format is at most 1 as a setting.
         let left_out = Si::from_bits(step.to_bits().wrapping_mul(quanta));
+        // A measured position at the change of force is rounded by a step of the format.
+        let rounded_change = match settings.change {
+            ChangeOfForce::Estimated => Position::zero(),
+            ChangeOfForce::Measured => Position::quantum(),
+        };
         // Adds half an encoder count, and a step of the format each for the position and for the part under the old force.
         let slack = up::<N>(Field::GuardOverspeed, half_count.saturating_add(left_out))?
             + Position::quantum()
-            + Position::quantum();
+            + Position::quantum()
+            + rounded_change;
         let way = derived.late.saturating_mul(derived.distance);
         let in_flight = if delayed {
             way.saturating_add(UP).saturating_add(half_count)

@@ -65,7 +65,8 @@ impl Truth {
     }
 }
 
-/// Checks with random and hostile motions of a hand that no hand ever gets out more energy than the guard's account has lost.
+/// Checks that a hand never gets out more energy than was taken from the guard's energy account. The motions are random and
+/// hostile.
 ///
 /// The true position is anywhere within half an encoder count of the measured one. The force acts a tenth, a half or a whole tick
 /// late.
@@ -369,8 +370,8 @@ fn settings_are_validated_from_both_sides() {
     assert!(Guard::<Fixed32>::new(&late, &device()).is_err());
 }
 
-/// Checks that the guard accepts delay and lag of together one tick at every control rate, whether the value rounds up or down to
-/// the nearest digit, and refuses a longer delay.
+/// Checks at every control rate that the guard accepts a delay and lag of together one tick, and refuses a longer delay. The value
+/// of a tick is rounded up at some rates and down at others.
 #[test]
 fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
     let rates = (1..=200)

@@ -13,8 +13,8 @@ pub struct Damped<N: Number> {
     pub velocity: Velocity<N>,
 }
 
-/// Memory of [`Damped`]. Outside the wall the spring's memory is cleared. The velocity filter continues, so that it knows the
-/// motion at the next contact.
+/// Memory of [`Damped`]. Outside the wall the spring's memory is cleared. The velocity filter continues, so that it has the motion
+/// at the next contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampedState<N: Number> {
     /// Memory of the spring.

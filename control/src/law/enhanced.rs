@@ -1,30 +1,30 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. The
-//! hand's point (HIP) hangs on the mass by a coupling spring `k_f`. The soft spring `k_v` pushes the mass out of the wall; it is
+//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. A
+//! coupling spring `k_f` connects the hand's point (HIP) to the mass. The soft spring `k_v` pushes the mass out of the wall; it is
 //! deformed by the mass' penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
 //! **Passivity at the mass is exact.** The next displacement `d'` of a virtual mass, unlike that of a hand, is *known* before the
 //! wall's force `f` is chosen: `d' = (N0 - f)/D`, with the driving force `N0` and the sum of coefficients `D` of [`VirtualMass`].
-//! So the controller prevents a deficit of the stored energy `E` instead of repairing it. If the mass would move out further than
-//! the energy pays for at full force, it moves out by exactly the distance that the energy pays for (`E/f`), and the force becomes
-//! the one that does so. With no energy left the mass stands still and the wall holds: it neither kicks nor collapses. `E >= 0`
-//! holds for every input.
+//! So the controller prevents a deficit of the stored energy `E` instead of repairing it. Pushed by the full force, the mass may
+//! move out further than `E/f`, which needs more energy than `E`. Then the law reduces the force until the mass moves out by
+//! exactly `E/f`. With no energy left the mass stands still, and the force neither jumps up nor falls to zero. `E >= 0` holds for
+//! every input.
 //!
 //! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in
-//! that coupling, but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at
+//! that coupling. But a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at
 //! most the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The thesis'
 //! controller shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is explicit.
 //! The observer starts each contact with the energy `energy_credit`, and over one contact the mass can never give more than that
 //! beyond what it took.
 //!
-//! **A damper beside the augmented wall.** The force of a damper, `B/T` (virtual damping over control period) times the hand's
-//! displacement `Δe`, is added to the wall's force in every phase. The sum never pulls and stays within the force limit. For a
+//! **A damper beside the augmented wall.** In every phase the force of a damper is added to the wall's force: `B/T` (virtual
+//! damping over control period) times the hand's displacement `Δe`. The sum never pulls and stays within the force limit. For a
 //! desired stiffness up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves the
-//! damper out: the energy that it takes is never given back through the offset, and the offset regulates the stiffness of the wall
-//! alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the motion
-//! turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness `k`,
-//! absorbs that energy. The energy guard bounds the total energy that a hand gets out.
+//! damper out. So the energy that the damper takes is never given back through the offset, and the offset regulates the stiffness
+//! of the wall alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the
+//! motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness
+//! `k`, absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
 //! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
 
@@ -39,8 +39,8 @@ use crate::{
 /// values that are missing there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
-    /// Gain of the ideal step from the error of the force: a fraction `c` over the soft stiffness `k_v` or the desired stiffness
-    /// `k_de`, equations (3.7) and (3.8) of the thesis. See [`crate::IdealStep`].
+    /// Gain from the error of the force to the ideal step: a fraction `c`, divided by the soft stiffness `k_v` or the desired
+    /// stiffness `k_de` (equations (3.7) and (3.8) of the thesis). See [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
     /// Limits the step of the offset in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of
     /// the thesis.
@@ -50,8 +50,8 @@ pub struct Augmentation<N: Number> {
 }
 
 impl<N: Number> Augmentation<N> {
-    /// Step of the soft spring's offset in a tick, never negative: the smallest of the ideal step (by the error `wanted - shown` of
-    /// the force), a limit by the commanded force `shown`, and a limit by the penetration `e`.
+    /// Step of the soft spring's offset in a tick, never negative. It is the smallest of three: the ideal step, from the error
+    /// `wanted - shown` of the force; a limit by the commanded force `shown`; a limit by the penetration `e`.
     ///
     /// A force of zero counts as one step of the number format; otherwise the offset could never grow again from a force of exactly
     /// zero.
@@ -268,9 +268,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull, so nothing pulls the mass. It
-    /// moves on as if it were not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond
-    /// inertia and ground damping act as one more damper to ground here.)
+    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull the hand, so the coupling does
+    /// not pull the mass. The mass moves on as if it were not coupled, if the stored energy suffices, and otherwise stands still.
+    /// (Coefficients beyond inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,

@@ -16,13 +16,14 @@ use crate::{Force, Number, Position, Stiffness};
 /// The pulse at the touch of one wall, with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact<N: Number> {
-    /// `s J/T²`: the force that takes the fraction `s` of the momentum away within one control period, per displacement in one.
+    /// Gain `s J/T²` from the displacement in a control period to a force. Over one control period this force takes away the
+    /// fraction `s` of the momentum.
     pub brake: Stiffness<N>,
     /// Largest sum of the law's force and the pulse.
     pub limit: Force<N>,
     /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are none.
     pub apart: u16,
-    /// The part of the pulse's impulse that is not played yet, divided by the control period.
+    /// The part of the pulse's impulse that has not been added to the force yet, divided by the control period.
     pub left: Force<N>,
     /// Control periods since the device was inside the wall, at most [`Impact::apart`].
     pub outside: u16,

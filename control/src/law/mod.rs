@@ -8,6 +8,7 @@ mod damped;
 mod enhanced;
 mod fba;
 mod impact;
+pub mod kept;
 mod sfa;
 mod spring;
 mod tdpa;

@@ -1,9 +1,9 @@
 //! A decaying vibration at the touch of a wall, by which people tell materials apart (Okamura, Cutkosky and Dennerlein, IEEE/ASME
 //! Trans. Mechatronics 6(3) 245, 2001).
 //!
-//! At the first control period `n = 1` inside the wall with the speed `v`, a sinusoid of the frequency `f` starts, which decays by
-//! `exp(-t/τ)` and is added to the law's force as long as the device is inside. Its amplitude is `s J ω v`, at most the force limit,
-//! with the estimator's inertia `J` and `ω = 2π f`: it moves a free device with the speed `s v`.
+//! A sinusoid of the frequency `f` starts at the first control period `n = 1` inside the wall, where the device has the speed `v`.
+//! It decays by `exp(-t/τ)` and is added to the law's force as long as the device is inside. Its amplitude is `s J ω v`, at most
+//! the force limit, with the estimator's inertia `J` and `ω = 2π f`: it moves a free device with the speed `s v`.
 //!
 //! ```text
 //! x(0) = 0,  x(1) = s J ω v w d,  x(n+1) = (2 - w²) d x(n) - d² x(n-1)     w = ω T,  d = τ/(τ + T)
@@ -42,8 +42,8 @@ pub struct Vibration<N: Number> {
 const TIME_CONSTANTS: Si = Si::lit("6");
 
 impl ImpactSettings {
-    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate the frequency that is played is
-    /// within 2 % of the one that is set.
+    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate, the frequency of the vibration
+    /// is within 2 % of the configured frequency.
     ///
     /// # Errors
     /// The frequency is above a tenth of the control rate.

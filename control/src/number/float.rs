@@ -222,23 +222,23 @@ macro_rules! float_number {
     };
 }
 
-/// Square root for the floating-point formats. `core` has none, and only this module needs one; these formats exist only where
-/// `std` does.
-trait Root {
-    fn root(self) -> Self;
+/// Square root for the floating-point formats, which `core` does not have. IEEE 754 says each of its bits, so that it is the one of
+/// the processor or of the standard library.
+pub(crate) trait Root {
+    fn sqrt(self) -> Self;
 }
 impl Root for f32 {
-    fn root(self) -> f32 {
-        self.sqrt()
+    fn sqrt(self) -> f32 {
+        libm::sqrtf(self)
     }
 }
 impl Root for f64 {
-    fn root(self) -> f64 {
-        self.sqrt()
+    fn sqrt(self) -> f64 {
+        libm::sqrt(self)
     }
 }
 fn root<F: Root>(x: F) -> F {
-    x.root()
+    Root::sqrt(x)
 }
 
 float_number!(f32, "f32");

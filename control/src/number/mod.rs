@@ -19,6 +19,9 @@ mod saturating;
 mod wide;
 
 pub use fixed_point::{Fixed8, Fixed16, Fixed32};
+// A test has the standard library's.
+#[cfg(all(feature = "float", not(test)))]
+pub(crate) use float::Root;
 #[cfg(feature = "float")]
 pub use reported::Reported;
 pub(crate) use saturating::Saturates;

@@ -3,8 +3,8 @@
 //! A velocity is kept as a displacement per tick, and an acceleration as a displacement per tick². At 1 kHz one encoder count
 //! (1.6e-4 rad) per second is 1.6e-7 rad per tick. So a state is a 64-bit word with 54 fractional bits, ±512 rad in steps of
 //! 5.6e-17. In a multiplication only the leading 32 bits of a state are used: [`Wide::Part`], ±8 rad in steps of 3.7e-9 for motion,
-//! ±128 N·m in steps of 6e-8 for a torque. A weight has the fractional bits that are missing to 54, so that every product is exact
-//! and needs no shift: ±32 in steps of 1.5e-8 for motion, ±2 in steps of 9.3e-10 for a torque.
+//! ±128 N·m in steps of 6e-8 for a torque. The fractional bits of a state's part and of its weight add up to 54, so every product
+//! is exact and needs no shift. The weight of a motion is ±32 in steps of 1.5e-8, that of a torque ±2 in steps of 9.3e-10.
 
 use core::fmt::Debug;
 

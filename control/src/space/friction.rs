@@ -45,11 +45,11 @@ pub struct FrictionState<N: Spatial> {
     pub sliding: bool,
     /// The stretch of the spring: the vector from the anchor to the hand's point (HIP), without its part along the normal.
     pub stretch: Vector<Position<N>>,
-    /// Where the friction spring holds on to the surface; `None` without contact.
+    /// Anchor of the friction spring on the surface; `None` without contact.
     pub contact: Option<Hold<N>>,
 }
 
-/// Where the friction spring holds on to the surface, with position and normal of the last tick.
+/// Anchor of the friction spring on the surface, with position and normal of the last tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold<N: Spatial> {
     /// The end of the spring on the surface, which does not move while the spring sticks.
@@ -127,6 +127,7 @@ pub struct FrictionSettings {
 
 /// Why the settings of friction are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrictionError {
     /// The stiffness is not above 0, or is too large for the device's damping; N/m.
     Stiffness {

@@ -186,8 +186,8 @@ impl<N: Spatial> VectorGuard<N> {
 
     /// The energy in the account after a tick, before the energy that the damping dissipated is added.
     ///
-    /// It fits its format for the same reason as on one axis: the scalar product of two vectors is at most the product of their
-    /// lengths, and so is every part of its sum.
+    /// It fits its format for the same reason as on one axis: the scalar product of two vectors, and every part of its sum, is at
+    /// most the product of their lengths.
     #[inline(always)]
     fn booked(
         &self,

@@ -2,8 +2,8 @@
 //! direction out of the object.
 //!
 //! The law's offset, virtual mass and energy are scalars along the normal and turn with it. `docs/three-axes.md` calculates the
-//! energy that this turning gives and takes. The law itself decides when the hand's point (HIP) has left: outside, the penetration
-//! is the negative distance to the surface, and the offset reaches as far as in one degree of freedom.
+//! energy that this turning gives and takes. The law itself decides when the hand's point (HIP) has left the object. Outside, the
+//! penetration is the negative distance to the surface, so the offset shifts the surface as in one degree of freedom.
 
 use super::number::Spatial;
 use super::scalar::Along;

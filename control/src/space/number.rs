@@ -5,6 +5,8 @@
 
 use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
+#[cfg(all(feature = "float", not(test)))]
+use crate::number::Root as _;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
 /// Three numbers of one number format: x, y and z.

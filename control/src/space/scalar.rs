@@ -1,9 +1,7 @@
 //! A control law of one degree of freedom together with its memory, in the form in which walls on three axes call it.
 
-use crate::law::{
-    Contact, DampedState, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState,
-    View,
-};
+use crate::law::kept::{DampedState, EnhancedState, FbaState, SfaState, TdpaState};
+use crate::law::{Contact, Law, Sample, SpringState, View};
 use crate::{AnyLaw, Force, Number};
 
 /// A control law of one degree of freedom together with its memory. Walls on three axes use one along a direction.

@@ -10,7 +10,7 @@
 //! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` ticks, `d` the allowed distance from a line | depends on the window |
 //! | [`Tracker`], steady Kalman gains `α`, `β` | exact in the end | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
 //!
-//! These filters know neither the device nor the commanded forces. [`crate::estimator`] is the filter that uses both.
+//! These filters use no model of the device and no commanded forces. [`crate::estimator`] uses both.
 
 mod settings;
 mod smoothed;

@@ -89,7 +89,7 @@ pub struct CurrentOutput {
     pub is_stale: bool,
 }
 
-/// Why the current loop switched the bridge off by itself, without a command to do so (a trip).
+/// Why the current loop switched the bridge off without a command to do so (a trip).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
     /// The reason as a fault code: [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or

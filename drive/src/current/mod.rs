@@ -1,8 +1,8 @@
 //! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. It switches
-//! off by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or
-//! when the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
+//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. Without a
+//! command it switches off in four cases: a current is too large, the hardware break acts, the command is older than two control
+//! periods, or the loop is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
 //! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
 //! by the rotor's motion in a period ([`ACTS_AFTER_PERIODS`]).

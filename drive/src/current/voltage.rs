@@ -4,8 +4,8 @@
 //! v = R i*       L di/dt = v - R i - e       e_q = ψ ω,  ψ = k_t/(3/2 p)
 //! ```
 //!
-//! Here `i*` is the requested current, `i` the true one, `e` the back-EMF, `ψ` the flux linkage, `ω` the electrical speed, `k_t`
-//! the torque constant, and `p` the number of pole pairs.
+//! Here `i*` is the requested current, `i` the true one, `e` the back-EMF, and `ψ` the flux linkage. `ω` is the electrical speed,
+//! `k_t` the torque constant, `p` the number of pole pairs.
 //!
 //! **The back-EMF is not compensated.** So the torque is not `k_t i*` but, with the winding's pole `R/L` and the speed `ω` of the
 //! shaft,

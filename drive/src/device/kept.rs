@@ -1,4 +1,4 @@
-//! The device's stored alignment (encoder count to electrical angle), and the values that an unattended start needs.
+//! The device's stored alignment (encoder count to electrical angle), and the values that an automatic start needs.
 
 use super::Device;
 use crate::calibration::{Alignment, Calibration};

@@ -132,8 +132,8 @@ fn a_detent_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Energy that the energy guard still lets the wall give, around a control period that ends the arming, in 2^-48 J: before that
-/// period, after it, and after the next arming.
+/// Energy in the guard's account at three times, in 2^-48 J: before a control period that ends the arming, after it, and after the
+/// next arming.
 fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;

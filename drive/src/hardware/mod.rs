@@ -31,8 +31,8 @@ pub struct Hardware {
     /// constants that concern the current sensors have no meaning.
     pub senses_current: bool,
     /// Current into the motor in A per code of the analogue-to-digital converter. It is negative for shunts below the low-side
-    /// transistors with amplifiers that do not invert: a current into the motor comes from ground and pulls the shunt's upper end
-    /// below ground.
+    /// transistors with amplifiers that do not invert. A current into the motor comes from ground, so it pulls the shunt's upper
+    /// end below ground.
     pub amps_per_code: Si,
     /// Bus voltage in V per code of the analogue-to-digital converter.
     pub volts_per_code: Si,

@@ -9,7 +9,7 @@
 //!
 //! A motor that can carry a current continuously can bear every `s` up to that current squared. So neither `R_th` nor the room's
 //! temperature need be known. From 80 % of that `s` on, the largest allowed current falls in a straight line, from the motor's
-//! current limit to its continuous current. So `s` comes near its limit and does not exceed it, whatever current is requested. The
+//! current limit to its continuous current. So `s` approaches its limit and does not exceed it, for any requested current. The
 //! model leaves out:
 //!
 //! - the motor's iron and frame, which warm more slowly (the shorter time constant of the windings alone is on the safe side);

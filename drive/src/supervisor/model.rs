@@ -5,8 +5,8 @@
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
-//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the
-//! shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
+//! Here `v` is the voltage and `i` the current on the axes d and q, `R` and `L` are resistance and inductance of the windings. `ω`
+//! is the shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
 //!
 //! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
 //! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each

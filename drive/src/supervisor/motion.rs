@@ -1,7 +1,8 @@
 //! Detects two motions of the shaft that no hand makes: a fast oscillation, and a run against the motor's torque.
 //!
-//! The energy guard bounds what the motor gives to the positions that it is told. If these are not the shaft's positions, or the
-//! torque is not the commanded one, the guard cannot bound what the hand gets. Then the shaft moves in one of two ways.
+//! The energy guard calculates the motor's work from the measured positions and the commanded torque. If the shaft has other
+//! positions, or the motor another torque, the guard cannot bound the energy that a hand gets. Then the shaft moves in one of two
+//! ways.
 //!
 //! **Oscillation.** A hand acts on purpose at up to some 10 Hz ("Engineering Haptic Devices", 3rd edition, chapter 3). A faster
 //! oscillation comes from the control loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the
@@ -12,7 +13,7 @@
 //! of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35 rad/s swings for two
 //! periods at such speeds.
 //!
-//! An oscillation within the play of a loose magnet is not seen, because the encoder hardly moves.
+//! An oscillation within the play of a loose magnet is not detected, because the encoder's reading hardly changes.
 //!
 //! **Runaway.** By the calibrated electrical angle, the current should brake the shaft, with at least a quarter of its limit. Yet
 //! the shaft turns at 25 rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall
@@ -181,8 +182,8 @@ mod tests {
         report
     }
 
-    /// Time in ms until the fault, and the fault's value, if the shaft swings with this frequency in Hz and this largest number of
-    /// counts in the window of 2 ms, at a control rate in Hz. A speed of 1 rad/s is 5.2 counts.
+    /// Simulates a shaft that swings with the frequency `hz` at the control rate `rate_hz`. `counts` is the largest displacement in
+    /// the window of 2 ms; 1 rad/s is 5.2 counts. Returns the time in ms until the fault, and the fault's value.
     fn swung(rate_hz: u32, hz: f64, counts: f64, swings: f64) -> Option<(f64, i32)> {
         let config = config(rate_hz);
         let mut motion = Motion::new();
@@ -225,7 +226,8 @@ mod tests {
         }
     }
 
-    /// The control period of the fault, if the shaft turns at this speed in rad/s and the motor's current is this one in A.
+    /// Simulates a shaft whose `speed` in rad/s depends on the time in ms, with the motor current `current_a`. Returns the time of
+    /// the fault in ms.
     fn ran(rate_hz: u32, speed: impl Fn(f64) -> f64, current_a: f64, against: bool) -> Option<f64> {
         let config = config(rate_hz);
         let mut motion = Motion::new();

@@ -144,7 +144,8 @@ impl Shaft {
         }
     }
 
-    /// Checks a control period's first reading. If the second reading of the previous period is missing, this one counts as bad.
+    /// Checks a control period's first reading. It counts as bad if `is_one_missing`: the second reading of the previous period is
+    /// missing.
     pub fn read(
         &mut self,
         config: &ShaftConfig,

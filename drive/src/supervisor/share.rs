@@ -1,13 +1,13 @@
 //! Checks the fraction of bad encoder readings, whether or not they come in a row.
 //!
 //! After a bad reading the bridge is off for a control period (tick), and the energy guard charges the worst that may have happened
-//! meanwhile. A few bad readings are harmless. An encoder that keeps giving them must not drive a motor. Each bad reading adds 50
-//! to a sum, each good one takes 1 away, and 1,000 is a fault: 20 bad readings nearly at once, or a lasting fraction of more than 1
-//! in 51. If every second reading is bad, the fault comes after 41 readings.
+//! meanwhile. A few bad readings are harmless. A motor must not run on an encoder that keeps giving them. Each bad reading adds 50
+//! to a sum, each good one subtracts 1, and a sum of 1,000 is a fault. So a fault takes 20 bad readings nearly at once, or a
+//! lasting fraction of more than 1 in 51. If every second reading is bad, the fault comes after 41 readings.
 //!
-//! A good encoder does not reach the fault. With independent bad readings of probability `p`, the chance that the sum reaches 1,000
-//! in a given period is at most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one bad reading in a
-//! thousand.
+//! A good encoder does not reach the fault. If bad readings are independent, with the probability `p`, the sum reaches 1,000 in a
+//! given period with a probability of at most `exp(-1000 r)`. Here `r` solves `p exp(50 r) + (1 - p) exp(-r) = 1`. With one bad
+//! reading in a thousand the probability is `exp(-89)`.
 //!
 //! The first reading of a control period and the second one at the change of force have separate sums: good first readings do not
 //! hide bad second ones.

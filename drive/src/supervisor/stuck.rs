@@ -5,10 +5,10 @@
 //! that voltage vector does not depend on the electrical angle that the loop assumes. So the encoder counts as stuck if for 10 ms
 //! without a break the count has not moved at all while the voltage shows that the shaft turns.
 //!
-//! The voltage must exceed 1 V (dead time, rounding), half of `R |i|` (a winding that is 100 K warmer has 39 % more resistance) and
-//! the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder on a slower shaft is not
-//! detected until the shaft turns faster. Meanwhile the wall's force and the motor's field stay constant: the motor holds like a
-//! stepper motor and does not run away.
+//! The voltage must exceed three limits: 1 V, for dead time and rounding; half of `R |i|`, because a winding that is 100 K warmer
+//! has 39 % more resistance; and the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder
+//! on a slower shaft is not detected until the shaft turns faster. Meanwhile the wall's force and the motor's field stay constant:
+//! the motor holds like a stepper motor and does not run away.
 
 use super::Found;
 use crate::Volts;

@@ -3,8 +3,8 @@
 //! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
 
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, Counted, DrySettings, Environment, FeelSettings, Shape, Spacing,
-    ViscousSettings, WHOLE,
+    CentreSettings, ClickSettings, Counted, DrySettings, Environment, FeelSettings,
+    InertiaSettings, MOST_POINTS, Shape, Spacing, ViscousSettings, WHOLE,
 };
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::around::built;
@@ -89,7 +89,54 @@ fn all(setup: &Setup) -> Surround {
     }
 }
 
-/// All further parts of a feel: a spring to a centre, viscous and dry friction, and clicks of this torque, N·m.
+/// The environment that takes longest in a control period: six walls, of which four are touched at a time, and every other part,
+/// with distances given as angles, whose calculation is longer than that of numbers per turn.
+#[must_use]
+pub fn largest(setup: &Setup) -> Surround {
+    let [softer, _] = setup.board.walls;
+    let wall = |at| {
+        Some(WallBeside {
+            at_rad: si(at),
+            below: true,
+            stiffness_n_m_per_rad: Some(Decimal(softer / 4)),
+        })
+    };
+    let strength = Decimal(Si::saturating_from_num(0.1 * setup.board.press_n_m));
+    let points: [i16; MOST_POINTS] =
+        core::array::from_fn(|i| (i as i32 * 613 % 10_001 - 5_000) as i16);
+    let own = all(setup);
+    Surround {
+        further: ["-0.24", "-0.25", "-0.26"].map(wall),
+        detents: Some(DetentsBeside {
+            per_rev: 0,
+            pitch_rad: si("0.13"),
+            strength_n_m: strength,
+            centre_rad: si("0.01"),
+        }),
+        profile: Shape::new(&points).ok().map(|shape| ProfileBeside {
+            per_rev: 0,
+            start_rad: si("-0.31"),
+            end_rad: si("0.33"),
+            strength_n_m: strength,
+            shape: Points(shape),
+        }),
+        ..own
+    }
+}
+
+/// Lets a hand sweep the knob to and fro between both end stops of this file's environments.
+pub fn sweep(bench: &mut Bench) {
+    let here = bench.machine.chip().world.angle_rad();
+    // The hand moves farther than `REACH_RAD` by its own deflection under this board's press.
+    let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
+    let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
+    let world = &mut bench.machine.chip_mut().world;
+    world.hold(&MEDIUM, move |time| {
+        here + reach * (std::f64::consts::TAU * time / 1.6).sin()
+    });
+}
+
+/// All further parts of a feel: a spring to a centre, viscous and dry friction, clicks of this torque, N·m, and an inertia.
 fn parts(strength: Si) -> FeelSettings {
     FeelSettings {
         spring: Some(CentreSettings {
@@ -110,6 +157,10 @@ fn parts(strength: Si) -> FeelSettings {
             centre: Si::lit("0.015"),
             strength,
             duration_s: Si::lit("0.006"),
+        }),
+        inertia: Some(InertiaSettings {
+            inertia: Si::lit("0.000003"),
+            bandwidth_hz: Si::lit("12"),
         }),
     }
 }
@@ -144,14 +195,7 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.demand(Request::Command(DeviceCommand::Arm))?;
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
-    let here = bench.machine.chip().world.angle_rad();
-    // The hand moves farther than `REACH_RAD` by its own deflection under this board's press.
-    let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
-    let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
-    let world = &mut bench.machine.chip_mut().world;
-    world.hold(&MEDIUM, move |time| {
-        here + reach * (std::f64::consts::TAU * time / 1.6).sin()
-    });
+    sweep(&mut bench);
     // While the hand moves: all elements are set, then all but the wall removed, then set again.
     let mut answered_after = 0;
     for environment in [all, alone, all] {

@@ -1,4 +1,4 @@
-//! Tests of the stored encoder alignment and of the unattended start. Each is used where all its conditions hold, and refused where
+//! Tests of the stored encoder alignment and of the automatic start. Each is used where all its conditions hold, and refused where
 //! one does not.
 
 use std::f64::consts::TAU;
@@ -20,10 +20,10 @@ use crate::board::Encoder;
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Time within which an unattended start switches the outputs on, in processor cycles. It includes the program's start, and half a
+/// Time within which an automatic start switches the outputs on, in processor cycles. It includes the program's start, and half a
 /// second and a quarter of a second at rest. Another test shows that it is long enough.
 const WOULD_BE_ON: u64 = 1_200 * MS;
-/// Time within which an undisturbed unattended start arms the device, in processor cycles.
+/// Time within which an undisturbed automatic start arms the device, in processor cycles.
 const WOULD_BE_ARMED: u64 = 4_500 * MS;
 /// Time within which a shaft without a hand comes to rest, in processor cycles.
 const AT_REST: u64 = 6_000 * MS;
@@ -82,7 +82,7 @@ pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// A test of one reason that prevents an unattended start. It prepares the reason and checks that the outputs stay off.
+/// A test of one reason that prevents an automatic start. It prepares the reason and checks that the outputs stay off.
 type Case = fn(&mut Bench) -> Result<String, String>;
 
 const KEPT_FROM: [(&str, Case); 8] = [
@@ -423,7 +423,7 @@ fn reset(bench: &mut Bench, cause: ResetCause, because: SelfStart) -> Result<Str
     stays_off(bench, WOULD_BE_ON, because)
 }
 
-/// Checks that the device tries an unattended start only once: after its alignment check has failed, the outputs stay off.
+/// Checks that the device tries an automatic start only once: after its alignment check has failed, the outputs stay off.
 fn tries_once(bench: &mut Bench) -> Result<String, String> {
     bench.run_until("the outputs on", WOULD_BE_ON, |bench| bench.is_on())?;
     bench.run_until("the outputs off", WOULD_BE_ARMED, |bench| !bench.is_on())?;

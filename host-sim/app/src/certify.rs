@@ -135,7 +135,7 @@ fn place(part: &PartAtSteepest) -> String {
     }
 }
 
-/// The first lines of the report: whether the wall comes to rest with each grip, and how the wall's stiffness is rendered.
+/// The first lines of the report: whether the wall comes to rest with each grip, and the rendered stiffness.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

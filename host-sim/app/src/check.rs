@@ -2,7 +2,7 @@
 
 use touchstone_sim::run::record::Summary;
 
-/// What of a simulation run can be demanded.
+/// The values of a simulation run that a demand can be about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
     /// A name that distinguishes the run from the others of the same command.

@@ -171,7 +171,7 @@ fn environment(client: &mut Client) -> Result<Surround> {
     }
 }
 
-/// What a program asks for.
+/// A request of a program.
 #[derive(Debug, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Wish {
@@ -191,7 +191,7 @@ impl Wish {
     }
 }
 
-/// Where a wish came from.
+/// The sender of a request.
 #[derive(Debug, Clone, Copy)]
 enum Asker {
     Osc,

@@ -283,8 +283,9 @@ fn unsaid(checks: &[Check]) -> Option<&str> {
     why.filter(|_| !checks.iter().any(of_verdict))
 }
 
-/// The tests of one run. A run that was not judged also has a skipped test with the reason, unless a test of its verdict has it, and
-/// its met demands say what they came to: a list of nothing but passed tests would read as a wall that rests.
+/// The JUnit tests of one run. If the run was not judged, it also has a skipped test with the reason, unless the test of its
+/// verdict names the reason. Its met demands then show the measured values. Otherwise a list of passed tests would look like a wall
+/// that comes to rest.
 fn suite_of(checks: &[Check]) -> TestSuite {
     let run = &checks[0].run;
     let mut suite = TestSuite::new(run);

@@ -1,4 +1,4 @@
-//! Output of the program, sorted into results, progress, notes and errors; `--quiet` and `--json` suppress some of it.
+//! Output of the program, sorted into results, progress, notes and errors; `--quiet` and `--json` suppress some of these kinds.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};

@@ -138,6 +138,12 @@ pub fn say_notes(scene: &Scene) {
     for sentence in scene.origin.notes() {
         note!("note: {sentence}");
     }
+    let around = scene.environment.as_ref();
+    if around.is_some_and(|it| it.acting_list().is_some() && it.profile.is_some()) {
+        note!(
+            "note: environment.detent_list takes the place of environment.profile, which is left out"
+        );
+    }
 }
 
 /// Parser of the option `--preset`.

@@ -60,7 +60,7 @@ pub struct Asked {
     pub text: String,
 }
 
-/// What is new at the server.
+/// News since the last turn: new clients and received messages.
 #[derive(Debug, Default)]
 pub struct News {
     /// Numbers of the clients that have just connected.
@@ -133,7 +133,7 @@ impl WebSocketServer {
         })
     }
 
-    /// Takes new clients and the messages of all, and disconnects the clients that hang. Never waits.
+    /// Accepts new clients, reads the messages of all, and disconnects clients that do not respond. Never waits.
     pub fn turn(&mut self) -> News {
         let mut news = News::default();
         while let Ok(socket) = self.arrivals.try_recv() {
@@ -189,7 +189,7 @@ impl WebSocketServer {
     }
 }
 
-/// Why a client is disconnected; `None` if it left by itself.
+/// Why the server disconnects a client; `None` if the client closed the connection.
 type Gone = Option<&'static str>;
 
 impl Client {

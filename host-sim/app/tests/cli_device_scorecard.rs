@@ -68,7 +68,7 @@ fn beyond(card: &serde_json::Value) -> usize {
 }
 
 /// The figures of the simulator, for comparison: the worst ones over all actions of the hand, for the same wall and hand. The
-/// simulator knows the true depths.
+/// simulator uses the true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),

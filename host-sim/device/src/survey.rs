@@ -62,7 +62,7 @@ impl Pose {
     /// Reads the present pose from the library. The motors stay as they are.
     ///
     /// # Errors
-    /// The device's library does not know the values, or returned numbers that are not finite.
+    /// The device's library does not have the values, or returned numbers that are not finite.
     pub fn now(omega: &mut Omega3) -> std::result::Result<Self, HapticFault> {
         let position_m = omega.sense()?.position_m;
         let (library, id) = omega.library()?;
@@ -94,7 +94,7 @@ impl Survey {
     /// Makes a survey from recorded poses.
     ///
     /// # Errors
-    /// There is no pose, or the library does not know the ranges.
+    /// There is no pose, or the library does not return the ranges.
     pub fn of(omega: &mut Omega3, poses: Vec<Pose>) -> std::result::Result<Self, HapticFault> {
         let device = omega.sheet().name.clone();
         let (library, id) = omega.library()?;

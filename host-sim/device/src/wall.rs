@@ -8,8 +8,8 @@ use touchstone_control::space::{
     Surface, SurfacePoint, Vector, VectorGuard, VectorGuardState,
 };
 use touchstone_control::{
-    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position, Reported,
-    Settings, SettingsError, Si,
+    AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position,
+    PositionSettings, Reported, Settings, SettingsError, Si,
 };
 use touchstone_mesh::{Mesh, MeshSurface};
 
@@ -71,7 +71,10 @@ impl WallSettings {
         let device = GuardedDevice {
             rate_hz: self.law.rate_hz,
             force_limit: self.law.force_limit,
-            count: Si::saturating_from_num(self.count_m),
+            count: PositionSettings {
+                count: Si::saturating_from_num(self.count_m),
+            }
+            .uncertainty(self.law.position_error),
         };
         let (guard, device) = UNIT.guard(guard, &device);
         let guard = VectorGuard::new(&guard, &device)?;

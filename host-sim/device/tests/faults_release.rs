@@ -61,8 +61,8 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
     }
 }
 
-/// A force law of a spring that pushes up from the floor. A test's function `trick` replaces the spring's force in control
-/// intervals that it selects.
+/// A force law of a spring that pushes up from the floor. In control intervals that a test selects, its function `trick` replaces
+/// the spring's force.
 struct Floor {
     tick: u64,
     trick: fn(u64) -> Option<[f64; 3]>,

@@ -93,7 +93,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// Lets the service go away around the end of the run. Checks that a last command without an answer is said, as the force of the one
+/// Stops the service around the end of the run. Checks that a last command without an answer is reported, as the force of the one
 /// before may still act.
 #[test]
 fn a_force_that_nothing_ends_is_said() {

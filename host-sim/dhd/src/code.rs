@@ -121,7 +121,7 @@ impl DhdStatus {
     pub fn connected(&self) -> Option<bool> {
         self.yes(1)
     }
-    /// Whether the device was reset and therefore does not know its position; `None` if the library does not report it.
+    /// Whether the device was reset and therefore has lost its position reference; `None` if the library does not report it.
     #[must_use]
     pub fn reset(&self) -> Option<bool> {
         self.yes(3)

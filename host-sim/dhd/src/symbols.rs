@@ -40,8 +40,8 @@ macro_rules! functions {
             fn of(library: &Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($needed: {
-                        // SAFETY: the type is that of the function in the vendor's header, with references for the pointers that it fills
-                        // (the module's documentation); the pointer is used only while `Dhd` holds the library.
+                        // SAFETY: the type is that of the function in the vendor's header, with references for the pointers that it
+                        // fills (the module's documentation). The pointer is used only while `Dhd` holds the library.
                         let found = unsafe { library.get::<$needed_type>($needed_name) };
                         *found.map_err(|_| $needed_name)?
                     },)*
@@ -106,8 +106,9 @@ impl Dhd {
     /// # Errors
     /// The reason why the library cannot be loaded, as text.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
-        // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
-        // place that only its owner or an administrator can write, as with every program that is linked with it.
+        // SAFETY: loading runs the library's initialisers, which nothing can check. The user named the file, or it has the vendor's
+        // name in a place that only its owner or an administrator can write. The same holds for every program that is linked with
+        // the library.
         let library = unsafe { Library::new(path) }.map_err(|why| why.to_string())?;
         let calls = Calls::of(&library)
             .map_err(|name| format!("it has no {name}: it is not libdhd, or one far too old"))?;

@@ -66,7 +66,7 @@ fn check_sum(bytes: &[u8]) -> u32 {
 mod tests {
     use super::{check_sum, pack};
 
-    /// The check value that catalogues of CRCs list for this one.
+    /// Checks this CRC against the check value that catalogues of CRCs list for it.
     #[test]
     fn the_check_sum_is_that_of_zip() {
         assert_eq!(check_sum(b"123456789"), 0xCBF4_3926);

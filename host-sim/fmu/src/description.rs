@@ -17,7 +17,7 @@ pub fn identifier(scene: &Scene, half: Half) -> String {
     format!("{first}{name}_{}", half.word())
 }
 
-/// Token by which the shared library knows that description and scene belong together: a hash (FNV-1a) of the scene's text, the
+/// Token by which the shared library checks that description and scene belong together: a hash (FNV-1a) of the scene's text, the
 /// half and the program's version.
 #[must_use]
 pub fn token(text: &str, half: Half) -> String {

@@ -71,7 +71,7 @@ pub struct EncoderError {
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The firmware's control code, which runs once per control tick.
     pub device: Device,
-    /// What acts beside the wall, if anything: further walls, end stops, detents, and the compensation of the motor's cogging.
+    /// What acts in addition to the wall: further walls, end stops, detents, and the compensation of the motor's cogging.
     pub around: Around,
     /// The firmware's current loop, which runs once per PWM period.
     pub current: CurrentLoop,
@@ -81,7 +81,7 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     pub tamper: T,
     /// Harmonics of the encoder's angle error. The encoder reads the shaft angle plus their sum.
     pub encoder_error: Vec<EncoderError>,
-    /// Rest point of the hand's spring (the angle at which the hand wants the knob), rad.
+    /// Rest point of the hand's spring (the angle to which the hand pulls the knob), rad.
     pub rest_rad: f64,
     /// State of the motor's bridge in the present PWM period: off, or its duty cycles.
     pub acting: Drive,

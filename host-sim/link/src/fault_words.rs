@@ -4,7 +4,7 @@
 const PAGES: &[(u8, &str)] = include!(concat!(env!("OUT_DIR"), "/faults.rs"));
 
 /// The text below a heading, e.g. `Meaning`, on the documentation page of the fault with number `code`. `None` for a fault that
-/// this version does not know.
+/// this version does not have.
 #[must_use]
 pub fn section(code: u8, heading: &str) -> Option<&'static str> {
     let (_, page) = PAGES.iter().find(|(known, _)| *known == code)?;

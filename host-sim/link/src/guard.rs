@@ -75,6 +75,14 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
         ),
     );
     add(
+        "law.position_error_rad",
+        after.law.position_error_rad < before.law.position_error_rad,
+        format!(
+            "less than the error of the encoder that the board was told, {:.6} rad",
+            before.law.position_error_rad
+        ),
+    );
+    add(
         "law.guard.capacity_j",
         new.capacity_j > shipped.capacity_j,
         format!(
@@ -158,7 +166,7 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     )
 }
 
-/// Speed at which the kinetic energy of a knob is told, rad/s: a brisk turn by hand.
+/// Speed for which the kinetic energy of a knob is printed, rad/s: a brisk turn by hand.
 const SHOWN_RAD_PER_S: f64 = 10.0;
 
 /// Kinetic energy of the knob at that speed, J, with the inertia that the estimator supposes.
@@ -177,9 +185,9 @@ pub fn by_torque_constant(error: f64) -> String {
     )
 }
 
-/// Limits the energy guard's settings to what is certain on this board, whatever a settings file contains. The guard is switched on
-/// and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its capacity and
-/// refilling power at most the shipped ones.
+/// Limits the energy guard's settings, from whichever file they come, to values that are certain on this board. The guard is
+/// switched on and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its
+/// capacity and refilling power at most the shipped ones.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;
@@ -208,7 +216,7 @@ mod tests {
     fn each_setting_that_the_bound_rests_on_is_noticed_and_the_other_way_is_not() {
         type Change = fn(&mut DeviceSettings, bool);
         // Each change with a value that weakens the bound, and with one that does not.
-        let changes: [(&str, Change); 6] = [
+        let changes: [(&str, Change); 7] = [
             ("law.guard.on", |all, weak| all.law.guard.on = !weak),
             ("law.guard.change", |all, weak| {
                 all.law.guard.change = match weak {
@@ -226,6 +234,9 @@ mod tests {
             ("law.guard.share_of_damping", |all, weak| {
                 all.law.guard.share_of_damping = Si::lit(if weak { "0.9" } else { "0.7" });
             }),
+            ("law.position_error_rad", |all, weak| {
+                all.law.position_error_rad = Si::lit(if weak { "0.001" } else { "0.003" });
+            }),
             ("law.guard.capacity_j", |all, weak| {
                 all.law.guard.capacity_j = Si::lit(if weak { "0.046" } else { "0.044" });
             }),
@@ -234,7 +245,8 @@ mod tests {
             }),
         ];
         for board in Board::ALL {
-            let before = DeviceSettings::defaults(board);
+            let mut before = DeviceSettings::defaults(board);
+            before.law.position_error_rad = Si::lit("0.002");
             assert!(paths(&before, &before, board).is_empty(), "{board:?}");
             for (path, change) in changes {
                 let mut after = before.clone();

@@ -35,8 +35,8 @@ const KEPT: usize = 20_000;
 /// penetration's number format ends, the row takes the position from the encoder count.
 const REACH_RAD: f64 = 127.0;
 
-/// Bytes of a long telemetry record with its frame. `LINE_BYTES` is the number of bytes per second that records may take of the
-/// serial line (921,600 baud, ten bits per byte); the rest of the line is for answers.
+/// Bytes of a long telemetry record with its frame. The serial line carries 92,160 bytes per second (921,600 baud, ten bits per
+/// byte). `LINE_BYTES` of them are for records, the rest for answers.
 const RECORD_BYTES: u32 = 36;
 const LINE_BYTES: u32 = 80_000;
 
@@ -63,7 +63,7 @@ pub struct RecordRows {
 
 impl RecordRows {
     /// Prepares for records of a device with these settings. `twin` is a simulated copy of the device's control law, whose force is
-    /// compared with the device's; it is used only if the device sends a record for every tick (`decimation` 1).
+    /// compared with the device's. The copy is used only if the device sends a record for every tick (`decimation` 1).
     pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, settings: &DeviceSettings) {
         self.twin = twin.filter(|_| decimation == 1);
         self.counted = Counted::default();

@@ -101,7 +101,7 @@ pub fn troubles(dropped: u32, damaged: u32) -> Value {
     json!({ "type": "troubles", "dropped": dropped, "damaged": damaged })
 }
 
-/// The command that switches off a device in this state, and the text that tells the user so. `None` if the device is already off.
+/// The command that switches off a device in this state, and a message about it for the user. `None` if the device is already off.
 #[must_use]
 pub const fn switched_off(phase: Phase) -> Option<(DeviceCommand, &'static str)> {
     match phase {

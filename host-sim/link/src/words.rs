@@ -117,6 +117,7 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
                 }
             },
         ),
+        _ => ("the device refuses this".into(), OTHER_VERSION),
     }
 }
 

@@ -120,7 +120,7 @@ function showParts() {
   showProfile();
 }
 function showProfile() {
-  const profile = runs[0]?.profile;
+  const profile = runs[0]?.drawn;
   if (!profile) return;
   editor.take(profile);
   if (document.activeElement !== $("profile-copies")) $("profile-copies").value = profile.copies;
@@ -325,7 +325,7 @@ function opened({ a, b, keep }) {
     const title = `${laws.get("law.kind").value}, ${number(side.facts.k_desired_n_m_per_rad)} N·m/rad${guarded}`;
     const length = Math.max(2000, Math.ceil(Math.min(side.facts.rate_hz, 4000) * WINDOW_S * 1.1));
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
-    return { ...side, title, ring, profile: profileOf(laws), parts: partsOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
+    return { ...side, title, ring, profile: landscapeOf(laws), drawn: profileOf(laws), parts: partsOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
   // With a changed setting or a second law, the run is no longer comparable with the opened file.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();

@@ -1,6 +1,8 @@
 // The parts of a feel: what a scene has, controls that add, change and remove each part, and undo.
 const DEG = 180 / Math.PI;
-/** Every part: its table, its name, its meaning, the values with which it is added, and its fields: name, label, factor from the scene's unit to the shown one. `here` is the knob's angle in rad, to a whole degree. */
+/** A list of numbers as scenes have it. */
+const asList = (values) => `[${values.map((value) => { const short = Number(value.toPrecision(9)); return Number.isInteger(short) ? short.toFixed(1) : short; }).join(", ")}]`;
+/** Every part: its table, its name, its meaning, the values with which it is added, and its fields: name, label, factor from the scene's unit to the shown one. `here` is the knob's angle in rad, to a whole degree. A part takes the place of another, `instead`. */
 const PARTS = [
   { table: "environment.first_wall", name: "Wall", about: "hard, on one side", flag: true, start: () => ({}),
     fields: [["wall.surface_rad", "begins at, °", DEG], ["wall.k_desired_n_m_per_rad", "stiffness, N·m/rad", 1]] },
@@ -10,6 +12,9 @@ const PARTS = [
     fields: [["lower_rad", "from, °", DEG], ["upper_rad", "to, °", DEG]] },
   { table: "environment.detents", name: "Detents", about: "angles that pull the knob in", start: () => ({ per_rev: 24, strength_n_m: 0.012 }),
     fields: [["per_rev", "in a turn", 1], ["strength_n_m", "torque, mN·m", 1e3], ["centre_rad", "one is at, °", DEG]] },
+  { table: "environment.detent_list", name: "Listed detents", about: "angles of your choice that pull the knob in", instead: "environment.profile",
+    start: (here) => ({ positions_rad: asList([-60, -30, 0, 30, 60].map((at) => here + at / DEG)), strengths_n_m: "[0.02]", widths_rad: asList([30 / DEG]) }),
+    fields: [["positions_rad", "angles, °", DEG, "list"], ["strengths_n_m", "torque, mN·m: one or each", 1e3, "list"], ["widths_rad", "width, °: one or each", DEG, "list"]] },
   { table: "environment.click", name: "Clicks", about: "short pulses when the knob passes", start: () => ({ per_rev: 24, strength_n_m: 0.015 }),
     fields: [["per_rev", "in a turn", 1], ["strength_n_m", "torque, mN·m", 1e3], ["duration_s", "length, ms", 1e3], ["centre_rad", "one is at, °", DEG]] },
   { table: "environment.spring", name: "Centre spring", about: "draws the knob back", start: (here) => ({ centre_rad: here, stiffness_n_m_per_rad: 0.03, strength_n_m: 0.03 }),
@@ -18,8 +23,12 @@ const PARTS = [
     fields: [["strength_n_m", "torque, mN·m", 1e3], ["stretch_rad", "gives way for, °", DEG]] },
   { table: "environment.damper", name: "Damper", about: "the faster, the heavier", start: () => ({ damping_n_m_s_per_rad: 0.0005 }),
     fields: [["damping_n_m_s_per_rad", "damping, mN·m·s/rad", 1e3]] },
-  { table: "environment.profile", name: "Drawn torque", about: "a curve over the angle, drawn below", start: () => ({ per_rev: 5, strength_n_m: 0.02 }), fields: [] },
+  { table: "environment.inertia", name: "Inertia", about: "heavier to start and to stop", start: () => ({ inertia_kg_m2: 1e-5 }),
+    fields: [["inertia_kg_m2", "inertia, g·cm²", 1e7]] },
+  { table: "environment.profile", name: "Drawn torque", about: "a curve over the angle, drawn below", instead: "environment.detent_list", start: () => ({ per_rev: 5, strength_n_m: 0.02 }), fields: [] },
 ];
+/** The numbers that a person wrote, separated by commas or spaces; what is no number becomes NaN, which the scene refuses. */
+const numbersOf = (text) => text.split(/[\s,;]+/).filter(Boolean).map(Number);
 /** Path of a part's field in the scene. */
 const pathIn = (part, name) => (name.includes(".") ? name : `${part.table}.${name}`);
 /** Whether a printed scene has a part. */
@@ -39,14 +48,16 @@ function partsOf(printed) {
   const [centre, stiffness, strength] = ["centre_rad", "stiffness_n_m_per_rad", "strength_n_m"].map((name) => of(`environment.spring.${name}`));
   const friction = of("environment.dry_friction.strength_n_m"), damping = of("environment.damper.damping_n_m_s_per_rad");
   return {
-    detents: ring("environment.detents"), clicks: ring("environment.click"),
+    detents: listOf(printed) ? { angles: listOf(printed).map((it) => it.at) } : ring("environment.detents"), clicks: ring("environment.click"),
     spring: stiffness > 0 && strength > 0 ? { centre, reach: strength / stiffness } : null,
     friction: friction > 0 ? { stretch: of("environment.dry_friction.stretch_rad") } : null,
     damper: damping > 0 ? { damping } : null,
+    inertia: of("environment.inertia.inertia_kg_m2") > 0 || null,
   };
 }
 /** Angles of a ring's marks between two angles; null if these are more than can be told apart. */
-function marksOf({ pitch, centre }, from, to, most) {
+function marksOf({ pitch, centre, angles }, from, to, most) {
+  if (angles) return angles.filter((at) => from <= at && at <= to);
   if ((to - from) / pitch > most) return null;
   const out = [];
   for (let i = Math.ceil((from - centre) / pitch); centre + i * pitch <= to; i += 1) out.push(centre + i * pitch);
@@ -65,16 +76,16 @@ class PartControls {
       label.append(tick, ` ${part.name} `, about);
       body.className = "grid";
       tick.addEventListener("change", () => (tick.checked ? this.add(part) : page.set(part.table, part.flag ? "false" : "none")));
-      const inputs = part.fields.map(([name, text, unit]) => {
+      const inputs = part.fields.map(([name, text, unit, list]) => {
         const words = Array.isArray(unit), input = document.createElement(words ? "select" : "input"), named = document.createElement("label");
         Object.assign(input, { id: `${id}-${name.split(".").at(-1)}` });
-        if (words) input.append(...unit.map((word) => new Option(word, word))); else Object.assign(input, { type: "number", step: "any" });
+        if (words) input.append(...unit.map((word) => new Option(word, word))); else Object.assign(input, list ? { type: "text", inputMode: "text", spellcheck: false } : { type: "number", step: "any" });
         named.htmlFor = input.id;
         named.textContent = text;
         input.setAttribute("aria-label", `${part.name}: ${text}`);
-        input.addEventListener("change", () => page.set(pathIn(part, name), words ? input.value : String(Number((Number(input.value) / unit).toPrecision(9)))));
+        input.addEventListener("change", () => page.set(pathIn(part, name), words ? input.value : list ? asList(numbersOf(input.value).map((value) => value / unit)) : String(Number((Number(input.value) / unit).toPrecision(9)))));
         body.append(named, input);
-        return { input, path: pathIn(part, name), unit };
+        return { input, path: pathIn(part, name), unit, list };
       });
       row.append(label, body);
       if (inner[part.table]) row.append(inner[part.table]);
@@ -90,10 +101,10 @@ class PartControls {
       tick.checked = hasPart(printed, part);
       body.hidden = !tick.checked || !inputs.length;
       if (inner) inner.hidden = !tick.checked;
-      for (const { input, path, unit } of inputs) {
+      for (const { input, path, unit, list } of inputs) {
         const field = printed.get(path);
-        if (!field || field.absent || (document.activeElement === input && input.type === "number")) continue;
-        input.value = Array.isArray(unit) ? field.value : Number((Number(field.value) * unit).toPrecision(6));
+        if (!field || field.absent || (document.activeElement === input && input.tagName === "INPUT")) continue;
+        input.value = Array.isArray(unit) ? field.value : list ? JSON.parse(field.value).map((value) => Number((value * unit).toPrecision(6))).join(", ") : Number((Number(field.value) * unit).toPrecision(6));
       }
     }
   }
@@ -122,6 +133,10 @@ function addPart(part, values) {
   remember(`add ${part.table}`);
   chosen.sets.delete(part.table);
   if (part.flag) chosen.sets.set(part.table, "true");
+  if (part.instead) {
+    for (const path of [...chosen.sets.keys()]) if (path.startsWith(`${part.instead}.`)) chosen.sets.delete(path);
+    chosen.sets.set(part.instead, "none");
+  }
   for (const [path, value] of Object.entries(values)) { chosen.sets.delete(path); chosen.sets.set(path, value); }
   open(true);
 }

@@ -5,7 +5,10 @@ function profileOf(printed) {
   const of = (name) => printed.get(`environment.profile.${name}`)?.value;
   if (!of("shape")) return null;
   const [copies, start, end, strength] = ["per_rev", "start_rad", "end_rad", "strength_n_m"].map((name) => Number(of(name)));
-  const shape = JSON.parse(of("shape")).map(Number), steps = copies > 0 ? shape.length : shape.length - 1;
+  return profileFrom({ copies, start, end, strength, shape: JSON.parse(of("shape")).map(Number) });
+}
+function profileFrom({ copies, start, end, strength, shape }) {
+  const steps = copies > 0 ? shape.length : shape.length - 1;
   const length = copies > 0 ? (2 * Math.PI) / copies : end - start;
   // Potential energy of the profile at every point, scaled to 0 to 1. The torque pushes the knob towards lower energy, as a ball rolls downhill.
   const heights = [0];
@@ -13,6 +16,24 @@ function profileOf(printed) {
   const least = Math.min(...heights), wide = Math.max(...heights) - least || 1;
   return { copies, start, end, strength, shape, steps, length, heights: heights.map((h) => (strength > 0 ? (h - least) / wide : 0)) };
 }
+
+/** Reads the listed detents of a printed scene, each with its angle and width in rad and its torque in N·m; null without any. */
+function listOf(printed) {
+  const of = (name) => { const field = printed.get(`environment.detent_list.${name}`); return field && !field.absent && field.value ? JSON.parse(field.value).map(Number) : []; };
+  const strengths = of("strengths_n_m"), widths = of("widths_rad");
+  const list = of("positions_rad").map((at, i) => ({ at, strength: strengths[i] ?? strengths[0], width: widths[i] ?? widths[0] }));
+  return list.some((it) => it.strength > 0) ? list : null;
+}
+/** The torque of listed detents, in the form of profileOf. */
+function listedProfile(list) {
+  const [first, last] = [list[0], list.at(-1)], start = first.at - first.width / 2, end = last.at + last.width / 2, steps = 480;
+  const strength = Math.max(...list.map((it) => it.strength));
+  const torque = (angle) => list.reduce((sum, it) => { const size = (angle - it.at) / (it.width / 4); return Math.abs(size) < 2 ? sum - (it.strength / strength) * Math.sign(size) * Math.min(Math.abs(size), 2 - Math.abs(size)) : sum; }, 0);
+  return profileFrom({ copies: 0, start, end, strength, shape: Array.from({ length: steps + 1 }, (_, i) => torque(start + ((end - start) * i) / steps)) });
+}
+
+/** What is drawn around the knob: the listed detents take the place of a drawn torque. */
+const landscapeOf = (printed) => { const list = listOf(printed); return list ? listedProfile(list) : profileOf(printed); };
 
 /** Index of the profile's point at an angle; a fraction lies between two points. */
 function placeIn(profile, angle) {

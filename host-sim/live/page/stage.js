@@ -145,9 +145,10 @@ class Stage {
     }
     if (friction) for (const from of [0.45, 2.4]) stroke(g, ink.hand, r * 0.1, [], () => g.arc(x, y, r * 1.07, from, from + 0.3));
   }
-  /** The parts of a feel on the knob: the spring from its centre to the knob as a coil, the damper as a ring of oil. */
-  inside(g, { spring, damper }, angle, at, { x, y, r }) {
+  /** The parts of a feel on the knob: the spring from its centre to the knob as a coil, the damper as a ring of oil, the added inertia as a heavy rim. */
+  inside(g, { spring, damper, inertia }, angle, at, { x, y, r }) {
     if (damper) stroke(g, ink.a, r * 0.05, [2, 6], () => g.arc(x, y, r * 0.46, 0, 7));
+    if (inertia) stroke(g, ink.mass, r * 0.07, [], () => g.arc(x, y, r * 0.55, 0, 7));
     if (!spring) return;
     // Beyond nearly half a turn the coil would begin to lie on itself.
     const way = Math.max(-2.9, Math.min(2.9, spring.centre - angle)), coils = 24;

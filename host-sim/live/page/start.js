@@ -79,7 +79,7 @@ const figures = [
   { canvas: plane.canvas, act: () => plane.draw(runs, PLANE_S, [{ slope: runs[0].facts.k_desired_n_m_per_rad, dash: [6, 4] }, { slope: runs[0].facts.k_critical_n_m_per_rad, dash: [2, 3] }]) },
   { canvas: phase.canvas, act: () => phase.draw(runs, PLANE_S, []) },
 ];
-figures.push({ canvas: $("profile"), act: () => { if ($("draw").open) editor.draw(runs[0].profile, runs[0].last?.angle_rad ?? null); } });
+figures.push({ canvas: $("profile"), act: () => { if ($("draw").open) editor.draw(runs[0].drawn, runs[0].last?.angle_rad ?? null); } });
 const inSight = new Set();
 const watch = new IntersectionObserver((entries) => { for (const entry of entries) inSight[entry.isIntersecting ? "add" : "delete"](entry.target); });
 for (const figure of figures) watch.observe(figure.canvas);

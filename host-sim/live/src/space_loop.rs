@@ -8,8 +8,8 @@ use touchstone_control::space::{
     SurfacePoint, Vector, VectorGuard,
 };
 use touchstone_control::{
-    AnyLaw, Choice as _, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position, Reported,
-    Settings, Si,
+    AnyLaw, Choice as _, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position,
+    PositionSettings, Reported, Settings, Si,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::list;
@@ -294,7 +294,10 @@ impl SpaceLoop {
             let device = GuardedDevice {
                 rate_hz: choice.law.rate_hz,
                 force_limit: choice.law.force_limit,
-                count: Si::saturating_from_num(OMEGA3.count_m),
+                count: PositionSettings {
+                    count: Si::saturating_from_num(OMEGA3.count_m),
+                }
+                .uncertainty(choice.law.position_error),
             };
             let (guard, device) = UNIT.guard(guard, &device);
             let guard = VectorGuard::new(&guard, &device).map_err(|why| refused(&why))?;

@@ -1,9 +1,10 @@
 //! The proxy of a mesh: a point that follows the hand's point, but never passes through a triangle from its outside.
 //!
 //! In every tick (control period) the proxy moves straight towards the hand. If a triangle on the way stops it, the proxy moves to
-//! the point closest to the hand that lies below none of the planes that stopped it: on one plane, on the crease of two, or in the
-//! corner of three. It repeats both steps, each time without the earlier planes, until nothing stops it. The proxy can therefore
-//! slide over an edge within a tick. However thin a plate is and however fast the hand, the proxy stays on its side of the plate.
+//! the point closest to the hand that lies below none of the planes that stopped it. That point is on one plane, on the line where
+//! two meet, or in the corner of three. It repeats both steps, each time without the earlier planes, until nothing stops it. The
+//! proxy can therefore slide over an edge within a tick. However thin a plate is and however fast the hand, the proxy stays on its
+//! side of the plate.
 //!
 //! The proxy keeps a distance from planes, the [gap](Proxy::gap_m): a ten-millionth of the object's size, so that rounding never
 //! puts it behind a plane. Triangles are enlarged slightly at their edges, so that the proxy cannot slip through between two.
@@ -12,7 +13,8 @@ use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 
-/// Largest number of rounds per tick (control period). Each round forgets the planes that stopped the proxy in earlier rounds.
+/// Largest number of rounds per tick (control period). Each round starts without the planes that stopped the proxy in earlier
+/// rounds.
 const ROUNDS: usize = 6;
 /// Largest number of planes that may stop the proxy in a round.
 const PLANES: usize = 6;

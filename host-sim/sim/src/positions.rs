@@ -1,6 +1,6 @@
 //! Numbered positions of a knob, for programs that use the knob as a selector: the detent in which it is, with hysteresis.
 
-use crate::scene::Environment;
+use crate::scene::{Environment, TorqueProfile};
 use std::f64::consts::TAU;
 use touchstone_control::environment::WHOLE;
 
@@ -8,18 +8,23 @@ use touchstone_control::environment::WHOLE;
 /// next detent, a quarter beyond the ridge between the two.
 pub const HYSTERESIS: f64 = 0.25;
 
-/// Positions of a knob at equal distances, whose numbers rise with the angle.
+/// The most positions of a list: a torque profile of 96 points has at most this number of places at which a knob rests.
+pub const MOST_LISTED: usize = 48;
+
+/// Positions of a knob, at equal distances or at listed angles. Their numbers rise with the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Positions {
-    /// Distance between two neighbouring positions, rad.
+    /// Distance between two neighbouring positions, rad; of listed positions the smallest distance.
     pub pitch_rad: f64,
     /// Angle of position 0, rad.
     pub origin_rad: f64,
-    /// The first and the last position between the end stops, counted from the origin; `None` without end stops.
+    /// The first and the last position between the end stops or of the list, counted from the origin; `None` without an end.
     pub ends: Option<(i64, i64)>,
     /// Distance beyond the middle between two positions at which the number changes, as a fraction of the positions' distance, 0 to
     /// 0.49.
     pub hysteresis: f64,
+    /// Angles of listed positions, rad, and their number; with fewer than two, positions are `pitch_rad` apart.
+    listed: ([f64; MOST_LISTED], usize),
     /// The position in which the knob was last, counted from the origin; `None` before the first measured angle.
     now: Option<i64>,
     /// Added to a position, counted from the origin, to give the number that a program gets.
@@ -46,13 +51,52 @@ impl Positions {
             origin_rad,
             ends: None,
             hysteresis: HYSTERESIS,
+            listed: ([0.0; MOST_LISTED], 0),
             now: None,
             shift: 0,
         }
     }
 
-    /// The positions of a scene's environment: its detents, or else the points of least energy in the copies of its torque profile,
-    /// or else its clicks. `None` if it has none of them.
+    /// Positions at these rising angles, at most [`MOST_LISTED`], numbered from 0. `None` without an angle.
+    #[must_use]
+    pub fn at(angles_rad: &[f64]) -> Option<Self> {
+        let (first, angles_rad) = (
+            angles_rad.first()?,
+            angles_rad.get(..angles_rad.len().min(MOST_LISTED))?,
+        );
+        let gaps = angles_rad.windows(2).map(|pair| pair[1] - pair[0]);
+        // A single position has no neighbour; a turn beside it the knob is a turn away.
+        let pitch_rad = gaps.reduce(f64::min).unwrap_or(TAU);
+        let mut positions = Self::every(pitch_rad, *first);
+        positions.listed.1 = angles_rad.len();
+        for (place, angle) in positions.listed.0.iter_mut().zip(angles_rad) {
+            *place = *angle;
+        }
+        positions.ends = Some((0, angles_rad.len() as i64 - 1));
+        Some(positions)
+    }
+
+    /// The listed angles; empty for positions at equal distances.
+    fn list(&self) -> &[f64] {
+        self.listed.0.get(..self.listed.1).unwrap_or_default()
+    }
+
+    /// The place of an angle among the positions: whole numbers are positions, counted from the origin. Between two listed angles
+    /// the place is interpolated; beyond the list it is extrapolated from the last two angles.
+    fn place_of(&self, angle_rad: f64) -> f64 {
+        let list = self.list();
+        if list.len() < 2 {
+            return (angle_rad - self.origin_rad) / self.pitch_rad;
+        }
+        let above = list.partition_point(|at| *at <= angle_rad);
+        let before = above.clamp(1, list.len() - 1) - 1;
+        let [from, to] = [list[before], list[before + 1]];
+        before as f64 + (angle_rad - from) / (to - from)
+    }
+
+    /// The positions of a scene's environment. They come from the first of these that the environment has: its listed detents, its
+    /// detents, its torque profile, its clicks. In a profile with copies a position is the point of least energy of a copy. In a
+    /// profile without copies it is every angle at which the knob rests. `None` if the environment has none of them.
     #[must_use]
     pub fn of(environment: &Environment) -> Option<Self> {
         let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
@@ -66,8 +110,13 @@ impl Positions {
             let it = environment.detents.as_ref()?;
             (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
         };
+        let listed = environment.acting_list();
+        let listed = listed.and_then(|it| Self::at(it.rests()));
         let profile = || {
-            let it = environment.acting_profile().filter(|it| it.per_rev > 0)?;
+            let it = environment.acting_profile()?;
+            if it.per_rev == 0 {
+                return Self::at(&rests(&it));
+            }
             let pitch_rad = TAU / f64::from(it.per_rev);
             let origin_rad = it.start_rad + pitch_rad * deepest(&it.shape);
             Some(Self::every(pitch_rad, origin_rad))
@@ -76,7 +125,7 @@ impl Positions {
             let it = environment.click.as_ref()?;
             (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
         };
-        let positions = detents().or_else(profile).or_else(clicks)?;
+        let positions = listed.or_else(detents).or_else(profile).or_else(clicks)?;
         Some(positions.between(environment))
     }
 
@@ -85,13 +134,17 @@ impl Positions {
     pub fn between(mut self, environment: &Environment) -> Self {
         // An end stop exactly at a position still permits that position. This margin covers rounding errors.
         const NEARLY: f64 = 1e-6;
-        self.ends = environment.endstops.as_ref().map(|ends| {
-            let place = |at: f64| (at - self.origin_rad) / self.pitch_rad;
-            let [lower, upper] = [ends.lower_rad, ends.upper_rad].map(place);
-            (
-                (lower - NEARLY).ceil() as i64,
-                (upper + NEARLY).floor() as i64,
-            )
+        let Some(stops) = &environment.endstops else {
+            return self;
+        };
+        let [lower, upper] = [stops.lower_rad, stops.upper_rad].map(|at| self.place_of(at));
+        let (first, last) = (
+            (lower - NEARLY).ceil() as i64,
+            (upper + NEARLY).floor() as i64,
+        );
+        self.ends = Some(match self.ends {
+            Some((least, most)) => (first.max(least), last.min(most)),
+            None => (first, last),
         });
         self
     }
@@ -104,7 +157,7 @@ impl Positions {
 
     /// Takes a measured angle. Returns the place if the position has changed since the last call, and at the first call.
     pub fn take(&mut self, angle_rad: f64) -> Option<Place> {
-        let way = (angle_rad - self.origin_rad) / self.pitch_rad;
+        let way = self.place_of(angle_rad);
         let reach = 0.5 + self.hysteresis;
         let before = self.now;
         let now = match before.map(|now| now as f64) {
@@ -134,14 +187,35 @@ impl Positions {
     /// of [`Positions::take`], it is the distance from the nearest position.
     #[must_use]
     pub fn beside(&self, angle_rad: f64) -> f64 {
-        let way = (angle_rad - self.origin_rad) / self.pitch_rad;
+        let way = self.place_of(angle_rad);
         way - self.now.map_or(way.round(), |now| now as f64)
     }
 
     /// The angle of a position, counted from the origin, rad.
     #[must_use]
     pub fn angle_of(&self, position: i64) -> f64 {
-        self.origin_rad + position as f64 * self.pitch_rad
+        match usize::try_from(position)
+            .ok()
+            .and_then(|it| self.list().get(it))
+        {
+            Some(angle_rad) => *angle_rad,
+            None => self.origin_rad + position as f64 * self.pitch_rad,
+        }
+    }
+
+    /// The first and the last angle of listed positions, rad; `None` for positions at equal distances.
+    #[must_use]
+    pub fn listed_between(&self) -> Option<(f64, f64)> {
+        Some((*self.list().first()?, *self.list().last()?))
+    }
+
+    /// The position that is nearest to an angle, counted from the origin.
+    #[must_use]
+    pub fn nearest_to(&self, angle_rad: f64) -> i64 {
+        let nearest = self.place_of(angle_rad).round() as i64;
+        self.ends.map_or(nearest, |(first, last)| {
+            nearest.clamp(first, last.max(first))
+        })
     }
 
     /// The numbers of the first and the last position between the end stops.
@@ -151,6 +225,47 @@ impl Positions {
             .map(|(first, last)| (first + self.shift, last + self.shift))
     }
 }
+
+/// The angles at which a knob rests in a torque profile that is not repeated. There the torque falls through 0 as the angle rises,
+/// from at least a tenth of the strength to at least a tenth in the other direction. Where the torque is 0 over a range, the angle
+/// is the middle of the range.
+fn rests(profile: &TorqueProfile) -> Vec<f64> {
+    let last = profile.shape.len().saturating_sub(1);
+    let angle_of = |place: f64| {
+        let share = place / last.max(1) as f64;
+        profile.start_rad + share * (profile.end_rad - profile.start_rad)
+    };
+    let mut found = Vec::new();
+    // The last point that pushed upwards, with its torque, and the strongest push since the last rest.
+    let (mut up, mut strongest) = (None, 0.0_f64);
+    let mut pending: Option<f64> = None;
+    for (i, torque) in profile.shape.iter().enumerate() {
+        if *torque > 0.0 {
+            (up, strongest, pending) = (Some((i, *torque)), strongest.max(*torque), None);
+        } else if *torque < 0.0 {
+            if let Some((before, push)) = up.take()
+                && strongest >= LEAST_PUSH
+            {
+                let zeros = i - before - 1;
+                let place = match zeros {
+                    0 => before as f64 + push / (push - torque),
+                    _ => before as f64 + 0.5 * (zeros as f64 + 1.0),
+                };
+                pending = Some(place);
+            }
+            if *torque <= -LEAST_PUSH
+                && let Some(place) = pending.take()
+            {
+                found.push(angle_of(place));
+            }
+            strongest = 0.0;
+        }
+    }
+    found
+}
+
+/// The least torque on either side of a rest, as a fraction of the profile's strength.
+const LEAST_PUSH: f64 = 0.1;
 
 /// The point of a torque profile at which the knob comes to rest, as a fraction (0 to 1) of the profile's length. It is the point of
 /// least energy.
@@ -236,6 +351,60 @@ mod tests {
         }
         assert_eq!(sum, seen);
         assert!((seen as f64 * 0.1 + 0.03 - 0.007 * 200_000.0).abs() < 0.1 * (0.5 + HYSTERESIS));
+    }
+
+    #[test]
+    fn listed_positions_have_their_places_in_the_list() {
+        use crate::scene::DetentList;
+        let around = Environment {
+            detent_list: Some(DetentList {
+                positions_rad: vec![-1.0, 0.0, 0.3, 2.0],
+                strengths_n_m: vec![0.02],
+                widths_rad: vec![0.3],
+            }),
+            ..Environment::default()
+        };
+        let mut positions = Positions::of(&around).unwrap();
+        assert_eq!(positions.numbers(), Some((0, 3)));
+        assert_eq!(positions.take(-3.0).unwrap().position, 0);
+        // Each number changes at three quarters of its own gap.
+        for (angle, wanted) in [
+            (-0.3, None),
+            (-0.2, Some(1)),
+            (0.2, None),
+            (0.23, Some(2)),
+            (1.5, None),
+            (1.6, Some(3)),
+            (9.0, None),
+            (0.8, None),
+            (0.7, Some(2)),
+            (-0.1, Some(1)),
+        ] {
+            let place = positions.take(angle);
+            assert_eq!(place.map(|it| it.position), wanted, "{angle}");
+        }
+        assert_eq!([0, 3].map(|it| positions.angle_of(it)), [-1.0, 2.0]);
+        // A board has the list as a profile alone, and rests at the same angles.
+        let drawn = Environment {
+            profile: around.acting_profile().map(std::borrow::Cow::into_owned),
+            ..Environment::default()
+        };
+        let on_board = Positions::of(&drawn).unwrap();
+        assert_eq!(on_board.numbers(), Some((0, 3)));
+        for i in 0..4 {
+            let off = on_board.angle_of(i) - positions.angle_of(i);
+            assert!(off.abs() < 1e-9, "{i}: {off}");
+        }
+        // An end stop leaves out what is beyond it.
+        let stopped = Environment {
+            endstops: Some(Endstops {
+                lower_rad: -0.2,
+                upper_rad: 1.0,
+                stiffness_n_m_per_rad: None,
+            }),
+            ..around
+        };
+        assert_eq!(Positions::of(&stopped).unwrap().numbers(), Some((1, 2)));
     }
 
     #[test]

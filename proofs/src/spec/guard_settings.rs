@@ -151,6 +151,8 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
     // The position and the part under the old force are each rounded by one step of the format.
     let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
+    // So is a measured position at the change of force.
+    let slack = signal_plus(slack, i128::from(set.measured));
     let in_flight = if set.delay > 0 || set.lag > 0 {
         plus(plus(times(late, distance), UP), half_count)
     } else {

@@ -1,5 +1,5 @@
 //! What boards with enough flash store beside the settings: the environment (walls, end stops, detents), the encoder's alignment,
-//! whether the board starts by itself, and the cogging map.
+//! whether the board starts automatically, and the cogging map.
 
 use super::{Backend, Session};
 use crate::reply::Refusal;

@@ -105,7 +105,7 @@ pub(crate) mod bits {
 mod tests {
     use super::*;
 
-    /// Test values of 64 bits: the ends of the range, special patterns of bits, and a walk through the rest.
+    /// Test values of 64 bits: the ends of the range, special patterns of bits, and values spread over the rest.
     fn samples() -> impl Iterator<Item = Si> {
         let edges = [
             0,

@@ -35,7 +35,7 @@ pub struct Surround {
     pub change_n_m_per_s: Decimal,
     /// A torque profile: a torque drawn over the angle.
     pub profile: Option<ProfileBeside>,
-    /// A spring to a centre, viscous and dry friction, and a click.
+    /// A spring to a centre, viscous and dry friction, a click, and an added inertia.
     pub parts: Parts,
 }
 
@@ -378,8 +378,6 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         },
         // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
         // here.
-        Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
-            limit("environment", Si::ZERO)
-        }
+        _ => limit("environment", Si::ZERO),
     }
 }

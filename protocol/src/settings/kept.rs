@@ -2,7 +2,7 @@
 //!
 //! Only an absolute encoder's alignment can be stored, because an incremental encoder counts from the position at power-on. The
 //! stored data are valid only for the hardware with which they were measured. They are not among the settings: a settings file of
-//! another knob must neither bring that knob's alignment nor make this knob start by itself.
+//! another knob must neither bring that knob's alignment nor make this knob start automatically.
 
 use super::{DeviceSettings, DriveKind, EncoderKind};
 use crate::Board;
@@ -98,7 +98,7 @@ pub enum SelfStart {
     Waiting = 1,
     /// The board checks the stored encoder alignment.
     Checking = 2,
-    /// The board has switched its outputs on by itself.
+    /// The board has switched its outputs on automatically.
     Started = 3,
     /// Not started: the processor was reset, and power did not come on.
     NoPowerOn = 4,

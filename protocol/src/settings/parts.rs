@@ -1,12 +1,14 @@
-//! The further parts of a knob's feel on the wire and in flash: spring to a centre, viscous and dry friction, click.
+//! The further parts of a knob's feel on the wire and in flash: spring to a centre, viscous and dry friction, click,
+//! inertia.
 
 use super::Decimal;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, FeelSettings, Spacing, ViscousSettings,
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Spacing,
+    ViscousSettings,
 };
 
-/// The parts of a feel; on the wire four optional tuples of numbers, in the order of the fields of [`FeelSettings`].
+/// The parts of a feel; on the wire five optional tuples of numbers, in the order of the fields of [`FeelSettings`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Parts(pub FeelSettings);
 
@@ -18,6 +20,7 @@ type OnWire = (
     Option<Pair>,
     Option<Pair>,
     Option<Click>,
+    Option<Pair>,
 );
 
 impl Serialize for Parts {
@@ -27,6 +30,7 @@ impl Serialize for Parts {
             viscous,
             dry,
             click,
+            inertia,
         } = self.0;
         let on_wire: OnWire = (
             spring.map(|it| {
@@ -51,6 +55,7 @@ impl Serialize for Parts {
                     Decimal(it.duration_s),
                 )
             }),
+            inertia.map(|it| (Decimal(it.inertia), Decimal(it.bandwidth_hz))),
         );
         on_wire.serialize(serializer)
     }
@@ -58,7 +63,7 @@ impl Serialize for Parts {
 
 impl<'de> Deserialize<'de> for Parts {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (spring, viscous, dry, click) = OnWire::deserialize(deserializer)?;
+        let (spring, viscous, dry, click, inertia) = OnWire::deserialize(deserializer)?;
         Ok(Self(FeelSettings {
             spring: spring.map(|(centre, stiffness, strength)| CentreSettings {
                 centre: centre.0,
@@ -84,6 +89,10 @@ impl<'de> Deserialize<'de> for Parts {
                     duration_s: duration_s.0,
                 },
             ),
+            inertia: inertia.map(|(inertia, bandwidth_hz)| InertiaSettings {
+                inertia: inertia.0,
+                bandwidth_hz: bandwidth_hz.0,
+            }),
         }))
     }
 }

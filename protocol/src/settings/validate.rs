@@ -43,6 +43,7 @@ pub struct Invalid {
 /// Why a setting is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub enum Reason {
     /// The value is outside the setting's range, or outside the range that the other settings leave.
     Outside {
@@ -243,6 +244,18 @@ pub fn refused(error: &law::SettingsError) -> SettingsError {
         law::SettingsError::TooCoarse { count, .. } => SettingsError {
             path: "encoder.counts_per_rev",
             value: Decimal(count),
+            reason: Reason::OutOfFormat,
+        },
+        // A law that the build leaves out: only the plain spring, number 0, is in every build.
+        law::SettingsError::LawLeftOut { law } => outside(
+            Field::Law,
+            law::Si::saturating_from_num(law.number()),
+            law::Si::ZERO,
+            law::Si::ZERO,
+        ),
+        _ => SettingsError {
+            path: Field::Law.path(),
+            value: Decimal(law::Si::ZERO),
             reason: Reason::OutOfFormat,
         },
     }

@@ -20,6 +20,7 @@ ts_status tuned_settings(ts_settings *settings) {
     {"law.limit_of_force_per_ms", "0.3322"},
     {"law.limit_of_penetration_per_ms", "0.5238"},
     {"law.force_limit_n_m", "0.045"}, /* N·m */
+    {"law.position_error_rad", "0"}, /* rad */
     {"law.filter.mass_kg_m2", "0.0000009234"}, /* kg·m² */
     {"law.filter.stiffness_n_m_per_rad", "23.97"}, /* N·m/rad */
     {"law.filter.damping_n_m_s_per_rad", "0.009071"}, /* N·m·s/rad */

@@ -21,6 +21,7 @@ pub fn tuned_settings() -> Settings {
         limit_of_force: Si::lit("0.3322"),
         limit_of_penetration: Si::lit("0.5238"),
         force_limit: Si::lit("0.045"), // N·m
+        position_error: Si::lit("0"), // rad
         filter: FilterSettings {
             mass: Si::lit("0.0000009234"), // kg·m²
             stiffness: Si::lit("23.97"), // N·m/rad

@@ -16,8 +16,8 @@ pub struct Edge<N: Spatial> {
 }
 
 impl<N: Spatial> Edge<N> {
-    /// The edge of two planes. The smaller the angle between the normals, the larger is the error of depths around the edge: a few
-    /// steps of the number format divided by the square of the angle's sine.
+    /// The edge of two planes. The error of depths around the edge is a few steps of the number format, divided by the square of
+    /// the sine of the angle between the normals.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         let [one, other] = &planes;
@@ -29,8 +29,8 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// The height over one plane after moving towards the other plane by a distance. `height` is the height over the one plane
-    /// before.
+    /// The height over the first plane after a displacement `way` towards the second plane. `height` is the height over the first
+    /// plane before.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }

@@ -103,6 +103,11 @@ pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> V
         })
         .collect();
     lines.push(format!("{:<41} {}", "that costs", costs(found, pole_pairs)));
+    lines.push(format!(
+        "{:<41} law.position_error_rad = {:.5}, and more by what the data sheet says of other errors",
+        "the energy guard is to be told",
+        found.position_error_rad()
+    ));
     if found.apart_rad.is_none() {
         lines.push(format!(
             "{:<41} {}",
@@ -151,6 +156,7 @@ pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
         "residual_rms_rad": found.residual_rms_rad,
         "count_rad": found.count_rad,
         "wall_off_rad": cost.place_rad,
+        "position_error_rad": found.position_error_rad(),
         "field_off_electrical_deg": cost.electrical_deg,
         "torque_lost_share": cost.torque_lost,
         "stiffness_off_share": cost.stiffness_off,

@@ -32,7 +32,7 @@ pub enum Switch {
     Off,
 }
 
-/// The device's report on stored alignment and unattended start; `None` from a board that supports neither.
+/// The device's report on stored alignment and automatic start; `None` from a board that supports neither.
 pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     if !client.identity().board.is_large() {
         return Ok(None);
@@ -58,7 +58,7 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
     })
 }
 
-/// The two lines of text on the start that `status` and `doctor` print: stored alignment, and unattended start.
+/// The two lines of text on the start that `status` and `doctor` print: stored alignment, and automatic start.
 pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
     let Some(report) = report else {
         return [
@@ -84,7 +84,7 @@ pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Boa
     [alignment, autostart]
 }
 
-/// The report on stored alignment and unattended start as JSON.
+/// The report on stored alignment and automatic start as JSON.
 pub fn json(
     report: Option<&StartReport>,
     settings: &DeviceSettings,
@@ -104,7 +104,7 @@ pub fn json(
     })
 }
 
-/// Shows the state of the stored alignment and of the unattended start.
+/// Shows the state of the stored alignment and of the automatic start.
 fn shown(client: &mut Client) -> Result<()> {
     let board = client.identity().board;
     let (report, settings) = (demanded(client)?, client.settings()?);
@@ -174,7 +174,7 @@ pub fn keep(client: &mut Client) -> Result<()> {
 }
 
 /// Configures the longest time without a message from the computer, and returns it, s. A knob that starts unattended gets 0, which
-/// means no limit. With unattended start off, a knob without a limit gets the default.
+/// means no limit. With automatic start off, a knob without a limit gets the default.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;

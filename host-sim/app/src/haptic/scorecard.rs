@@ -33,7 +33,7 @@ pub enum HandProgramme {
     Scorecard,
 }
 
-/// How a simulated hand grips.
+/// The grip of a simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum PressedGrip {
     /// Mass 0.1 kg, stiffness 30 N/m.

@@ -99,8 +99,8 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// Records the serial number of the device that is set up. This is the first file of a setup, so that after an interruption the
-    /// others are known to be its own.
+    /// Records the serial number of the device that is set up. This is the first file of a setup. After an interruption it shows
+    /// that the other files in the folder belong to this setup.
     ///
     /// # Errors
     /// Another setup began in this folder meanwhile, or the file cannot be written.

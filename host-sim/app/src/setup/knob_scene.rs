@@ -7,8 +7,8 @@ use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_protocol::DeviceSettings;
 
-/// Delay from a position reading to the motor's response, in PWM periods: on average 0.5 until the current loop takes the command,
-/// then 1 until the middle of the PWM period in which the compare values act.
+/// Delay from a position reading to the motor's response, in PWM periods. On average 0.5 pass until the current loop takes the
+/// command, then 1 until the middle of the PWM period in which the compare values act.
 const DELAY_PERIODS: f64 = 1.5;
 /// Fraction of the measured damping that the energy guard may assume. The guard's energy bound holds only if the real damping is at
 /// least the assumed damping.
@@ -28,9 +28,10 @@ pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
         .max(0.0)
 }
 
-/// Text of the scene file for the measured knob.
+/// Text of the scene file for the measured knob. `position_error_rad` is the encoder's error for the energy guard's settings.
 pub fn text(
     motor: &MeasuredMotor,
+    position_error_rad: f64,
     settings: &DeviceSettings,
     hardware: &Hardware,
     who: &str,
@@ -78,6 +79,8 @@ k_desired_n_m_per_rad = {}
 
 [law]
 kind = \"enhanced-sfa\"
+# The encoder's largest error besides the rounding to counts.
+position_error_rad = {:.4e}
 
 [law.estimator]
 inertia_kg_m2 = {inertia:.4e}
@@ -112,6 +115,7 @@ push_torque_n_m = {press:.4e}
         settings.timing.rate_hz,
         DELAY_PERIODS / f64::from(hardware.pwm_hz),
         settings.wall.k_desired_n_m_per_rad,
+        position_error_rad,
         sure_damping(motor),
         guard.change.word(),
         guard.delay_s.to_num::<f64>(),

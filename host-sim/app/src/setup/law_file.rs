@@ -1,4 +1,5 @@
-//! Takes the tuned law's settings from their file, and tells the energy guard no better device than the board has.
+//! Reads the tuned law's settings from their file, and corrects the energy guard's settings where they assume a better device than
+//! the board.
 
 use super::kept::io;
 use super::{knob_scene, named, refuse_invalid};
@@ -13,10 +14,11 @@ use touchstone_link::value;
 use touchstone_protocol::DeviceSettings;
 use touchstone_sim::error::Result;
 
-/// Complete device settings with the values of the measured motor and the tuned control law.
+/// Complete device settings with the values of the measured motor, the encoder's measured error and the tuned control law.
 pub(super) fn with_knob(
     settings: DeviceSettings,
     motor: &MeasuredMotor,
+    position_error_rad: f64,
     law_file: &Path,
     client: &Client,
 ) -> Result<DeviceSettings> {
@@ -39,6 +41,7 @@ pub(super) fn with_knob(
     let board = client.identity().board;
     let mut sure = DeviceSettings::defaults(board);
     sure.law.guard.damping_n_m_s_per_rad = of(knob_scene::sure_damping(motor));
+    sure.law.position_error_rad = of(position_error_rad);
     let weaker = guard::weaker(&sure, &all, board);
     for it in weaker.iter().filter(|it| lines.contains_key(it.path)) {
         note!(
@@ -48,6 +51,8 @@ pub(super) fn with_knob(
         );
     }
     guard::hold(&mut all, board, sure.law.guard.damping_n_m_s_per_rad);
+    let error = &mut all.law.position_error_rad;
+    *error = sure.law.position_error_rad.max(*error);
     all.motor.resistance_ohm = of(motor.resistance_ohm.value);
     all.motor.inductance_h = of(motor.inductance_h.value);
     all.motor.torque_constant_n_m_per_a = of(motor.torque_constant_n_m_per_a.value);

@@ -23,6 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_drive::wire::{checked, hardware};
+use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_lab::tune::{self, Effort};
@@ -168,7 +169,12 @@ fn steps(
     let board = client.identity().board;
     let scene_file = options.out.join("knob.toml");
     // The wall is tuned without the encoder's angle error, which no settings of a control law can correct.
-    let text = knob_scene::text(&motor, &settings, hardware(board), who);
+    let told: f64 = settings.law.position_error_rad.to_num();
+    let position_error_rad = encoder
+        .as_ref()
+        .map_or(0.0, Eccentricity::position_error_rad);
+    let position_error_rad = position_error_rad.max(told);
+    let text = knob_scene::text(&motor, position_error_rad, &settings, hardware(board), who);
     let with_encoder = text.clone() + &knob_scene::encoder_text(encoder.as_ref());
     write(&scene_file, &with_encoder)?;
     tell!("4/6 scene      {}", scene_file.display());
@@ -190,7 +196,7 @@ fn steps(
     }
 
     tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
-    let all = with_knob(settings, &motor, &law_file, client)?;
+    let all = with_knob(settings, &motor, position_error_rad, &law_file, client)?;
     take(client, &all)?;
     warn_unwatched(&all);
     if options.keep_alignment {

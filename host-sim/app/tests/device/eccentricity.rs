@@ -135,7 +135,19 @@ fn setup_tells_it_and_the_simulator_plays_it() {
         .unwrap();
     assert!((of("second_phase_rad") - phase).abs() < 1e-3);
     let knob = out.join("knob.toml").display().to_string();
-    run(&["run", &knob]).done();
+    let said = run(&["run", &knob]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    // The energy guard of scene and board is told the whole error. So large a one leaves too little energy for hard presses.
+    let told = of("position_error_rad").to_degrees();
+    assert!((1.1..1.2).contains(&told), "{told}");
+    assert!(said.err.contains("law.guard.capacity_j"), "{}", said.err);
+    let of_board = device
+        .run(&["config", "get", "law.position_error_rad"])
+        .done();
+    assert!(
+        of_board.contains("0.0193") || of_board.contains("0.0192"),
+        "{of_board}"
+    );
 
     // A second setup reports the stored measurement and does not measure again.
     let calibrations = device.world().1.counted().1;

@@ -76,7 +76,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 fn a_demo_knob_takes_every_shipped_feel() {
     let demo = crate::demo::Demo::new();
     let feels = touchstone_sim::scene::feels();
-    assert_eq!(feels.len(), 18);
+    assert_eq!(feels.len(), 20);
     for name in feels {
         let said = demo.run(&["config", "environment", name]);
         assert!(said.contains("from the next "), "{name}: {said}");
@@ -92,6 +92,9 @@ fn a_demo_knob_takes_every_shipped_feel() {
             (around.damper.is_some(), "[environment.damper]"),
             (around.dry_friction.is_some(), "[environment.dry_friction]"),
             (around.click.is_some(), "[environment.click]"),
+            (around.inertia.is_some(), "[environment.inertia]"),
+            // A board has a list as the profile that it plays.
+            (around.acting_profile().is_some(), "[environment.profile]"),
         ] {
             assert_eq!(shown.contains(part), is_there, "{name}: {shown}");
         }

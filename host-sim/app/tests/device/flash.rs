@@ -19,8 +19,8 @@ fn elf_of(path: &Path, board: &str) {
     let name = format!("\0touchstone_board_{}\0", board.replace('-', "_"));
     let names = name.len() as u32;
     // An ELF executable for Arm. After its headers it contains one program segment for the start of the flash memory. Then come the
-    // symbol table with an empty symbol and one without an address, the symbol names, and the headers of an empty section, of the
-    // symbol table and of the names.
+    // symbol table, with an empty symbol and one without an address, and the symbol names. The headers of an empty section, of the
+    // symbol table and of the names follow.
     words(
         &mut bytes,
         &[40 << 16 | 2, 1, 0x0800_0000, 52, 132 + names, 0],

@@ -1,5 +1,5 @@
-//! Tests that no program leaves a device on in silence, whatever the link loses: after every seeded fault the device is off, or the
-//! program said that it may still be on.
+//! Tests that no program leaves a device on without a message when the link has faults. After every seeded fault the device is off,
+//! or the program printed that it may still be on.
 //!
 //! A proxy between program and device drops, damages or delays frames, is deaf in one direction, or cuts the connection. A seed
 //! chooses the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS=1000` runs that many seeds with each program:
@@ -94,7 +94,8 @@ fn is_on(device: &Fake) -> bool {
     matches!(phase, Phase::Armed | Phase::Calibrating)
 }
 
-/// The ending in words, from what the program and its page said and whether the device is on. Panics where it is on in silence.
+/// The ending in words, from the messages of program and page, and from whether the device is on. Panics if the device is on
+/// without a message.
 fn judged(seed: u64, said: &Said, shown: &str, device: &Fake) -> String {
     let on = is_on(device);
     let told = said.err.contains(MAY_BE_ON) || shown.contains(MAY_BE_ON);

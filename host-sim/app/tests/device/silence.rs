@@ -1,4 +1,5 @@
-//! Tests that a knob switches itself off when the computer falls silent, however the program on the computer ended.
+//! Tests that a knob switches itself off when the computer sends nothing, after every way in which the program on the computer can
+//! end.
 
 use crate::demo::Demo;
 use std::io::{BufRead, BufReader};

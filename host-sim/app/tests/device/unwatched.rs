@@ -10,7 +10,8 @@ use touchstone_world::plant::{Coulomb, Device};
 
 const WARNING: &str = "nothing switches this device off when its desktop hangs or is gone";
 
-/// What a command prints on standard error. `live` is ended once its page is there; the other commands end by themselves.
+/// What a command prints on standard error. The test ends `live` once its page exists; the other commands end without the test's
+/// help.
 fn errors(device: &Fake, words: &[&str]) -> String {
     let mut child = program(&[words, &["--port", &device.address]].concat())
         .stdout(Stdio::piped())

@@ -86,7 +86,8 @@ fn a_feel_that_is_none_is_named_with_its_neighbour() {
     assert_eq!(kept, "mine");
 }
 
-/// A scene takes a profile from a file beside it, whatever the current folder is. The printed scene has the points and no path.
+/// A scene reads a profile from a file in the scene's folder, from any current folder. The printed scene has the points and no
+/// path.
 #[test]
 fn a_profile_comes_from_a_file_beside_the_scene() {
     let here = folder("profile-file");

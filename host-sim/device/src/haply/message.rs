@@ -3,7 +3,7 @@
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
 
-/// The two generations of the service's messages, which differ in the name of a force's vector.
+/// The two formats of messages of Haply's service. They differ in the name of the JSON field that holds the force vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Generation {
     /// Service versions up to 3.4: the vector is called `values`.

@@ -1,4 +1,4 @@
-//! A TCP connection with one deadline for a whole message, no matter in how many pieces its bytes arrive.
+//! A TCP connection with one deadline for a whole message, in however many pieces its bytes arrive.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::TcpStream;

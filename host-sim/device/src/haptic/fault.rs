@@ -45,7 +45,7 @@ pub enum HapticFault {
     HeldElsewhere,
     /// The device is present but cannot be used. Holds the reason and the advice.
     Unusable(String, String),
-    /// The device switched its motors off by itself.
+    /// The device switched its motors off without a command.
     SwitchedOff(SwitchOff),
     /// No new position arrived for this time, s.
     Stale(f64),

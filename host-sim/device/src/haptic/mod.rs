@@ -89,7 +89,7 @@ pub struct DeviceStanding {
     pub calibrated: bool,
     /// Whether the motors are on.
     pub motors_on: bool,
-    /// Why the device switched its motors off by itself; `None` if it did not.
+    /// Why the device switched its motors off without a command; `None` if it did not.
     pub switched_off: Option<SwitchOff>,
 }
 

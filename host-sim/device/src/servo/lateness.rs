@@ -49,8 +49,8 @@ impl TickLateness {
             })
     }
 
-    /// The quantile of the lateness: upper limit, µs, of the first class at or below which at least the fraction `share` (0 to 1)
-    /// of all ticks lies. `None` if it is in the last class.
+    /// The quantile of the lateness in µs, for the fraction `share` (0 to 1) of all ticks. It is the upper limit of the first class
+    /// by which that many ticks are counted. `None` if it is in the last class.
     #[must_use]
     pub fn quantile_us(&self, share: f64) -> Option<f64> {
         let all: u64 = self.counts.iter().sum();

@@ -31,8 +31,8 @@ pub struct RealTime {
     first: bool,
 }
 
-/// Typical lateness with which the operating system wakes a thread, ns. So a wait sleeps until this long before its end and then
-/// polls the clock.
+/// Typical lateness with which the operating system wakes a thread, ns. So a waiting thread sleeps until this time before the end
+/// of the wait, and then polls the clock.
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {

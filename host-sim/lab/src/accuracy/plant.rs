@@ -36,7 +36,7 @@ pub struct Point {
 pub struct Diagram {
     /// Name of the test problem.
     pub problem: &'static str,
-    /// What makes the problem difficult for an integration method.
+    /// The property that makes the problem difficult for an integration method.
     pub about: &'static str,
     /// Number of ticks (control periods) of the problem, each of one simulated millisecond.
     pub ticks: usize,

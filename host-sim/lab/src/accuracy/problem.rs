@@ -19,7 +19,7 @@ pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 pub struct Problem {
     /// Name of the test problem in tables and files.
     pub name: &'static str,
-    /// What makes the problem difficult for an integration method.
+    /// The property that makes the problem difficult for an integration method.
     pub about: &'static str,
     /// The simulated device.
     pub device: Device,

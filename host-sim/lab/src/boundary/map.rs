@@ -12,8 +12,8 @@ const SIZE: Size = Size {
     width: 430,
     height: 380,
 };
-/// Least `b T/J` from which a device counts as heavily damped: fraction of its speed that the free device loses per control period
-/// `T`, by the damping `b` with the inertia `J`. Such devices are left out of the summaries, because their damping is not small
+/// Least `b T/J` from which a device counts as heavily damped. It is the fraction of its speed that a free device with damping `b`
+/// and inertia `J` loses per control period `T`. Such devices are left out of the summaries, because their damping is not small
 /// compared with inertia.
 pub const HEAVILY_DAMPED: f64 = 0.05;
 

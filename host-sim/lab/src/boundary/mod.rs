@@ -1,10 +1,11 @@
 //! Maps where a tuned wall stops working, depending on the device's damping and delay, to answer whether inertia or damping sets
 //! the limit.
 //!
-//! A sampled wall has two dimensionless measures, with control period `T`, requested stiffness `k_de`, and the device's inertia `J`
-//! and damping `b`. `T sqrt(k_de/J)` is the angle in rad by which the oscillation of a free device on the wall advances per period.
-//! `b T/J` is the fraction of its speed that the device loses per period. Damping limits a spring at `b/(T/2 + t_d)` with the delay
-//! `t_d`. On logarithmic axes of the measures this limit is a line of slope 1/2; a limit set by inertia is horizontal.
+//! A sampled wall has two dimensionless measures. `T` is the control period, `k_de` the requested stiffness, `J` and `b` are
+//! inertia and damping of the device. `T sqrt(k_de/J)` is the angle in rad by which the oscillation of a free device on the wall
+//! advances per period. `b T/J` is the fraction of its speed that the device loses per period. Damping limits a spring at
+//! `b/(T/2 + t_d)` with the delay `t_d`. On logarithmic axes of the measures this limit is a line of slope 1/2; a limit set by
+//! inertia is horizontal.
 //!
 //! Each cell of the map is a device and a wall. First the law gets the settings with the best eigenvalues of the loop. If this wall
 //! does not hold, a search by simulated runs tunes the settings. Then a press and a moving hand are simulated, and [`certify`]

@@ -1,4 +1,4 @@
-//! A control law in contact with a hand, as a certificate examines it: the loop's matrix for each linear phase of the law, and
+//! The input of a certificate: a control law in contact with a hand. It has the loop's matrix for each linear phase of the law, and
 //! quantities that the matrices do not contain.
 
 use super::estimator::Estimator;

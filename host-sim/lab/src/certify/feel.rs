@@ -20,7 +20,9 @@ use super::state_space::eigenvalues;
 use super::{Options, Verdict, certify, per_tick};
 use cells::{Cell, statics, together};
 use serde::Serialize;
+use touchstone_control::Si;
 use touchstone_control::environment::Refused;
+use touchstone_control::environment::feel::Viscous;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::plan;
 use touchstone_sim::scene::{Environment, Scene};
@@ -32,7 +34,7 @@ use touchstone_world::plant::Hand;
 pub enum Rest {
     /// It comes to rest.
     Stable,
-    /// It leaves the cell without an oscillation, as a torque that drives it away asks for.
+    /// It leaves the cell without an oscillation, because the torque drives it away.
     Snaps,
     /// Matrices and simulations do not decide.
     Undecided,
@@ -118,7 +120,7 @@ pub struct FeelCertificate {
     pub not_covered: Vec<String>,
 }
 
-/// Certifies a feel. `None` if no part of it has a slope.
+/// Certifies a feel. `None` if the torque of no part changes with the angle.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -130,15 +132,15 @@ pub fn certify_feel(scene: &Scene, options: &Options) -> Result<Option<FeelCerti
     };
     let parts = statics(&around).map_err(refused)?;
     let base = Contact::of(scene)?;
-    let damper = damper(scene)?;
+    let drag = drag(scene)?;
     let mut found = Vec::new();
     for part in &parts {
         for cell in part.steepest().into_iter().flatten() {
-            found.push(at_cell(&base, options, damper, part.part, cell, part.every));
+            found.push(at_cell(&base, options, drag, part.part, cell, part.every));
         }
     }
     if let Some(cell) = together(&parts) {
-        found.push(at_cell(&base, options, damper, "together", cell, None));
+        found.push(at_cell(&base, options, drag, "together", cell, None));
     }
     found.extend(wall(scene, &around, options)?);
     let stiffest = (0..found.len()).max_by(|&a, &b| {
@@ -158,35 +160,65 @@ pub fn certify_feel(scene: &Scene, options: &Options) -> Result<Option<FeelCerti
     }))
 }
 
-/// Coefficients of the rendered viscous friction: the part of its force that remains after a tick, and force per displacement.
-fn damper(scene: &Scene) -> Result<Option<(f64, f64)>> {
-    let around = scene.environment.as_ref();
-    let Some(viscous) = around.and_then(|it| it.feel().viscous) else {
-        return Ok(None);
-    };
-    let settings = scene.settings()?;
-    let made = viscous.viscous::<f64>(&settings).map_err(|error| {
-        let path = "environment.damper.damping_n_m_s_per_rad";
-        scene.error(path, error.to_string(), "give less damping")
-    })?;
-    Ok(Some((made.kept.0, made.per_way.0)))
+/// Coefficients of what a feel takes from the velocity.
+#[derive(Debug, Clone, Copy, Default)]
+struct Drag {
+    /// Viscous friction: the part of its force that remains after a tick, and force per displacement.
+    viscous: Option<(f64, f64)>,
+    /// Inertia: the part of the distance to the mass that remains after a tick, and its damper's coefficients.
+    inertia: Option<(f64, (f64, f64))>,
 }
 
-/// A part as a linear law: a spring, and the rendered viscous friction if there is any.
-fn law(stiffness: f64, damper: Option<(f64, f64)>) -> LinearLaw {
-    match damper {
-        None => LinearLaw::spring(stiffness, 0.0),
-        Some((kept, per_way)) => LinearLaw::of(1, |state, e, moved| {
-            state[0] = kept * state[0] + per_way * moved;
-            stiffness * e + state[0]
-        }),
-    }
+fn drag(scene: &Scene) -> Result<Drag> {
+    let Some(around) = scene.environment.as_ref() else {
+        return Ok(Drag::default());
+    };
+    let (feel, settings) = (around.feel(), scene.settings()?);
+    let refused = |error: Refused| match error {
+        Refused::Part { path, .. } | Refused::PartOfFormat { path, .. } => {
+            scene.error(path, error.to_string(), "give a smaller value")
+        }
+        _ => scene.error("environment", error.to_string(), "give a smaller value"),
+    };
+    let viscous = feel.viscous.map(|it| it.viscous::<f64>(&settings));
+    let viscous = viscous.transpose().map_err(refused)?;
+    let beside = feel.viscous.map_or(Si::ZERO, |it| it.damping);
+    let inertia = feel.inertia.map(|it| it.rendered::<f64>(&settings, beside));
+    let inertia = inertia.transpose().map_err(refused)?;
+    let of = |it: &Viscous<f64>| (it.kept.0, it.per_way.0);
+    Ok(Drag {
+        viscous: viscous.as_ref().map(of),
+        inertia: inertia.map(|it| (it.kept.0, of(&it.damper))),
+    })
+}
+
+/// A part as a linear law: a spring, and what else the feel takes from the velocity.
+fn law(stiffness: f64, Drag { viscous, inertia }: Drag) -> LinearLaw {
+    let damped = |force: &mut f64, (kept, per_way): (f64, f64), moved: f64| {
+        *force = kept * *force + per_way * moved;
+        *force
+    };
+    let of_friction = usize::from(viscous.is_some());
+    let order = of_friction + 2 * usize::from(inertia.is_some());
+    LinearLaw::of(order, |state, e, moved| {
+        let mut sum = stiffness * e;
+        if let Some(damper) = viscous {
+            sum += damped(&mut state[0], damper, moved);
+        }
+        if let Some((kept, damper)) = inertia {
+            let before = state[of_friction];
+            state[of_friction] = kept * before + moved;
+            let moved = state[of_friction] - before;
+            sum += damped(&mut state[of_friction + 1], damper, moved);
+        }
+        sum
+    })
 }
 
 fn at_cell(
     base: &Contact,
     options: &Options,
-    damper: Option<(f64, f64)>,
+    drag: Drag,
     part: &str,
     cell: Cell,
     every_rad: Option<f64>,
@@ -195,7 +227,7 @@ fn at_cell(
         phases: Phases {
             lasting: vec![Phase {
                 name: "the part",
-                law: law(cell.stiffness, damper),
+                law: law(cell.stiffness, drag),
             }],
             switching: Switching::Never,
             by_direction: false,
@@ -261,8 +293,8 @@ fn at_hand(contact: &Contact, stiffness: f64, name: &str, hand: Option<&Hand>) -
     }
 }
 
-/// Whether dry friction ends a motion that decays slowly by itself. Friction that is more than the torque of one encoder count then
-/// holds the knob, so that rounding does not move it again.
+/// Whether dry friction ends a motion that without friction decays slowly. Friction that is more than the torque of one encoder
+/// count then holds the knob, so that rounding does not move it again.
 fn friction_ends(contact: &Contact, report: &HandReport) -> bool {
     let of_a_count = contact.k_desired * contact.count_rad.unwrap_or(0.0);
     let friction = contact.device.friction;
@@ -285,7 +317,7 @@ fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
     })
 }
 
-/// The stiffest wall of the scene, certified as its walls are; `None` without a wall.
+/// The certificate of the scene's stiffest wall, made like that of a single wall; `None` without a wall.
 fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
     let own = scene.wall.k_desired_n_m_per_rad;
     let first = around

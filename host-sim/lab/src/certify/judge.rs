@@ -21,10 +21,10 @@ pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 /// peak.
 pub const ROUNDING_GAIN: f64 = 1.05;
 /// Largest motion caused by rounding that is called stable, root mean square, encoder counts. The threshold of a limit cycle, four
-/// counts peak to peak, is nine times as much.
+/// counts peak to peak, is nine times this motion.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
 /// Limit for calling a wall stable: the largest ratio of a bounce's return speed to the speed of its touch, over all moments of
-/// touch within a tick. Up to this ratio bounces die away.
+/// touch within a tick. Up to this ratio bounces decay.
 pub const BOUNCE: f64 = 1.0;
 /// Limit for calling a wall unstable: ratio of a bounce's return speed to the speed of its touch.
 pub const BOUNCE_GROWS: f64 = 1.7;
@@ -41,8 +41,8 @@ pub const RESTS: f64 = 0.5;
 /// Largest motion at the end of simulated touches that counts as rest if the matrices alone have called the wall stable. It is a
 /// fraction of a limit cycle's threshold (four encoder counts).
 pub const RESTS_AS_SAID: f64 = 0.75;
-/// Least motion at the end of every simulated touch and press from which a wall is called unstable, as a multiple of the threshold
-/// of a limit cycle (four encoder counts).
+/// A wall is called unstable if the motion at the end of every simulated touch and press is at least this multiple of a limit
+/// cycle's threshold (four encoder counts).
 pub const MOVES: f64 = 1.5;
 
 /// Results for one linear phase of the control law with one hand.
@@ -88,7 +88,7 @@ pub struct HandReport {
     pub rounding_most_counts: Option<f64>,
     /// Largest magnitude of an eigenvalue over the gains between the control law's linear phases.
     pub radius_between: f64,
-    /// Smallest cosine in the circle criterion, equation (16) in `sector.rs`. Above 0 the loop is stable however the gain changes
+    /// Smallest cosine in the circle criterion, equation (16) in `sector.rs`. Above 0 the loop is stable for any sequence of gains
     /// between two phases. Absent if the law has no such gain, or an end of its range is unstable.
     pub switching: Option<f64>,
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.

@@ -6,11 +6,11 @@
 //! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the
 //! damping `B = 0` for all but the spring-damper.
 //!
-//! **Enhanced augmentation** after the first contact. Its virtual mass at the position `e_f` is coupled to the device by a
-//! spring `k_f` and a damper `c_f`, and presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass'
-//! damping to ground, `d` its displacement per tick. `M` is the mass divided by `T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`. The
-//! stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` where the spring `k_f` is compensated (setting
-//! `mass-compensated`).
+//! **Enhanced augmentation** after the first contact. A spring `k_f` and a damper `c_f` couple its virtual mass, at the position
+//! `e_f`, to the device. The mass presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass'
+//! damping to ground, `d` its displacement per tick. The coefficients are `M` (the mass divided by `T²`), `C = c_f/T` and
+//! `D = M + k_f + C + c_env/T`. The stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` where the spring `k_f` is
+//! compensated (setting `mass-compensated`).
 //!
 //! ```text
 //! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the device   (6)
@@ -23,8 +23,8 @@
 //!
 //! As in the implementation, two values are one tick old: the force with which the offset `O` is compared, and the mass' position
 //! in the wall's force. The gain `κ` is `c/k_v` or `c/k_de` (setting `of_ideal`) while the ideal step is the smallest of the law's
-//! three bounds on a step of the offset, and less while another bound is smaller. Near rest the ideal step is always the smallest,
-//! because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
+//! three bounds on a step of the offset. While another bound is smaller, so is `κ`. Near rest the ideal step is always the
+//! smallest, because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
 //! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1` and
 //! the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12).
@@ -59,8 +59,8 @@ pub struct Phases {
     /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
     /// motion.
     pub by_direction: bool,
-    /// Largest press in N·m that the law's energy loan covers: under this press the spring that couples hand and virtual mass
-    /// stores at most the energy that the law may lend. Absent for laws without a loan.
+    /// Largest press in N·m that the law's energy loan covers. Under this press the spring that couples hand and virtual mass
+    /// stores at most the energy of the loan. Absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
     /// Stiffness of the spring that the law is at the start of a contact, N·m/rad. Absent if the law stays a spring when the motion
     /// turns.

@@ -19,7 +19,7 @@ pub struct LinearLaw {
 }
 
 impl LinearLaw {
-    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for a `share` of 1.
+    /// Interpolates between two laws that differ in one gain: returns `from` for a `share` of 0, `to` for a `share` of 1.
     #[must_use]
     pub fn between(from: &Self, to: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);

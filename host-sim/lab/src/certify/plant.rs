@@ -6,8 +6,9 @@
 //! dτ/dt = 2π f_c (u - τ), or τ = u without a current controller           (3)
 //! ```
 //!
-//! `x`, `v`, `J`, `b` are angle, velocity, inertia and damping of the device; those of the hand have the index `h`. `k_p` and `b_p`
-//! are stiffness and damping of the fingertip pad, `τ` is the motor's torque, and `f_c` the bandwidth of the current controller.
+//! `x`, `v`, `J`, `b` are angle, velocity, inertia and damping of the device. Those of the hand have the index `h`, and `k_h` is
+//! the stiffness of the hand's spring. `k_p` and `b_p` are stiffness and damping of the fingertip pad. `τ` is the motor's torque,
+//! `f_c` the bandwidth of the current controller.
 //!
 //! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later: `w`
 //! whole control periods `T` and a fraction `φ` of one. In the period that begins at sample `n`, `u(n-w-1)` acts for `φ T` and

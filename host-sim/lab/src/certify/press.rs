@@ -15,7 +15,7 @@ use touchstone_world::plant::Hand;
 pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
 /// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of a
-/// limit cycle's threshold (four encoder counts), and infinite if the wall throws the device out.
+/// limit cycle's threshold (four encoder counts), and infinite if the verdict on a press is unstable.
 ///
 /// The simulation includes encoder counts, dry friction and the law's energy loan, but not the energy guard.
 ///

@@ -1,8 +1,9 @@
 //! Checks whether a loop stays stable while one gain of its control law changes from tick to tick.
 //!
 //! Two loop matrices that differ by a matrix of rank one, `A1 = A0 + b c`, are the ends of a gain from 0 to 1 in one path. The
-//! circle criterion in discrete time (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory) says when every gain between them
-//! leaves the loop stable, however it changes. `A1` has to be stable, `A0` may have at most an integrator on the unit circle, and
+//! circle criterion in discrete time is a condition under which the loop stays stable while the gain changes in any way between the
+//! ends (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory). `A1` has to be stable, `A0` may have at most an integrator on
+//! the unit circle, and
 //!
 //! ```text
 //! Re (1 + P(z)) > 0 for |z| = 1,   1 + P(z) = det(zI - A1)/det(zI - A0)               (16)
@@ -16,7 +17,7 @@ use nalgebra::{Complex, DMatrix};
 /// Number of angles on the unit circle that are examined, from the lowest frequency to half the sampling rate.
 const ANGLES: i32 = 400;
 
-/// Smallest cosine of the angle of `1 + P` on the unit circle, equation (16) of the module; the circle criterion holds above 0.
+/// Smallest cosine of the angle of `1 + P` on the unit circle (equation (16) of the module). The circle criterion holds above 0.
 /// `None` if one of the two loop matrices is not stable, or its eigenvalues were not found.
 #[must_use]
 pub fn least_cosine(from: &DMatrix<f64>, to: &DMatrix<f64>) -> Option<f64> {

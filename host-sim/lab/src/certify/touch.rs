@@ -2,9 +2,8 @@
 //!
 //! Several laws start a contact as a spring of the requested stiffness until the motion turns, and only then behave as the matrices
 //! describe. Bounces are therefore simulated. The pad of a hand at rest presses the device against the wall. The device meets the
-//! wall at various moments of the tick (control period), comes out, and is pressed back. The wall throws the device out only if the
-//! device moves by more than the press' depth. If such a device returns slower each time, bounces die away, and the matrices
-//! decide.
+//! wall at various moments of the tick (control period), comes out, and is pressed back. A bounce counts only if the device moves
+//! out by more than the press' depth. If the device returns slower each time, the bounces decay, and the matrices decide.
 //!
 //! If the matrices do not decide, touches are simulated to the end of the press, with encoder counts, dry friction and the law's
 //! energy loan: [`ends`].

@@ -100,7 +100,8 @@ fn step<N: Reported>() -> f64 {
 const STIFF: [f64; 2] = [5.0, 10.0];
 
 fn overlapping_walls(_: Effort) -> Result<Vec<Finding>> {
-    /// Largest error against the difference of the springs, in steps. Each spring's rounded penetration is worth its stiffness.
+    /// Largest deviation from the difference of the two springs' forces, in steps of the number format. Each spring multiplies the
+    /// rounding error of its penetration by its stiffness.
     fn error<N: Reported>() -> Result<f64> {
         let wall = |surface, side, k: f64| WallSettings {
             face: Face { surface, side },

@@ -137,8 +137,8 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law runs on measured states and without an energy guard. Outside the wall such a law must forget its past, while
-    /// estimator and guard keep their states.
+    /// Whether the law runs on measured states and without an energy guard. Outside the wall such a law must clear its memory,
+    /// while estimator and guard keep their states.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
     }

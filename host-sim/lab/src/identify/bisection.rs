@@ -2,7 +2,7 @@
 //! (FBA) assumes.
 //!
 //! FBA limits the displayed stiffness to `2 c_i/T` (`T` is the control period), however stiff the requested wall is. The press is
-//! stable as long as the real damping is at least `c_i`, so a press against a far too stiff wall comes to rest up to a certain
+//! stable as long as the real damping is at least `c_i`. So a press against a far too stiff wall comes to rest up to a certain
 //! `c_i`. The largest such `c_i` is the damping of device and finger together, plus what dry friction adds.
 //!
 //! Near the limit a motion neither grows nor decays quickly, because the remaining damping (real damping minus `c_i`) is small. A

@@ -297,7 +297,8 @@ fn flux(
     Ok(product / square)
 }
 
-/// Makes the swing of a push with its coast. The current that a tick reports acted in the control period before the tick.
+/// Makes a swing (a push and the coast after it) from the record. The current that a tick reports acted in the control period
+/// before the tick.
 fn of_swing(ticks: &[MotorTick], whole: Range<usize>, constant: f64, known: &KnownMotor) -> Swing {
     let per_count = TAU / known.counts_per_rev;
     let first = ticks[whole.start].count;

@@ -1,5 +1,5 @@
-//! Describes how the simulator runs a scene: states, eigenvalues, how the plant is advanced over a control period and why,
-//! computing cost of every effect, and which omitted effects would change the result.
+//! Describes how the simulator runs a scene: states, eigenvalues, how the plant is advanced over a control period and why. Also
+//! describes the computing cost of every effect, and which omitted effects would change the result.
 
 mod cost;
 mod equations;

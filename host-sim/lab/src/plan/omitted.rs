@@ -174,8 +174,8 @@ pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<
         .collect())
 }
 
-/// Returns the result if the effect changes it significantly: by more than the tolerance, more than a negligible change, and more
-/// than three times the change that a start angle moved by [`NUDGE_RAD`] causes.
+/// Returns the result if the effect changes it significantly. The change must exceed the tolerance, a negligible change, and three
+/// times the change that a start angle moved by [`NUDGE_RAD`] causes.
 fn moved(
     output: &Output,
     [plain, nudged, with]: [&Summary; 3],

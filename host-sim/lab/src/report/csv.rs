@@ -27,8 +27,8 @@ pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes a number with a decimal point, as in every table of the program. Without the point, a reader that sees thousands of rows
-/// of `0` may take the column for integers, and round or refuse later values.
+/// Writes a number with a decimal point, as in every table of the program. Without the point, a program that reads thousands of
+/// rows of `0` may parse the column as integers, and round or refuse later values.
 pub fn decimal(number: impl Display) -> String {
     let mut text = number.to_string();
     let digits = text.strip_prefix('-').unwrap_or(&text);

@@ -1,4 +1,5 @@
-//! A temporary folder in which a report is prepared. It is removed when the program ends, however it ends.
+//! A temporary folder in which a report is prepared. It is removed when the program ends, also after an error. After a kill the
+//! next [`sweep`] removes it.
 //!
 //! Beside the folder is a file that is locked while its process runs; the operating system unlocks the file when the process ends
 //! in any way. The file is created before the folder and deleted after it. Another process can thus distinguish a folder that is

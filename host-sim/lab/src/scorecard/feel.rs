@@ -26,8 +26,8 @@ const REST_S: f64 = 4.0;
 const NEAR_A_WALL_RAD: f64 = 0.1;
 /// Rate at which a program reads the knob's angle, Hz: that of `touchstone events`.
 const READ_HZ: f64 = 250.0;
-/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between positions:
-/// twice the hysteresis, less the motion between two readings.
+/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between
+/// positions. It is twice the hysteresis, less the motion between two readings.
 const TURNED_BACK: f64 = 0.4;
 /// Angle of the slow turn of a feel without positions and end stops, rad.
 const SLOW_TURN_RAD: f64 = 1.5;
@@ -45,7 +45,7 @@ pub struct FeelCard {
     pub grips: Vec<Felt>,
 }
 
-/// What one grip got of a feel.
+/// The figures of a feel with one grip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Felt {
     /// The grip's name.
@@ -238,10 +238,7 @@ fn felt(scene: &Scene, grip: Grip, positions: Option<Positions>, crossings: u64)
     slow(&mut hand, &mut felt, (low, high), BIN_COUNTS * count_rad);
     let pitch_rad = positions.map_or(0.5, |it| it.pitch_rad);
     for share in [0.0, 0.4] {
-        let origin_rad = positions.map_or(start_rad, |it| {
-            let number = ((start_rad - it.origin_rad) / pitch_rad).round();
-            it.origin_rad + number * pitch_rad
-        });
+        let origin_rad = positions.map_or(start_rad, |it| it.angle_of(it.nearest_to(start_rad)));
         hand.go(origin_rad + share * pitch_rad, SLOW_RAD_PER_S, |_, _| {});
         felt.buzz_counts = felt.buzz_counts.max(hand.rest(REST_S) / count_rad);
     }
@@ -319,6 +316,10 @@ fn spin(hand: &mut Hand, felt: &mut Felt, positions: Positions, count_rad: f64, 
         }
         // Beyond an end the position stays the last one.
         let inside = given.angle_rad.clamp(lower, upper);
+        let inside = match positions.listed_between() {
+            Some((first, last)) => inside.clamp(first, last),
+            None => inside,
+        };
         let beside = counter.beside(inside).abs();
         // The encoder tells the angle to within a count.
         felt.lost += u64::from(beside > 0.5 + HYSTERESIS + count_rad / pitch_rad);

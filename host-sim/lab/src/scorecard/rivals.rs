@@ -179,7 +179,7 @@ const MOST_CAPACITY_J: f64 = 16.0;
 /// would charge more energy for each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// Largest share of the device's damping that the energy guard relies on, whatever a scene says.
+/// Largest share of the device's damping that the energy guard relies on, also if the scene has a larger one.
 const MOST_SHARE: f64 = 0.8;
 
 /// Longest delay in ticks (control periods) that the energy guard covers, with a margin for rounding. With a longer delay the guard
@@ -256,8 +256,8 @@ impl Rival {
             })
     }
 
-    /// Whether matrices describe how the loop with this law moves. They do not for laws that reduce their force by an observed
-    /// energy.
+    /// Whether the control loop with this law is linear, so that matrices describe its motion. A law that reduces its force by an
+    /// energy sum is not linear.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.damped_spring || self.estimated

@@ -292,7 +292,7 @@ mod tests {
         assert!(curved < 4_800, "{curved}");
     }
 
-    /// Checks that the search minimises an ellipsoid equally well whatever the direction of its axes.
+    /// Checks that the search minimises an ellipsoid equally well for any direction of its axes.
     #[test]
     fn a_turned_ellipsoid_is_no_harder_than_a_straight_one() {
         let (sin, cos) = 0.7_f64.sin_cos();

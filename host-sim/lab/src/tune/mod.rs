@@ -284,7 +284,8 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
 }
 
 /// Known good settings for the thesis' knob, each divided by the value of the start rule. They are for walls of 5 and 20 times the
-/// largest stiffness that sampling allows a plain spring, and for a damped wall that passes on every device variant at 14 times.
+/// critical stiffness, the largest that sampling allows a plain spring. One more is for a damped wall of 14 times, which passes on
+/// every device variant.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
         ("law.limit_of_penetration_per_ms", 11.4),

@@ -1,8 +1,7 @@
 //! Writes tuned settings as source text, in Rust and in C, for a firmware that uses this project's libraries.
 //!
-//! The energy guard of such a firmware is told the delay of the scene's device, at least its encoder count, and at most the tuned
-//! settings' damping. It is told that the position is read once a tick (control period), as `Controller::tick` and
-//! `ts_wall_tick` read it.
+//! The energy guard's settings have the delay of the scene's device, at least its encoder count, and at most the tuned settings'
+//! damping. They are for one position reading per tick (control period), as in `Controller::tick` and `ts_wall_tick`.
 
 use super::Tuned;
 use std::collections::BTreeSet;
@@ -109,8 +108,8 @@ pub struct OwnFirmware {
     comment: Vec<String>,
 }
 
-/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard is told the scene's delay, and no
-/// finer encoder than the scene has.
+/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard's settings have the scene's
+/// delay, and no finer encoder than the scene has.
 ///
 /// # Errors
 /// The scene has no encoder, or the libraries refuse the settings.
@@ -125,7 +124,7 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
     // A fraction of a count is left out: fewer counts are a coarser encoder. Numbers that do not fit saturate.
     let counts_per_rev = (encoder.counts_per_rev.floor() as u32).max(1);
     let mut settings = scene.settings()?;
-    let device = device(scene, counts_per_rev, settings.force_limit);
+    let device = device(scene, counts_per_rev, &settings);
     settings.position = device.position;
     settings.guard.change = ChangeOfForce::Estimated;
     device.hold(&mut settings);
@@ -140,14 +139,15 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
 }
 
 /// The scene's device as the libraries describe a device.
-fn device(scene: &Scene, counts_per_rev: u32, force_limit: Si) -> Device {
+fn device(scene: &Scene, counts_per_rev: u32, settings: &Settings) -> Device {
     let si = Si::saturating_from_num::<f64>;
     Device {
         rate_hz: scene.timing.rate_hz,
         inertia: si(scene.device.inertia_kg_m2),
         damping: si(scene.device.damping_n_m_s_per_rad),
         position: PositionSettings::of_counts_per_rev(counts_per_rev),
-        force_limit,
+        position_error: settings.position_error,
+        force_limit: settings.force_limit,
         delay: si(longest_delay_s(scene)),
         lag: si(lag_s(scene)),
     }
@@ -217,7 +217,7 @@ impl OwnFirmware {
             let is_device = |row: &Row| {
                 matches!(
                     row.field,
-                    Field::RateHz | Field::KDesired | Field::ForceLimit
+                    Field::RateHz | Field::KDesired | Field::ForceLimit | Field::PositionError
                 )
             };
             rows.retain(|row| !row.is_default || is_guard || is_device(row));

@@ -121,7 +121,7 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Does what is due at the time `now_ms`: repeats an unanswered request, sends a request so that the device knows that the
+    /// Does what is due at the time `now_ms`: repeats an unanswered request, sends a request by which the device detects that the
     /// desktop is still connected, detects a silent device.
     pub fn turn(&mut self, now_ms: f64) {
         self.overdue(now_ms);

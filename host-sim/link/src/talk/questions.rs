@@ -20,9 +20,10 @@ pub(super) enum Purpose {
     /// Get all settings, after one was changed.
     Settings,
     State,
-    /// Get the device's state after a lost connection. A device whose motor is on is then switched off, because nobody watched it.
+    /// Get the device's state after a lost connection. A device whose motor is on is then switched off, because no program watched
+    /// it during the loss.
     FoundAgain,
-    /// Switch off a device whose motor was on after a lost connection. Holds the text that tells the user so.
+    /// Switch off a device whose motor was on after a lost connection. Holds a message about it for the user.
     Off(&'static str),
     Troubles,
     /// Carry out a command that a person gave. Holds the command's name, and the path of the setting that it changes.

@@ -128,8 +128,8 @@ pub fn scene(name: &str) -> Option<Scene> {
 
 /// Names of all configurations that `tick_cost --ladder` measures.
 ///
-/// The order is: no effect; each control law; the state estimator and the energy guard; each effect at amplitude zero, where that
-/// is possible; each effect alone; all pairs of effects that a scene can have.
+/// The order is: no effect; each control law; the state estimator and the energy guard. Then follow each effect at amplitude zero,
+/// where that is possible, each effect alone, and all pairs of effects that a scene can have.
 pub fn ladder() -> Vec<String> {
     let mut names = vec!["bare".to_owned()];
     names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));

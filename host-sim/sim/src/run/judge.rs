@@ -98,8 +98,8 @@ impl Felt {
         }
     }
 
-    /// Adds one tick (control period) to the measures. `wall_j` is the energy absorbed by the wall and `loss_j` the energy
-    /// dissipated in the device, both in J from the start of the run to the end of the tick.
+    /// Adds one tick (control period) to the measures. `wall_j` is the energy absorbed by the wall, `loss_j` the energy dissipated
+    /// in the device. Both are in J, from the start of the run to the end of the tick.
     fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
         let e = tick.angle_rad - terms.surface_rad;
         let force = tick.motor_force_n_m;

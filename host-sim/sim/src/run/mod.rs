@@ -188,9 +188,25 @@ pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
     let silent = |warning: &Warning| {
         guarded && warning.is_answered_by_guard() || matches!(warning, Warning::EnergyCredit { .. })
     };
-    Ok(warnings(scene)?
+    let of_settings = warnings(scene)?
         .into_iter()
         .filter(|(warning, _)| !silent(warning))
-        .map(|(_, message)| message)
-        .collect())
+        .map(|(_, message)| message);
+    Ok(of_settings.chain(untold_error(scene)).collect())
+}
+
+/// Returns a warning if the energy guard's settings have a smaller sensor error than the scene.
+fn untold_error(scene: &Scene) -> Option<Error> {
+    let error = scene.sensor.periodic.as_ref()?;
+    let largest = error.amplitude_rad + error.second_amplitude_rad;
+    let told = scene.law.position_error_rad;
+    (scene.law.guard.on && told < largest).then(|| {
+        scene.error(
+            "law.position_error_rad",
+            format!(
+                "the energy guard is told an error of {told} rad, and the sensor has {largest:.4}: a hand may get out more than the guard's bound"
+            ),
+            format!("give {largest:.4} or more"),
+        )
+    })
 }

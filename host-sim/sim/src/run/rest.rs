@@ -7,8 +7,7 @@ use super::terms::Terms;
 use super::tick::Tick;
 use super::verdict::{LEAST_REST_S, NotJudged};
 
-/// Shortest span in which a recorded hand counts as still, s. Only its last quarter is examined, so that earlier motion can die
-/// away.
+/// Shortest span in which a recorded hand counts as still, s. Only its last quarter is examined, so that earlier motion can decay.
 const LEAST_STILL_S: f64 = 0.8;
 /// Length of the pieces into which a span of a still hand is divided, s.
 const PIECE_S: f64 = 0.05;

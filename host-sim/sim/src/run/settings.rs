@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::scene::Scene;
-use touchstone_control::{SettingsError, Si, Warning};
+use touchstone_control::{Field, SettingsError, Si, Warning};
 
 /// Converts an error of the control crate to an error that names the field of the scene.
 pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
@@ -52,6 +52,11 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
                 short(*coarsest)
             ),
         ),
+        other => scene.error(
+            Field::Law.path(),
+            other.to_string(),
+            "change what this error names",
+        ),
     }
 }
 
@@ -98,6 +103,7 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
             format!("give {} or more", short(needed)),
         ),
         Warning::GuardNeverRefilled => (warning.to_string(), "give 0.0005".to_owned()),
+        _ => (warning.to_string(), "give another value".to_owned()),
     };
     scene.error(warning.field().path(), problem, fix)
 }

@@ -280,7 +280,8 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
         Refused::PartOfFormat { path, .. } => {
             scene.error(path, refused.to_string(), "give a smaller value")
         }
-        Refused::TooManyWalls | Refused::Pitch(_) | Refused::PerTurn(_) => scene.error(
+        // Too many walls, or a pitch.
+        _ => scene.error(
             "environment",
             refused.to_string(),
             "give fewer, or a coarser one",

@@ -15,6 +15,7 @@ pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
         .or_else(|| endstops(scene))
         .or_else(|| detents(scene))
         .or_else(|| profile(scene))
+        .or_else(|| detent_list(scene))
         .or_else(|| grip(scene))
         .or_else(|| motion(scene))
         .or_else(|| duration(scene))
@@ -66,6 +67,18 @@ fn profile(scene: &Scene) -> Option<Problem> {
         "environment.profile.strength_n_m",
         profile.strength_n_m,
     )
+}
+
+fn detent_list(scene: &Scene) -> Option<Problem> {
+    let list = scene.environment.as_ref()?.detent_list.as_ref()?;
+    match list.profile() {
+        Err(problem) => Some(problem),
+        Ok(drawn) => within_limit(
+            scene,
+            "environment.detent_list.strengths_n_m",
+            drawn.strength_n_m,
+        ),
+    }
 }
 
 /// Reports a strength (largest torque of detents or of a torque profile, N·m) above the force limit of the control law.

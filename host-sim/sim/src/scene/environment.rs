@@ -1,7 +1,9 @@
 //! Walls, end stops, detents and torque profiles in addition to the main wall of a scene.
 
-use super::feel::{CentreSpring, Clicks, DryFriction, ViscousFriction};
+use super::detent_list::DetentList;
+use super::feel::{AddedInertia, CentreSpring, Clicks, DryFriction, ViscousFriction};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use touchstone_control::environment::{FeelSettings, Refused, Shape, Side, WHOLE};
 
 /// Walls, detents and torque profiles on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
@@ -28,6 +30,9 @@ pub struct Environment {
     /// A torque given as a curve over the angle. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<TorqueProfile>,
+    /// Detents at listed angles, in place of a profile. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detent_list: Option<DetentList>,
     /// A spring that draws the knob to a centre. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<CentreSpring>,
@@ -40,6 +45,9 @@ pub struct Environment {
     /// Short torques at evenly spaced angles. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub click: Option<Clicks>,
+    /// A virtual mass that the knob drags. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<AddedInertia>,
 }
 
 impl Default for Environment {
@@ -52,10 +60,12 @@ impl Default for Environment {
             endstops: None,
             detents: None,
             profile: None,
+            detent_list: None,
             spring: None,
             damper: None,
             dry_friction: None,
             click: None,
+            inertia: None,
         }
     }
 }
@@ -205,10 +215,30 @@ impl Environment {
             || self.feel() != FeelSettings::default()
     }
 
-    /// The torque profile; `None` if the scene has none or its strength is 0.
+    /// The torque profile, or that of the listed detents; `None` if the scene has none of them or its strength is 0.
     #[must_use]
-    pub fn acting_profile(&self) -> Option<&TorqueProfile> {
-        self.profile.as_ref().filter(|it| it.strength_n_m > 0.0)
+    pub fn acting_profile(&self) -> Option<Cow<'_, TorqueProfile>> {
+        match self.acting_list() {
+            // A loaded scene has a list that can be drawn.
+            Some(list) => list.profile().ok().map(Cow::Owned),
+            None => self.profile.as_ref().map(Cow::Borrowed),
+        }
+        .filter(|it| it.strength_n_m > 0.0)
+    }
+
+    /// The list of detents; `None` if the scene has none or it has no torque.
+    #[must_use]
+    pub fn acting_list(&self) -> Option<&DetentList> {
+        self.detent_list.as_ref().filter(|it| it.acts())
+    }
+
+    /// The table from which [`Environment::acting_profile`] comes.
+    #[must_use]
+    pub fn profile_table(&self) -> &'static str {
+        match self.acting_list() {
+            Some(_) => "environment.detent_list",
+            None => "environment.profile",
+        }
     }
 
     /// Walls in addition to `[wall]`, each with the name of its table in the scene file.

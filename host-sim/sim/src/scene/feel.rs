@@ -1,10 +1,12 @@
-//! The parts of a knob's feel beside walls, detents and profile: a spring to a centre, viscous and dry friction, a click.
+//! The parts of a knob's feel beside walls, detents and profile: a spring to a centre, viscous and dry friction, a click, and
+//! an added inertia.
 
 use super::Environment;
 use serde::{Deserialize, Serialize};
 use touchstone_control::Si;
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, FeelSettings, Spacing, ViscousSettings,
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Spacing,
+    ViscousSettings,
 };
 
 /// A spring that draws the knob to a centre.
@@ -96,11 +98,31 @@ impl Default for Clicks {
     }
 }
 
+/// An added inertia: the knob drags a virtual mass by a damper, and feels heavier.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AddedInertia {
+    /// Inertia of the virtual mass, kg·m², from 0 to `(J/(4 (T + delay + 1/(2π 100 Hz))) - b)/(2π p)` with inertia `J` and delay of
+    /// `[law.estimator]`, control period `T`, damping `b` of `[environment.damper]` and bandwidth `p`. Default 1e-5.
+    pub inertia_kg_m2: f64,
+    /// Frequency below which motions feel the mass, Hz, 5 to 30; faster ones feel its damper. Default 12.
+    pub bandwidth_hz: f64,
+}
+
+impl Default for AddedInertia {
+    fn default() -> Self {
+        AddedInertia {
+            inertia_kg_m2: 1e-5,
+            bandwidth_hz: 12.0,
+        }
+    }
+}
+
 fn si(value: f64) -> Si {
     Si::saturating_from_num(value)
 }
 
-/// The number as a person wrote it, to nine decimals: the fixed-point format has more digits.
+/// The number rounded to nine decimals, as a person writes it. The fixed-point format has more digits.
 fn plain(value: Si) -> f64 {
     let value: f64 = value.to_num();
     format!("{value:.9}").parse().unwrap_or(value)
@@ -141,6 +163,12 @@ impl Environment {
                     strength: si(it.strength_n_m),
                     duration_s: si(it.duration_s),
                 }),
+            inertia: (self.inertia.as_ref())
+                .filter(|it| it.inertia_kg_m2 > 0.0)
+                .map(|it| InertiaSettings {
+                    inertia: si(it.inertia_kg_m2),
+                    bandwidth_hz: si(it.bandwidth_hz),
+                }),
         }
     }
 
@@ -173,6 +201,10 @@ impl Environment {
                 centre_rad: plain(it.centre),
                 strength_n_m: plain(it.strength),
                 duration_s: plain(it.duration_s),
+            }),
+            inertia: feel.inertia.map(|it| AddedInertia {
+                inertia_kg_m2: plain(it.inertia),
+                bandwidth_hz: plain(it.bandwidth_hz),
             }),
             ..self
         }

@@ -5,6 +5,7 @@
 //! `overrides`. [`RestPath`] turns the intended motion of a scene into the hand's rest point over time.
 
 mod check;
+mod detent_list;
 mod device;
 mod draft;
 mod effects;
@@ -31,6 +32,7 @@ mod units;
 mod unknown;
 mod value;
 
+pub use detent_list::{DetentList, MOST_DETENTS};
 pub use device::{DeviceSpec, Encoder, Friction, Integrator, Plant, Timing, Wall};
 pub use effects::{
     Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
@@ -38,7 +40,7 @@ pub use effects::{
 };
 pub use environment::{DetentRing, Endstops, Environment, FurtherWall, TorqueProfile};
 pub use experiment::Scene;
-pub use feel::{CentreSpring, Clicks, DryFriction, ViscousFriction};
+pub use feel::{AddedInertia, CentreSpring, Clicks, DryFriction, ViscousFriction};
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number, VelocitySettings};
 pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};

@@ -64,6 +64,10 @@ const FEELS: &[(&str, &str)] = &[
         include_str!("../../../../scenes/feels/five-positions.toml"),
     ),
     (
+        "selector",
+        include_str!("../../../../scenes/feels/selector.toml"),
+    ),
+    (
         "on-off",
         include_str!("../../../../scenes/feels/on-off.toml"),
     ),
@@ -98,6 +102,10 @@ const FEELS: &[(&str, &str)] = &[
     (
         "heavy-dial",
         include_str!("../../../../scenes/feels/heavy-dial.toml"),
+    ),
+    (
+        "flywheel",
+        include_str!("../../../../scenes/feels/flywheel.toml"),
     ),
     (
         "clicker",

@@ -1,8 +1,8 @@
 //! A device with three translations, modelled as three independent axes, and the published limits of such a device.
 //!
-//! In its workspace the effector of a delta robot is to a first approximation a mass that is the same in every direction; the
-//! inertia of the linkage, which varies, is left out. Each axis is advanced by its own stepper. The step is therefore exact for
-//! linear axes, and the energy balance closes as for one axis.
+//! In its workspace the effector of a delta robot is to a first approximation a mass that is the same in every direction. The
+//! inertia of the linkage varies, and is left out. Each axis is advanced by its own stepper. The step is therefore exact for linear
+//! axes, and the energy balance closes as for one axis.
 
 use super::device::{Device, Invalid};
 use super::hand::Hand;

@@ -6,8 +6,8 @@ use super::device::{Invalid, not_negative, positive};
 /// rest point.
 ///
 /// The pad is needed for realism. A hand rigidly on the device would add its damping of about 1e-3 N·m·s/rad to the knob's 4e-4 and
-/// make every wall of the thesis stable. With the pad in between, the device is alone with the wall at high frequency. The price is
-/// a second mass with two states.
+/// make every wall of the thesis stable. With the pad in between, the device is alone with the wall at high frequency. The
+/// disadvantage is a second mass with two states.
 ///
 /// The rest point `r` is the angle to which the person wants to move the hand. It is held during a control period (zero-order
 /// hold), like the torque. Voluntary motion has frequencies up to about 10 Hz, so at a control rate of 1 kHz the steps are small.
@@ -56,9 +56,9 @@ pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.33e-4);
 /// An ordinary grip of a knob at a radius of 15 mm: hand 0.3 kg, 3 N·s/m, 100 N/m, fingertip pad 700 N/m.
 ///
 /// **Chosen, not measured.** Mass, damping and stiffness are within the range of hand models in the literature. The pad's damping
-/// follows from the thesis: its damping `c_i` of 5e-4 N·m·s/rad was found by feel, with a finger on the knob, so it is the sum of
-/// device and fingertip. With 4e-4 N·m·s/rad for the knob, 1e-4 is left for the pad of this grip. The pads of the other two grips
-/// have the ratios of published values, which grow with the force of the grip.
+/// follows from the thesis. The thesis found its damping `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so `c_i` is
+/// the sum of device and fingertip. With 4e-4 N·m·s/rad for the knob, 1e-4 is left for the pad of this grip. The pads of the other
+/// two grips have the ratios of published values, which grow with the force of the grip.
 pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 1.0e-4);
 
 /// A firm grip of a knob at a radius of 15 mm: hand 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m. Chosen, not measured, see

@@ -22,7 +22,7 @@ use events::Mode;
 /// the hand moves against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an
 /// interval, which its value at the interval's end does not show.
 ///
-/// Each step therefore first evaluates a bound that holds in every case: on an interval of length `h` a function `f` stays within
+/// Each step therefore first evaluates a bound that holds in every case. On an interval of length `h` a function `f` stays within
 /// `h²/8 max|f''|` of the straight line between its end values. If that leaves no room for a stop or a start, which is nearly
 /// always, the precomputed matrix gives the step. The bound is evaluated twice. The first, cheapest form uses the magnitudes of
 /// velocities, strains and torque. The second form uses the magnitudes of their rates of change, which are small while a press of

@@ -19,7 +19,7 @@
 //! `x`, `v`, `J`, `b` are angle, velocity, inertia and viscous damping of the device; those of the hand have the index `h`. `k_p`
 //! and `b_p` are stiffness and damping of the fingertip pad, `k_h` is the stiffness of the hand's spring.
 //!
-//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no numerical integration: one
+//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no numerical integration. One
 //! precomputed matrix step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds stops and starts, whose
 //! times are calculated. There is no step size and no accuracy setting.
 //!

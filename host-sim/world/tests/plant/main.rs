@@ -1,5 +1,6 @@
 //! Tests of the plants against independent references: fine Runge–Kutta steps with located events, set-valued implicit Euler steps,
-//! the matrix exponential of another library, the energy balance, and the analytic stability limit of the sampled loop.
+//! and the matrix exponential of another library. Further references are the energy balance and the analytic stability limit of the
+//! sampled loop.
 
 mod energy;
 mod exact;

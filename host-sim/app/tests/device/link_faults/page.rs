@@ -1,4 +1,4 @@
-//! A page of `touchstone live` that arms the device whatever the link does, and then goes.
+//! A page of `touchstone live` that arms the device, over a link with faults, and is then closed.
 
 use super::{LONGEST, ended, started};
 use crate::Said;
@@ -12,7 +12,7 @@ use tungstenite::{Message, WebSocket};
 /// How a page ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PageEnd {
-    /// A person presses stop, and sees what the page says.
+    /// A person presses stop and reads the page's message.
     Stops,
     /// The tab is closed.
     Closes,

@@ -23,7 +23,7 @@ impl Draw {
     }
 }
 
-/// What the link does from some moment on, for ever or for a while.
+/// A fault of the link from some moment on, permanent or for a limited time.
 #[derive(Clone)]
 pub struct Fault {
     what: What,
@@ -217,7 +217,7 @@ impl Way {
         }
     }
 
-    /// What comes out of a frame.
+    /// The bytes of a frame after the link's faults.
     fn through(&mut self, part: &[u8]) -> Vec<u8> {
         let mut part = part.to_vec();
         if part.is_empty() || !self.fault.acts(self.begun.elapsed()) {

@@ -1,5 +1,5 @@
-//! Tests of every output of the program with every obstacle at its path: an older file, a link, a full disk, another user's folder,
-//! a killed process, two processes at once, a device that does not answer.
+//! Tests of every output of the program with every obstacle. Obstacles are an older file, a link, a full disk, another user's
+//! folder, a killed process, two processes at once, and a device that does not answer.
 //!
 //! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line. The
 //! table of all outputs and obstacles is printed by `cargo test -p touchstone --test device writers -- --nocapture --test-threads 1`.
@@ -173,7 +173,7 @@ const SLOW: [Output; 5] = [
     ),
 ];
 
-/// A command in whose environment a mock is in place of the omega.3's driver library.
+/// A command whose environment variables replace the omega.3's driver library by a mock.
 fn with_mock(program: &str) -> Command {
     let mut command = Command::new(program);
     command.env("TOUCHSTONE_DHD", touchstone_mock_dhd::door::built());

@@ -110,7 +110,7 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
         all.push(Static {
             every: repeats.then_some(length),
             per_turn: repeats,
-            ..once("environment.profile", cells.collect())
+            ..once(around.profile_table(), cells.collect())
         });
     }
     let spring = around.spring.as_ref();

@@ -1,6 +1,6 @@
 //! Computes how much the encoder's error disturbs a wall, and whether the encoder's magnet should be mounted again.
 
-use super::Eccentricity;
+use super::{Eccentricity, Harmonic};
 use std::f64::consts::TAU;
 
 /// Number of angles per turn at which the error is computed.
@@ -54,6 +54,18 @@ impl Eccentricity {
             // Beyond a quarter of an electrical turn no torque is left to lose.
             torque_lost: 1.0 - electrical.min(TAU / 4.0).cos(),
             stiffness_off: slope,
+        }
+    }
+
+    /// The largest error of a measured position that the energy guard has to allow for, rad: the amplitudes of the two orders, and
+    /// their uncertainties. It is 0 if neither order stands out. Orders above the second are not measured.
+    #[must_use]
+    pub fn position_error_rad(&self) -> f64 {
+        let stand_out = (0..self.harmonics.len()).any(|index| self.stands_out(index));
+        let largest = |it: &Harmonic| it.amplitude_rad + it.uncertainty_rad;
+        match stand_out {
+            true => self.harmonics.iter().map(largest).sum(),
+            false => 0.0,
         }
     }
 

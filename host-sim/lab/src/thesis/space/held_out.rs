@@ -424,8 +424,8 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// Checks that the causes of three walls beyond their limits are found: a push beyond the motors, a delay with which a hand
-    /// gets energy out, and a case that no single change explains.
+    /// Checks that the causes of three walls beyond their limits are found. The causes are a push beyond the motors' force, a delay
+    /// with which a hand gets energy out, and one that no single change explains.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
         // With the pulse at the touch no wall gives energy to the hand.

@@ -125,7 +125,7 @@ impl Deviation {
         delay_ticks: 0.0,
     };
 
-    /// The deviation that gives a scorecard's varied device.
+    /// The device's deviation from the nominal one for a case of the scorecard.
     #[must_use]
     pub fn of(change: Change) -> Self {
         let mut deviation = Self::NONE;

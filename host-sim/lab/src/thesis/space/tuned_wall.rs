@@ -56,10 +56,10 @@ pub struct TunedWall {
 /// On a lever of 26.0 mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are
 /// 0.3119 N·m. A position count of 0.01 mm is one of 16,332 counts per turn.
 ///
-/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit: a hand of 0.8 kg
-/// gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was tuned.
-/// Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except at
-/// 0.907 ms.
+/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit. A hand of 0.8 kg
+/// then gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was
+/// tuned. Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except
+/// at 0.907 ms.
 pub const OMEGA3_WALL: TunedWall = TunedWall {
     name: "an omega.3",
     k_desired_n_per_m: 25_000.0,
@@ -102,9 +102,9 @@ pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
 /// The wall for the delta mechanism's lighter, sideways axes: 0.095 kg and 0.933 N·s/m as `touchstone device identify` measures
 /// them, on a lever of 32.45 mm (`touchstone tune --quick`, seed 1). The upward axis has 0.132 kg and 2.65 N·s/m.
 ///
-/// The bandwidth was changed by hand. With the 74.43 Hz from the search, one measure in nine directions is beyond its limit: a wall
-/// with 0.41 of the position counts has a stiffness error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis give
-/// out energy in ±x on the mechanism. Those for 3 N/mm have a stiffness error of 6.4 % with 0.41 of the counts.
+/// The bandwidth was changed by hand. With the 74.43 Hz from the search, one measure in nine directions is beyond its limit. A wall
+/// with 0.41 of the position counts then has a stiffness error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis
+/// give out energy in ±x on the mechanism. Those for 3 N/mm have a stiffness error of 6.4 % with 0.41 of the counts.
 pub const DELTA_WALL: TunedWall = TunedWall {
     name: "a delta of a Falcon's lengths",
     k_desired_n_per_m: 2500.0,

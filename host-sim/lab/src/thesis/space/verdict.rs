@@ -1,5 +1,5 @@
-//! The verdict on a run in three axes, in the words of one axis: the device rests while the hand holds still, and gives the hand no
-//! more energy than it took.
+//! The verdict on a run in three axes, by the criteria of one axis. The device must rest while the hand holds still, and give the
+//! hand no more energy than it took.
 //!
 //! The hand of such a run always holds still, for `HOLD_S`. So the verdict can only be missing if the mechanism ended the run
 //! before the end of the hold.

@@ -127,8 +127,8 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// Records the angle at which a command of this tick begins to act: after the fraction of a tick, or at the end of the tick if
-    /// whole ticks pass first.
+    /// Records the angle at which a command of this tick begins to act. If only a fraction of a tick passes first, it is the angle
+    /// within the tick, else the angle at the tick's end.
     #[inline(always)]
     fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
         if let Some(changed) = &mut self.changed_at_rad {

@@ -108,8 +108,8 @@ impl Stage for Eccentric {
     }
 }
 
-/// Torque error of a current controller whose current sensor has noise and finite resolution. The control law does not know the
-/// error.
+/// Torque error of a current controller whose current sensor has noise and finite resolution. The control law is not informed of
+/// the error.
 ///
 /// Quantisation is modelled as an error uniformly distributed within half a step (Widrow, IRE Trans. Circuit Theory 3(4) 266,
 /// 1956). The model holds if the current controller runs many times per tick and the current ripples by more than a step.

@@ -49,7 +49,8 @@ impl<S: Stage> Staged<S> {
     }
 }
 
-/// Informs the control law of a changed torque. The function is separate, so that ticks without a change do not pay for the call.
+/// Informs the control law of a changed torque. The function is separate, so that ticks without a change do not take the time of
+/// the call.
 #[cold]
 #[inline(never)]
 fn tell(inner: &mut dyn Control, torque_n_m: f64) {

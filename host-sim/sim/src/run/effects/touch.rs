@@ -3,8 +3,8 @@
 
 use super::{Effect, Place};
 use crate::scene::{
-    CentreSpring, Clicks, DetentRing, DryFriction, Endstops, Environment, FurtherWall, Scene,
-    TorqueProfile, ViscousFriction,
+    AddedInertia, CentreSpring, Clicks, DetentRing, DryFriction, Endstops, Environment,
+    FurtherWall, Scene, TorqueProfile, ViscousFriction,
 };
 use touchstone_control::{LawKind, StatesKind, VelocityKind};
 
@@ -129,7 +129,9 @@ pub const ROWS: [Effect; 9] = [
         typical: "6 magnetic detents a turn, 0.02 N·m",
         source: "as strong as the detents above; the shape is this project's",
         of_hand: false,
-        is_named: |scene| of_environment(scene, |it| it.profile.is_some()),
+        is_named: |scene| {
+            of_environment(scene, |it| it.profile.is_some() || it.detent_list.is_some())
+        },
         add: |scene| {
             let start_rad = scene.wall.surface_rad;
             environment(scene).profile = Some(TorqueProfile {
@@ -137,7 +139,7 @@ pub const ROWS: [Effect; 9] = [
                 ..TorqueProfile::default()
             });
         },
-        remove: |scene| rid(scene, |it| it.profile = None),
+        remove: |scene| rid(scene, |it| (it.profile, it.detent_list) = (None, None)),
         silence: Some(|scene| {
             environment(scene).profile = Some(TorqueProfile {
                 strength_n_m: 0.0,
@@ -158,6 +160,7 @@ pub const ROWS: [Effect; 9] = [
                     || it.damper.is_some()
                     || it.dry_friction.is_some()
                     || it.click.is_some()
+                    || it.inertia.is_some()
             })
         },
         add: |scene| {
@@ -173,7 +176,8 @@ pub const ROWS: [Effect; 9] = [
         },
         remove: |scene| {
             rid(scene, |it| {
-                (it.spring, it.damper, it.dry_friction, it.click) = (None, None, None, None);
+                (it.spring, it.damper, it.dry_friction) = (None, None, None);
+                (it.click, it.inertia) = (None, None);
             });
         },
         silence: Some(|scene| {
@@ -193,6 +197,10 @@ pub const ROWS: [Effect; 9] = [
             environment.click = Some(Clicks {
                 strength_n_m: 0.0,
                 ..Clicks::default()
+            });
+            environment.inertia = Some(AddedInertia {
+                inertia_kg_m2: 0.0,
+                ..AddedInertia::default()
             });
         }),
     },

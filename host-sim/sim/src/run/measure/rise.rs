@@ -42,8 +42,8 @@ impl ContactRise {
         }
     }
 
-    /// Adds a tick: whether the wall is touched, the inward speed in rad/s at the tick's sample, and the force held over the tick in
-    /// N·m, positive out of the wall.
+    /// Adds a tick: whether the wall is touched, and the inward speed in rad/s at the tick's sample. The force in N·m is held over
+    /// the tick, positive out of the wall.
     pub fn record(&mut self, touches: bool, speed_rad_per_s: f64, force_n_m: f64) {
         if self.over || (self.inside.is_none() && !touches) {
             return;

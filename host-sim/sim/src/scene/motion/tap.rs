@@ -1,6 +1,6 @@
 //! Rest point of a hand that taps on the wall, so that the device reaches the wall at a given speed.
 //!
-//! A pulse of the rest point alone would not set the speed: a hand with a natural frequency of 2 Hz on a soft fingertip pad barely
+//! A pulse of the rest point alone would not set the speed. A hand with a natural frequency of 2 Hz on a soft fingertip pad barely
 //! follows a quick pulse. The tap is therefore given as a motion of the *device* in free air: a bump whose steepest point lies on
 //! the wall's surface. The rest point is then computed backwards through the chain of device, pad and hand. With the wall present,
 //! the device moves differently.

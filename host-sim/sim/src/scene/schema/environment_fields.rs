@@ -1,5 +1,6 @@
 //! The fields of a scene's table `[environment]`: further walls, end stops, detents and a torque profile.
 
+use super::super::MOST_DETENTS;
 use super::Kind::{Choice, Flag, Numbers, Whole};
 use super::Range::{Any, NotNegative, Within};
 use super::{Field, field, number};
@@ -142,6 +143,24 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         Numbers(2, MOST_POINTS, -1.0, 1.0),
         "2 to 96 points at equal distances, as fractions of the strength; positive ones push towards larger angles",
     ),
+    field(
+        "environment.detent_list.positions_rad",
+        "rad",
+        Numbers(1, MOST_DETENTS, -1e9, 1e9),
+        "1 to 16 angles that pull the knob in, rising",
+    ),
+    field(
+        "environment.detent_list.strengths_n_m",
+        "n_m",
+        Numbers(1, MOST_DETENTS, 0.0, 1e4),
+        "the largest torque of each listed detent, or one for all",
+    ),
+    field(
+        "environment.detent_list.widths_rad",
+        "rad",
+        Numbers(1, MOST_DETENTS, 0.001, 6283.0),
+        "the width of each listed detent, or one for all",
+    ),
     number(
         "environment.spring.centre_rad",
         "rad",
@@ -213,5 +232,17 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "s",
         Within(0.001, 0.1),
         "the length of a click's pulse",
+    ),
+    number(
+        "environment.inertia.inertia_kg_m2",
+        "kg_m2",
+        NotNegative,
+        "the inertia of the mass that the knob drags",
+    ),
+    number(
+        "environment.inertia.bandwidth_hz",
+        "hz",
+        Within(5.0, 30.0),
+        "below which frequency motions feel the mass",
     ),
 ];

@@ -116,6 +116,11 @@ fn full_scenes() -> Vec<Scene> {
                 shape: vec![0.25, -1.0, 1.0],
                 ..TorqueProfile::default()
             }),
+            detent_list: Some(DetentList {
+                positions_rad: vec![-1.0, 0.25, 1.5],
+                strengths_n_m: vec![0.01, 0.02, 0.015],
+                widths_rad: vec![0.5],
+            }),
             spring: Some(CentreSpring {
                 centre_rad: 1.0 / 3.0,
                 ..CentreSpring::default()
@@ -131,6 +136,10 @@ fn full_scenes() -> Vec<Scene> {
             click: Some(Clicks {
                 per_rev: 0,
                 ..Clicks::default()
+            }),
+            inertia: Some(AddedInertia {
+                bandwidth_hz: 7.25,
+                ..AddedInertia::default()
             }),
             ..Environment::default()
         }),

@@ -5,8 +5,8 @@
 //! M = m 1 + I slopesᵀ slopes        c: accelerations of the joints while the effector moves straight on
 //! ```
 //!
-//! `x` and `v` are position and velocity of the effector, `θ` the joint angles with damping `b_θ`, `τ` the motor torques, `b` the
-//! damping of the effector, and `hand` the force of the hand. `slopes` is the derivative of the joint angles over `x`.
+//! `x` and `v` are position and velocity of the effector, `b` its damping, and `hand` the force of the hand. `θ` are the joint
+//! angles with damping `b_θ`, and `τ` the motor torques. `slopes` is the derivative of the joint angles over `x`.
 //!
 //! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
 //! robots*, Int. J. Robotics Research 17(12), 1998). The moving parts are therefore an inertia `I` at each motor and a mass `m` at

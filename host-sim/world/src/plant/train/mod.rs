@@ -32,8 +32,8 @@ use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, 
 use super::stepper::{Loss, Port, Stepper};
 use links::{GAP, REST, SHAFT, TORQUE};
 
-/// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`: the states and the four values held
-/// during a substep (commanded torque, rest point, torque of the play, further torque).
+/// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`, for the states and four values that
+/// are constant during a substep: commanded torque, rest point, torque of the play, further torque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveTrain<const N: usize, const K: usize> {
     links: Links,
@@ -192,8 +192,9 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// Energy of the device beyond the kinetic energy of its whole inertia at the shaft's velocity, J: energy in springs, gravity
-    /// and magnets, and the kinetic difference because the knob turns at another velocity than the shaft.
+    /// Energy of the device in J, less the kinetic energy that its whole inertia would have at the shaft's velocity. It is the
+    /// energy in springs, gravity and magnets, and a difference of kinetic energies, because the knob has another velocity than the
+    /// shaft.
     fn stored_beside_motion_j(&self, state: &TrainState<N>) -> f64 {
         let v = state.z[1];
         let transmission_j = self.links.transmission.map_or(0.0, |transmission| {
