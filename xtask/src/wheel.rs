@@ -65,6 +65,9 @@ fn made() -> Result<Outcome, Outcome> {
     // `-rs` names the tests that were skipped.
     tests.args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"]);
     tests.arg(package.join("tests"));
+    // Skipped here, as LeRobot is not installed: it has some 8 GB.
+    tests.arg(shell::root().join("bindings/lerobot/tests"));
+    tests.env("TOUCHSTONE_MOCK_DHD", mock()?);
     tests.env_remove("TOUCHSTONE_PROGRAM");
     shell::run(tests.current_dir(&folder)).went_well()?;
     Ok(Outcome::Ok(format!(
@@ -117,6 +120,15 @@ fn program(package: &Path) -> Result<(), Outcome> {
         done(copied.map(|_| ()), &folder)?;
     }
     Ok(())
+}
+
+/// Builds the mock of Force Dimension's library, with which a test drives an omega.3.
+fn mock() -> Result<PathBuf, Outcome> {
+    let mut cargo = shell::cargo_locked("build");
+    cargo.args(["--profile", "dist", "--package", "touchstone-mock-dhd"]);
+    shell::run(&mut cargo).went_well()?;
+    let (first, last) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    Ok(shell::target("dist").join(format!("{first}touchstone_mock_dhd{last}")))
 }
 
 /// File name of the shared library for FMUs.

@@ -1,5 +1,10 @@
 //! The energy guard and the virtual wall as Python classes. Methods run one control period, or many for whole arrays.
 
+mod haptic;
+mod scene_halves;
+mod servo;
+mod space;
+
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -13,6 +18,21 @@ fn si(name: &str, value: f64) -> PyResult<Si> {
     Si::checked_from_num(value).ok_or_else(|| {
         PyValueError::new_err(format!("{name} = {value}: give a finite number below 2e9"))
     })
+}
+
+/// Converts a Python number like [`si`]; without one, takes the default.
+fn or(name: &str, value: Option<f64>, default: Si) -> PyResult<Si> {
+    value.map_or(Ok(default), |it| si(name, it))
+}
+
+/// Converts a Python number to a number that is finite; `name` names it in the error.
+fn plain(name: &str, value: f64) -> PyResult<f64> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(PyValueError::new_err(format!(
+        "{name} = {value}: give a finite number"
+    )))
 }
 
 /// Converts a position in rad (m) to fixed point, rounded to the nearest 2^-24; it saturates at ±128.
@@ -79,7 +99,6 @@ impl PyGuard {
         change_is_measured: bool,
     ) -> PyResult<Self> {
         let shipped = GuardSettings::default();
-        let or = |name, value: Option<f64>, default| value.map_or(Ok(default), |it| si(name, it));
         let settings = GuardSettings {
             on: true,
             capacity: or("capacity_j", capacity_j, shipped.capacity)?,
@@ -324,5 +343,11 @@ impl PyWall {
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyGuard>()?;
     module.add_class::<PyWall>()?;
+    module.add_class::<scene_halves::PyPlant>()?;
+    module.add_class::<scene_halves::PyLaw>()?;
+    module.add_class::<space::PySpaceGuard>()?;
+    module.add_class::<space::PySpacePlant>()?;
+    module.add_class::<space::PySpaceWall>()?;
+    module.add_class::<haptic::PyHapticDevice>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

@@ -10,7 +10,7 @@ use super::whole::{Named, is_of_same_command};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use touchstone_control::LawKind;
-use touchstone_device::Address;
+use touchstone_device::{Address, guard_settings};
 use touchstone_lab::thesis::space as three_axes;
 use touchstone_link::rows::COLUMNS;
 use touchstone_live::board_page as board;
@@ -131,7 +131,7 @@ fn space(object: &str) -> Result<String> {
     };
     let choice = SpaceChoice {
         object,
-        guard: Some(super::haptic::guard(
+        guard: Some(guard_settings(
             OMEGA3_AXIS.damping,
             0.0,
             three_axes::RATE_HZ,

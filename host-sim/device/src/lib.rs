@@ -14,6 +14,7 @@
 
 mod address;
 mod client;
+mod followed;
 mod haply;
 pub mod haptic;
 mod moved_about;
@@ -25,9 +26,10 @@ mod wall;
 
 pub use address::{Address, Port, is_st_link, ports};
 pub use client::{Client, MAY_BE_ON, may_be_on};
+pub use followed::{Fading, FollowedWall, FollowerForces};
 pub use haply::{Generation, Inverse3, SERVICE};
 pub use moved_about::{AxisRecord, MovedAbout, SmallMotions};
 pub use omega3::Omega3;
 pub use survey::{Pose, Survey};
 pub use transport::{Received, Transport, open};
-pub use wall::{DeviceWall, Obstacle, WallSettings};
+pub use wall::{DeviceWall, Obstacle, WallSettings, guard_settings};

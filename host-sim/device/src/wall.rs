@@ -5,7 +5,7 @@ use crate::haptic::HapticFault;
 use crate::servo::ForceLaw;
 use touchstone_control::space::{
     Direction, Leaving, LengthUnit, Magnitude, Nearest, PerAxis, Rule, Shape, Shell, SpaceWall,
-    Surface, SurfacePoint, Vector, VectorGuard,
+    Surface, SurfacePoint, Vector, VectorGuard, VectorGuardState,
 };
 use touchstone_control::{
     AnyLaw, EstimatorSettings, Fixed32, Force, GuardSettings, GuardedDevice, Position,
@@ -13,12 +13,18 @@ use touchstone_control::{
 };
 use touchstone_mesh::{Mesh, MeshSurface};
 
-type N = Fixed32;
+pub(crate) type N = Fixed32;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
 /// Number of the control law's units of length (centimetres) in a metre.
 const PER_METRE: f64 = 100.0;
 
-fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
+/// Energy in the account of an energy guard for centimetres, J.
+pub(crate) fn account_j(state: &VectorGuardState<N>) -> f64 {
+    N::energy_to_f64(state.account.0) / PER_METRE
+}
+
+/// Converts a position in m to the control law's centimetres.
+pub(crate) fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
     Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
 }
 
@@ -36,6 +42,44 @@ pub struct WallSettings {
     pub estimator: Option<[EstimatorSettings; 3]>,
     /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
+}
+
+/// Energy guard's settings for a device with three axes, in SI units: 40 mJ, 0.5 mW, and 1.5 m/s at most. The guard trusts a share of
+/// the damping, which is that of the least damped axis.
+#[must_use]
+pub fn guard_settings(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
+    let si = Si::saturating_from_num::<f64>;
+    // The tick is rounded down, as in the range check of the guard.
+    let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
+    GuardSettings {
+        capacity: si(0.04),
+        damping: si(damping_n_s_per_m),
+        overspeed: si(1.5),
+        delay: si(delay_s).min(tick_s),
+        ..GuardSettings::default()
+    }
+}
+
+impl WallSettings {
+    /// The energy guard with a full account, in centimetres; `None` without a guard.
+    pub(crate) fn full_guard(
+        &self,
+    ) -> Result<Option<(VectorGuard<N>, VectorGuardState<N>)>, SettingsError> {
+        let Some(guard) = &self.guard else {
+            return Ok(None);
+        };
+        let device = GuardedDevice {
+            rate_hz: self.law.rate_hz,
+            force_limit: self.law.force_limit,
+            count: PositionSettings {
+                count: Si::saturating_from_num(self.count_m),
+            }
+            .uncertainty(self.law.position_error),
+        };
+        let (guard, device) = UNIT.guard(guard, &device);
+        let guard = VectorGuard::new(&guard, &device)?;
+        Ok(Some((guard, guard.full())))
+    }
 }
 
 /// The virtual object in the device's workspace.
@@ -124,20 +168,7 @@ impl<'m> DeviceWall<'m> {
             let law = &settings.law;
             wall.estimator = Some(UNIT.estimator(axes, law.rate_hz, law.force_limit)?);
         }
-        if let Some(guard) = &settings.guard {
-            let device = GuardedDevice {
-                rate_hz: settings.law.rate_hz,
-                force_limit: settings.law.force_limit,
-                count: PositionSettings {
-                    count: Si::saturating_from_num(settings.count_m),
-                }
-                .uncertainty(settings.law.position_error),
-            };
-            let (guard, device) = UNIT.guard(guard, &device);
-            let guard = VectorGuard::new(&guard, &device)?;
-            let full = guard.full();
-            wall.guard = Some((guard, full));
-        }
+        wall.guard = settings.full_guard()?;
         Ok(Self {
             wall,
             least_account: None,
@@ -158,7 +189,7 @@ impl ForceLaw for DeviceWall<'_> {
             .tick(place(position_m))
             .map_err(|_| HapticFault::Overspeed)?;
         if let Some((_, state)) = &self.wall.guard {
-            let account = N::energy_to_f64(state.account.0) / PER_METRE;
+            let account = account_j(state);
             self.least_account = Some(self.least_account.map_or(account, |e| e.min(account)));
         }
         Ok(force.0.map(Force::to_f64))

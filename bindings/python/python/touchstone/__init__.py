@@ -14,7 +14,9 @@ from ._board import Board
 from ._campaign import campaign
 from ._device import Device, GuardedDevice
 from ._errors import Failed, MayBeOn, Mistake, NotMet
-from ._native import Guard, __version__
+from ._haptic import HapticDevice
+from ._native import Guard, SpaceGuard, __version__
+from ._plant import Law, Plant, SpacePlant, SpaceWall
 from ._program import (
     Run,
     certify,
@@ -33,10 +35,16 @@ __all__ = [
     "Failed",
     "Guard",
     "GuardedDevice",
+    "HapticDevice",
+    "Law",
     "MayBeOn",
     "Mistake",
     "NotMet",
+    "Plant",
     "Run",
+    "SpaceGuard",
+    "SpacePlant",
+    "SpaceWall",
     "Sweep",
     "Wall",
     "__version__",

@@ -5,9 +5,9 @@ use crate::number;
 use crate::out::path_line;
 use clap::ValueEnum;
 use std::path::PathBuf;
-use touchstone_control::{EstimatorSettings, GuardSettings, LawKind, Settings, Si, StatesKind};
-use touchstone_device::WallSettings;
+use touchstone_control::{EstimatorSettings, LawKind, Settings, Si, StatesKind};
 use touchstone_device::haptic::DataSheet;
+use touchstone_device::{WallSettings, guard_settings};
 use touchstone_lab::identify::lever::{Lever, PRESS_SHARE};
 use touchstone_lab::thesis::space;
 use touchstone_lab::thesis::space::tuned_wall::TunedWall;
@@ -81,21 +81,6 @@ struct ChosenLaw {
     caution: Option<String>,
 }
 
-/// Energy guard's settings for a device, in SI units, from the device's least damping. A device without a measured damping gets
-/// that of the thesis (§5.2).
-pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
-    let si = Si::saturating_from_num::<f64>;
-    // The tick is rounded down, as in the range check of the guard.
-    let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
-    GuardSettings {
-        capacity: si(0.04),
-        damping: si(damping_n_s_per_m),
-        overspeed: si(1.5),
-        delay: si(delay_s).min(tick_s),
-        ..GuardSettings::default()
-    }
-}
-
 impl WallOptions {
     /// Chooses the wall for a device.
     ///
@@ -125,7 +110,7 @@ impl WallOptions {
             ..chosen.law
         };
         let damping = sheet.least_damping_n_s_per_m.unwrap_or(OMEGA3_AXIS.damping);
-        let guard = guard(damping, sheet.delay_s, rate_hz);
+        let guard = guard_settings(damping, sheet.delay_s, rate_hz);
         Ok(ChosenWall {
             rate_hz,
             force_n,

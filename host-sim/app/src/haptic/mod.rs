@@ -10,7 +10,6 @@ mod survey;
 mod trace;
 
 pub use choice::{described, library};
-pub use device_wall::guard;
 
 use super::out::{self, say};
 use choice::WhichDevice;

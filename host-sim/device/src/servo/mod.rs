@@ -15,7 +15,7 @@ mod speed;
 
 pub use lateness::TickLateness;
 pub use pace::{DevicePace, Pace, RealTime, SimulatedPace, Waited};
-pub use priority::{Priority, real_time};
+pub use priority::{Priority, first_of_threads, real_time};
 pub use speed::SpeedEstimate;
 
 use crate::haptic::{Applied, DataSheet, HapticDevice, HapticFault, Workspace, length};

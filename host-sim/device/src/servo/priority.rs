@@ -14,7 +14,7 @@ pub struct Priority {
 #[must_use]
 pub fn real_time() -> Priority {
     Priority {
-        first: first(),
+        first: first_of_threads(),
         locked: locked(),
     }
 }
@@ -22,8 +22,12 @@ pub fn real_time() -> Priority {
 /// The thread's priority in % of the real-time range: above all ordinary threads, below the kernel's own interrupts.
 const SHARE: u8 = 80;
 
+/// Requests real-time priority alone, for a servo loop in another program: locked memory may leave its other threads without any.
+///
+/// # Errors
+/// The reason of the operating system.
 #[cfg(unix)]
-fn first() -> Result<(), String> {
+pub fn first_of_threads() -> Result<(), String> {
     use thread_priority::{
         RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
         set_thread_priority_and_policy, thread_native_id,
@@ -37,8 +41,12 @@ fn first() -> Result<(), String> {
     .map_err(|why| why.to_string())
 }
 
+/// Requests the highest priority for the calling thread.
+///
+/// # Errors
+/// The reason of the operating system.
 #[cfg(not(unix))]
-fn first() -> Result<(), String> {
+pub fn first_of_threads() -> Result<(), String> {
     thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max)
         .map_err(|why| why.to_string())
 }

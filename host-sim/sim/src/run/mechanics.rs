@@ -8,7 +8,7 @@ use std::ops::Range;
 use touchstone_world::plant::Kinematics as _;
 
 /// The mechanical half of a run: device and hand. The trait hides the type of the plant.
-pub trait Mechanics {
+pub trait Mechanics: Send {
     /// Simulates the ticks (control periods) of a range, and passes each tick to the recorder, if there is one.
     fn advance(
         &mut self,

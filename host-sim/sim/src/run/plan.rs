@@ -10,7 +10,7 @@ use super::crossed::{crossed, crossed_apart, refused, stream};
 pub use super::crossed::{device, hand};
 use super::mechanics::{Mechanics, Standing};
 use super::settings;
-use super::surroundings::surrounded;
+use super::surroundings::{Surroundings, surrounded};
 use super::train::Train;
 use super::wall::Controlled;
 use crate::error::Result;
@@ -102,7 +102,11 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
 }
 
 /// Builds the control law in the number format `N`, with its position sensor.
-fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
+fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>>
+where
+    Controlled<N>: Send,
+    Surroundings<N>: Send,
+{
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()
     {

@@ -14,7 +14,7 @@ use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 /// An environment of several walls, with the scale from encoder counts to positions. It receives positions instead of penetrations,
 /// because each wall has its own surface.
 #[derive(Debug, Clone, Copy)]
-struct Surroundings<N: Reported> {
+pub(super) struct Surroundings<N: Reported> {
     environment: Environment<N>,
     scale: CountScale,
     /// Position at which the motor's torque last changed; `None` if that position is not measured.
@@ -152,7 +152,10 @@ pub fn environment<N: Reported>(scene: &Scene) -> Result<Environment<N>> {
 pub(super) fn surrounded<N: Reported + 'static>(
     scene: &Scene,
     scale: CountScale,
-) -> Result<Box<dyn Control>> {
+) -> Result<Box<dyn Control>>
+where
+    Surroundings<N>: Send,
+{
     let wall = Surroundings::<N> {
         environment: environment(scene)?,
         scale: scale.before(Si::ZERO),

@@ -27,7 +27,7 @@ pub use substepped::Substepped;
 use crate::plant::{Coulomb, Invalid, Loss};
 
 /// A one-step integration method, prepared for substeps of one length.
-pub trait Method<const N: usize>: Sized {
+pub trait Method<const N: usize>: Sized + Send {
     /// Order of the method: exponent of the substep's length in the error over a fixed time, for smooth motion.
     const ORDER: u32;
 

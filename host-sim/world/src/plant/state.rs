@@ -1,7 +1,7 @@
 //! The state of a plant, which each simulated interval changes.
 
 /// Read access to a plant's state, the same for every plant.
-pub trait Kinematics: Copy {
+pub trait Kinematics: Copy + Send {
     /// A state at rest, with device and hand at one angle and no strain in the fingertip pad.
     fn at_rest(position: f64) -> Self;
     /// Angle `x` of the device (the haptic interaction point), rad (m).

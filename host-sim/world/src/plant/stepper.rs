@@ -3,7 +3,7 @@
 use super::state::Kinematics;
 
 /// A plant prepared for intervals of one fixed length, during which torque and rest point of the hand are constant.
-pub trait Stepper {
+pub trait Stepper: Send {
     /// The plant's state.
     type State: Kinematics;
 

@@ -3,8 +3,9 @@
 //! A statement that the simulation does not reproduce is reported as not reproduced, with the measured values.
 
 use super::record::Record;
+use super::stepwise::wall;
 use super::tuned::{self, DirectionCard};
-use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, place, wall};
+use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, place};
 use crate::thesis::claims::{Claim, Outcome};
 use touchstone_control::{Fixed32, Reported, SettingsError};
 use touchstone_world::plant::{BareLinear, Cartesian, Invalid, Kinematics, OMEGA3, OMEGA3_AXIS};

@@ -13,6 +13,7 @@ mod motion;
 pub mod pressed;
 mod record;
 pub mod scene;
+mod stepwise;
 pub mod tuned;
 pub mod tuned_wall;
 pub mod verdict;
@@ -20,19 +21,15 @@ pub mod verdict;
 pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
 pub use record::Record;
+pub use stepwise::{CellPlant, CellWall};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::space::environment::{Plane, Sphere};
-use touchstone_control::space::{
-    Bounding, Direction, Leaving, LengthUnit, Magnitude, PerAxis, Rule, Shape, Shell, SpaceWall,
-    Spatial, SurfacePoint, Vector,
-};
-use touchstone_control::{
-    AnyLaw, Fixed32, Force, LawKind, Position, Reported, Settings, SettingsError, Si,
-};
-use touchstone_world::plant::{FIRM_TRANSLATION, OMEGA3};
+use touchstone_control::space::{Direction, Shape, Spatial, Vector};
+use touchstone_control::{Fixed32, LawKind, Position, Reported, Settings, SettingsError, Si};
+use touchstone_world::plant::OMEGA3;
 
 use tuned_wall::TunedWall;
 
@@ -283,78 +280,31 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
     }
 }
 
-/// Makes the wall of a cell: its object with its control law.
-fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
-    let mechanism = cell.mechanism;
-    if cell.approach == Approach::Shipped {
-        let tuned = TunedWall::of(mechanism, RATE_HZ);
-        let law = tuned.settings(RATE_HZ, mechanism.force_n());
-        let estimator = Some(tuned.estimator());
-        return pressed::guarded(cell.object.shape(), &law, estimator.as_ref(), mechanism);
-    }
-    let unit = LengthUnit::Centimetre;
-    let law = unit.law::<N>(&settings_for(
-        mechanism,
-        cell.approach.law(),
-        cell.k_desired_n_per_mm,
-    ))?;
-    let shell = match (cell.approach, law) {
-        (Approach::Bounding, AnyLaw::Fba(law, _)) => Shell::Bounding(Bounding::new(law)),
-        (Approach::PerAxis, law) => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
-        (_, law) => Shell::Magnitude(Magnitude::new(law)),
-    };
-    let limit = Force(N::signal_from_f64(mechanism.force_n()));
-    Ok(SpaceWall::new(
-        cell.object.shape(),
-        SurfacePoint::new(Rule::Closest),
-        shell,
-        limit,
-    ))
-}
-
 /// Simulates one cell. If the mechanism cannot reach a position, the record ends there.
 ///
 /// # Errors
 /// The control law does not accept its settings; it accepts those of [`settings`].
 pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
-    let mut wall = wall(cell)?;
+    let mut wall = CellWall::new(cell)?;
     let mut record = Record::new(*cell);
     record.stopped = played(cell, &mut wall, &mut record).is_err();
     Ok(record)
 }
 
-fn played(
-    cell: &Cell,
-    wall: &mut SpaceWall<N, Shape<N>, AnyLaw<N>>,
-    record: &mut Record,
-) -> Result<(), Stopped> {
-    let interval_s = 1.0 / f64::from(RATE_HZ);
-    let mechanism = cell.mechanism;
-    let motion = ProbingMotion::of(cell.object)
-        .at_speed(mechanism.slide_mm_per_s())
-        .with_push(mechanism.push_n());
-    let rest_m = |time_s: f64| motion.rest_mm(time_s).map(|x| x * 1e-3);
-    let mut held = HeldMechanism::new(
-        mechanism,
-        &Deviation::NONE,
-        &FIRM_TRANSLATION,
-        interval_s,
-        rest_m(0.0),
-    )?;
+fn played(cell: &Cell, wall: &mut CellWall, record: &mut Record) -> Result<(), Stopped> {
+    let mut plant = CellPlant::new(cell)?;
     let (mut stored, mut loss, mut work) = (None, 0.0, 0.0);
-    for tick in 0..motion.ticks() {
-        let time_s = f64::from(tick) * interval_s;
-        let hip_m = held.place_m();
-        let measured_mm = held.measured_m()?.map(|x| x * 1e3);
-        // Above the guard's over-speed limit there is no force.
-        let force = wall.tick(place(measured_mm)).unwrap_or_default();
-        let rest_m = rest_m(time_s);
-        let before = held.stored_j(rest_m)?;
+    for _ in 0..plant.motion().ticks() {
+        let time_s = plant.time_s();
+        let hip_m = plant.held().place_m();
+        let force_n = wall.tick(plant.measured_m()?);
+        let rest_m = plant.rest_m();
+        let before = plant.held().stored_j(rest_m)?;
         let jump = stored.map_or(0.0, |was| before - was);
-        let crossed = held.step(force.0.map(|f| N::signal_to_f64(f.0)), rest_m)?;
+        let crossed = plant.step(force_n, [0.0; 3])?;
         record.keep(
             time_s,
-            motion.phase(time_s),
+            plant.motion().phase(time_s),
             hip_m.map(|x| x * 1e3),
             crossed.force_n,
         );
@@ -362,7 +312,7 @@ fn played(
         loss += crossed.loss.total_j();
         work += jump + crossed.motors_j;
         let start = *record.start_energy_j.get_or_insert(before);
-        let after = held.stored_j(rest_m)?;
+        let after = plant.held().stored_j(rest_m)?;
         record.audit_j = record.audit_j.max((after - start + loss - work).abs());
         stored = Some(after);
     }

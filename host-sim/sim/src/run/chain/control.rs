@@ -5,7 +5,7 @@ use crate::run::wall::{Inside, Wall};
 
 /// Computes the motor's torque from the device's true angle. The loop calls `torque_n_m` or `answer` once per tick (control
 /// period).
-pub trait Control {
+pub trait Control: Send {
     /// Returns the torque of the motor in N·m, in the direction of positive angles, at a true angle in rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
     /// Returns the same torque as `torque_n_m`, bit for bit, with internal values for a recording.
@@ -39,7 +39,7 @@ pub struct Sampled<S, W> {
     pub wall: W,
 }
 
-impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
+impl<S: Sensor, W: Wall + Send> Control for Sampled<S, W> {
     // The loop calls this method indirectly in any case. Without inlining, the law's code exists only once.
     #[inline(never)]
     fn torque_n_m(&mut self, angle_rad: f64) -> f64 {

@@ -18,7 +18,7 @@ pub struct Flow {
 }
 
 /// Carries a torque command through delays to the plant, and advances the plant by one tick.
-pub trait Crossing {
+pub trait Crossing: Send {
     /// State of the plant.
     type State: Kinematics;
 

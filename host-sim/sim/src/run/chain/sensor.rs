@@ -3,7 +3,7 @@
 use crate::run::wall::Wall;
 
 /// A position sensor: gives the control law the device's position.
-pub trait Sensor {
+pub trait Sensor: Send {
     /// Passes the device's angle to the wall, and returns the wall's force, N·m, positive out of the wall.
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64;
     /// Passes to the wall the device's angle at which the motor's torque changed, rad.

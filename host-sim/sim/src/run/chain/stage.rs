@@ -4,7 +4,7 @@ use super::control::{Answer, Control};
 
 /// An effect between device and control law. It changes the angle that the law receives, the torque that the motor receives, or
 /// both.
-pub trait Stage {
+pub trait Stage: Send {
     /// Whether the control law is informed of the changed torque. A real controller knows its torque limit, but not the error of
     /// its current sensor.
     const TOLD: bool = true;

@@ -7,7 +7,7 @@ use touchstone_world::plant::Kinematics;
 use super::crossing::{Crossing, Flow};
 
 /// Changes the hand's rest point in each tick (control period), before plant and hand are advanced.
-pub trait Unsteady<S> {
+pub trait Unsteady<S>: Send {
     /// Returns the changed rest point of this tick, rad.
     fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64;
 }
