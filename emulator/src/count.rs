@@ -3,7 +3,7 @@
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
-use touchstone_protocol::{DeviceCommand, Phase, Reply, Request, Surround};
+use touchstone_protocol::{DeviceCommand, Phase, Request, Surround};
 use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
@@ -13,7 +13,7 @@ use crate::cpu::core::{Cost, WAIT_STATES};
 use crate::cpu::decode::EXCEPTION;
 use crate::cpu::elf::Program;
 use crate::cpu::handler::{CONTROL_TICK, CURRENT_LOOP, Handler};
-use crate::fil::around::{largest, sweep};
+use crate::fil::around;
 use crate::fil::fault::Fault;
 use crate::fil::jobs::Programs;
 use crate::peripheral::CORE_HZ;
@@ -419,18 +419,12 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 
 /// Lets a hand sweep through the largest feel for two swings.
 fn feel(bench: &mut Bench, setup: &Setup) -> Result<(), String> {
-    let set = |bench: &mut Bench, environment| match bench
-        .demand(Request::SetEnvironment(environment))?
-    {
-        Reply::Taken(_) => Ok(()),
-        other => Err(format!("{other:?} for a feel")),
-    };
-    set(bench, largest(setup))?;
-    sweep(bench);
+    around::set(bench, &around::largest(setup))?;
+    around::sweep(bench);
     bench.run(3_300 * MS)?;
     let status = bench.status()?;
     bench.release();
-    set(bench, Surround::default())?;
+    around::set(bench, &Surround::default())?;
     match status.phase {
         Phase::Armed => Ok(()),
         other => Err(format!("{} with {:?}", other.name(), status.fault)),

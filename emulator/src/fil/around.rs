@@ -178,7 +178,8 @@ fn configured(program: &Program, setup: &Setup) -> Result<Bench, String> {
     Ok(bench)
 }
 
-fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> {
+/// Sends an environment to the device, and returns from when it counts.
+pub fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> {
     match bench.demand(Request::SetEnvironment(*environment))? {
         Reply::Taken(from) => Ok(from),
         other => Err(format!("{other:?} for an environment")),
