@@ -345,7 +345,8 @@ impl SmartKnob {
         let centre_rad = if is_other_place {
             self.angle_rad - f64::from(beside) * f64::from(config.position_width_radians)
         } else {
-            self.positions.angle_of(position.into())
+            // Of the position where the knob is: if the new bounds leave it out, it gets another number, and no push.
+            self.positions.angle_of(self.state.current_position.into())
         };
         if self.render(client, terminal, config, position, centre_rad)?
             && std::mem::take(&mut self.arms)

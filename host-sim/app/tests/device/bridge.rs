@@ -131,6 +131,8 @@ struct Client {
     /// Position and configuration name in the newest state message.
     state: Option<(i32, String)>,
     positions: Vec<i32>,
+    /// Distance from the position in the newest state message.
+    beside: f32,
 }
 
 impl Client {
@@ -153,6 +155,7 @@ impl Client {
             logs: Vec::new(),
             state: None,
             positions: Vec::new(),
+            beside: 0.0,
         }
     }
 
@@ -208,6 +211,7 @@ impl Client {
             let config = content(&state, 3).map(parts).unwrap_or_default();
             let name = content(&config, 10).unwrap_or_default().to_vec();
             let now = position_of(&state);
+            self.beside = f32::from_bits(value(&state, 2) as u32);
             if self.positions.last() != Some(&now) {
                 self.positions.push(now);
             }
@@ -350,6 +354,23 @@ fn configures_turns_and_reads(demo: &mut Demo) {
     assert!(stopped.unwrap().success());
     assert!(bridge.0.wait().unwrap().success());
     assert!(demo.run(&["device", "status"]).contains("ready"));
+}
+
+/// A knob that stands at a number below the first of a configuration gets the first, where it stands. Its end stop pushes nobody.
+#[test]
+fn bounds_beside_the_knob_do_not_push_it() {
+    let mut demo = Demo::new();
+    demo.run(&["device", "calibrate"]);
+    let (_bridge, mut client) = bridged(&demo);
+    demo.happens("turn -40");
+    client.until("a turn", |it| it.positions.last() == Some(&-4));
+    client.send(&config(0, [0, 10], 10.0, &[], "above"));
+    client.until("bounds", |it| {
+        it.state
+            .as_ref()
+            .is_some_and(|state| *state == (0, "above".into()))
+    });
+    assert!(client.beside.abs() < 1.5, "{}", client.beside);
 }
 
 #[test]

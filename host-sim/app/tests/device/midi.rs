@@ -74,8 +74,13 @@ fn a_dial_is_a_midi_controller() {
         values.iter().position(|it| *it == first[2]).unwrap()
     };
     for step in [1, -1] {
-        while index as i64 + step >= 0 && index as i64 + step < 11 {
-            index = (index as i64 + step) as usize;
+        let next = |index: usize| {
+            index
+                .checked_add_signed(step)
+                .filter(|it| *it < values.len())
+        };
+        while let Some(after) = next(index) {
+            index = after;
             assert_eq!(message(&line), [0xb2, 16, values[index]]);
         }
         demo.happens("turn -60");
