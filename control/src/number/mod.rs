@@ -19,8 +19,7 @@ mod saturating;
 mod wide;
 
 pub use fixed_point::{Fixed8, Fixed16, Fixed32};
-// A test has the standard library's.
-#[cfg(all(feature = "float", not(test)))]
+#[cfg(feature = "float")]
 pub(crate) use float::Root;
 #[cfg(feature = "float")]
 pub use reported::Reported;

@@ -5,8 +5,6 @@
 
 use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
-#[cfg(all(feature = "float", not(test)))]
-use crate::number::Root as _;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
 /// Three numbers of one number format: x, y and z.
@@ -373,11 +371,11 @@ macro_rules! float_spatial {
             }
             #[inline(always)]
             fn length_down(v: Axes<$float>) -> $float {
-                Self::along(v, v).sqrt()
+                crate::number::Root::sqrt(Self::along(v, v))
             }
             #[inline(always)]
             fn length_up(v: Axes<$float>) -> $float {
-                Self::along(v, v).sqrt()
+                crate::number::Root::sqrt(Self::along(v, v))
             }
             #[inline(always)]
             fn longer(v: Axes<$float>, limit: $float) -> bool {
