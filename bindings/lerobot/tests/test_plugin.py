@@ -89,7 +89,7 @@ def test_a_followers_force_is_felt_and_nothing_after_a_tenth_of_a_second(hand):
     assert hand.get_action()["x_m"] > begun + 1e-3
     hand.send_feedback(PUSH)
     sent = time.monotonic()
-    wait_for(lambda: not hand._device.force_n.any())
+    wait_for(lambda: not hand._device.force_n.any(), seconds=0.4)
     assert time.monotonic() - sent > 0.05
     hand.send_feedback({**PUSH, "age_s": 0.2})
     time.sleep(0.01)
