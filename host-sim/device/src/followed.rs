@@ -31,8 +31,8 @@ impl Fading {
             return 1.0;
         }
         let left = 1.0 - (age_s - self.whole_s) / self.fade_s;
-        // `max` takes the other value in place of one that is not a number, so a fade in no time is 0 as well.
-        left.max(0.0).min(1.0)
+        // A share that is not a number, of a fade in no time, is 0 as well.
+        if left > 0.0 { left.min(1.0) } else { 0.0 }
     }
 }
 

@@ -60,11 +60,12 @@ pub fn guard_settings(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> Gua
     }
 }
 
+/// A guard with its memory, at first with a full account.
+type FullGuard = (VectorGuard<N>, VectorGuardState<N>);
+
 impl WallSettings {
     /// The energy guard with a full account, in centimetres; `None` without a guard.
-    pub(crate) fn full_guard(
-        &self,
-    ) -> Result<Option<(VectorGuard<N>, VectorGuardState<N>)>, SettingsError> {
+    pub(crate) fn full_guard(&self) -> Result<Option<FullGuard>, SettingsError> {
         let Some(guard) = &self.guard else {
             return Ok(None);
         };
