@@ -175,7 +175,7 @@ fn chosen(
     (settings, about)
 }
 
-/// The thread: opens the device, tells that it is open, and plays wall and guard on it until it is asked to stop.
+/// The thread: opens the device, reports that it is open, and plays wall and guard on it until it is stopped.
 pub fn played(
     wanted: &Wanted,
     forces: FollowerForces,
