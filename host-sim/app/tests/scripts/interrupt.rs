@@ -126,7 +126,7 @@ fn what_a_killed_run_left_is_removed_by_every_command_that_writes_a_report() {
     signal(&child, "-KILL");
     child.wait().unwrap();
     assert!(hidden.is_dir());
-    let device = ["device", "run", "plane", "--device", "simulated"];
+    let device = ["device", "run", "plane", "--device", "simulated", "--fast"];
     let words = [&device[..], &["--seconds", "0.2", "--out", "new/device"]].concat();
     run_in(&here, &words).ended(0);
     assert_eq!(names(&here.join("new")), ["device"]);
