@@ -110,7 +110,9 @@ impl<N: Number> Vibration<N> {
 
     /// Runs one control period: takes the law's input, whether a control period inside is a new touch, and the force of law and
     /// pulse. Returns the force with the vibration; while that lasts, it is between 0 and `limit`.
-    #[inline(always)]
+    ///
+    /// A function of its own: inlined into the controller, its code slows every control period, also without a vibration.
+    #[inline(never)]
     pub fn with_vibration(
         &mut self,
         sample: Sample<N>,
