@@ -27,8 +27,11 @@ fn main() {
     // Sections need not be aligned to pages, because no operating system loads this image.
     println!("cargo::rustc-link-arg-bins=--nmagic");
     // A symbol that takes no flash. `touchstone flash` reads from it for which board a program is.
-    for board in BOARDS {
-        let symbol = board.replace('-', "_");
+    let programs = Path::new(&folder).join("src/bin");
+    for program in std::fs::read_dir(programs).into_iter().flatten().flatten() {
+        let file = program.path();
+        let symbol = file.file_stem().unwrap_or_default().to_string_lossy();
+        let board = symbol.replace('_', "-");
         println!("cargo::rustc-link-arg-bin={board}=--defsym=touchstone_board_{symbol}=0");
     }
     let mut hash = FNV_BASIS;
@@ -47,15 +50,6 @@ fn main() {
     }
     println!("cargo::rustc-env=TOUCHSTONE_BUILD_HASH={hash:016x}");
 }
-
-/// The names of the programs, one for each board.
-const BOARDS: [&str; 5] = [
-    "nucleo-g474re",
-    "nucleo-g474re-ihm16m1",
-    "nucleo-g474re-simplefoc-mini",
-    "nucleo-g431rb-ihm16m1",
-    "b-g431b-esc1",
-];
 
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x100_0000_01b3;

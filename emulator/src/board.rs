@@ -166,6 +166,19 @@ pub enum FaultLink {
 }
 
 impl Board {
+    /// All boards, with an AS5047P where a board can read one.
+    #[must_use]
+    pub fn all() -> [Self; touchstone_protocol::Board::ALL.len()] {
+        let encoder = Encoder::As5047p;
+        [
+            Self::nucleo_g474re(encoder),
+            Self::nucleo_g474re_ihm16m1(encoder, FaultLink::R37),
+            Self::nucleo_g474re_simplefoc_mini(encoder),
+            Self::nucleo_g431rb_ihm16m1(encoder, FaultLink::R37),
+            Self::b_g431b_esc1(),
+        ]
+    }
+
     /// Whether a pin measures the motor driver's temperature.
     #[must_use]
     pub fn has_thermistor(&self) -> bool {

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use touchstone_emulator::bench::{Bench, Setup};
-use touchstone_emulator::board::{Board, Encoder, FaultLink};
+use touchstone_emulator::board::Board;
 use touchstone_emulator::cpu::RAM;
 use touchstone_emulator::cpu::elf::Program;
-use touchstone_emulator::fil::jobs::{Asked, BOARDS, Programs};
+use touchstone_emulator::fil::jobs::{Asked, Programs};
 use touchstone_emulator::played::{HandProgramme, played};
 use touchstone_emulator::traces::{self, Trace};
 use touchstone_emulator::world::Parts;
@@ -16,10 +16,8 @@ use touchstone_emulator::{count, fil, serve};
 const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 
   fil [--BOARD ELF]... [--sample | --brief | --only TEXT...]
-                              boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named:
-                              nucleo-g474re, nucleo-g474re-ihm16m1, nucleo-g474re-simplefoc-mini, nucleo-g431rb-ihm16m1,
-                              b-g431b-esc1; those with one of the TEXTs in
-                              `BOARD, ENCODER: INJECTION, STATE`; --sample: one injection of three, few checks but on
+                              boot, calibrate, arm, press, and all fault injections, on the boards whose programs are named,
+                              as in --nucleo-g474re ELF; those with one of the TEXTs in `BOARD, ENCODER: INJECTION, STATE`; --sample: one injection of three, few checks but on
                               nucleo-g474re-ihm16m1, no cogging; --brief: the same injections, and the checks that are done soon
   boot ELF [BOARD]            boot, calibrate, arm, press; nucleo-g474re if no other is named
   cycles [--BOARD ELF]...     instructions and table cycles of law, control interrupt, current loop; the stack
@@ -115,10 +113,10 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
         };
         options = more;
         let name = option.strip_prefix("--");
-        let board = BOARDS.into_iter().find(|board| Some(*board) == name);
+        let board = name.and_then(board_of);
         match (*option, board) {
             ("--only", _) => wanted.only.push(*value),
-            (_, Some(board)) => programs.add(board, read(value)?),
+            (_, Some(board)) => programs.add(board.name, read(value)?),
             _ => return Err(usage()),
         }
     }
@@ -197,24 +195,9 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     }
 }
 
-/// The board whose firmware program has this name. Boards that can read an AS5047P encoder get one.
+/// The board whose firmware program has this name.
 fn board_of(name: &str) -> Option<Board> {
-    match name {
-        "nucleo-g474re" => Some(Board::nucleo_g474re(Encoder::As5047p)),
-        "nucleo-g474re-ihm16m1" => {
-            let board = Board::nucleo_g474re_ihm16m1(Encoder::As5047p, FaultLink::R37);
-            Some(board)
-        }
-        "nucleo-g474re-simplefoc-mini" => {
-            Some(Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p))
-        }
-        "nucleo-g431rb-ihm16m1" => {
-            let board = Board::nucleo_g431rb_ihm16m1(Encoder::As5047p, FaultLink::R37);
-            Some(board)
-        }
-        "b-g431b-esc1" => Some(Board::b_g431b_esc1()),
-        _ => None,
-    }
+    Board::all().into_iter().find(|board| board.name == name)
 }
 
 /// Replays a file with a programme of hand actions on the emulated device, and writes the recording to another file.

@@ -38,6 +38,18 @@ impl Board {
         }
     }
 
+    /// The boards of which it consists, as they are sold.
+    #[must_use]
+    pub const fn parts(self) -> &'static str {
+        match self {
+            Self::NucleoG474re => "NUCLEO-G474RE with an X-NUCLEO-IHM08M1",
+            Self::BG431bEsc1 => "B-G431B-ESC1",
+            Self::NucleoG474reIhm16m1 => "NUCLEO-G474RE with an X-NUCLEO-IHM16M1",
+            Self::NucleoG474reSimplefocMini => "NUCLEO-G474RE with a SimpleFOC Mini",
+            Self::NucleoG431rbIhm16m1 => "NUCLEO-G431RB with an X-NUCLEO-IHM16M1",
+        }
+    }
+
     /// Name of the board's microcontroller in the flashing tool `probe-rs`.
     #[must_use]
     pub const fn chip(self) -> &'static str {

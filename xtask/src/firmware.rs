@@ -21,8 +21,9 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// Boards with 128 KiB of flash memory, whose firmware is compiled for small size instead of speed.
-const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
+/// Part of a board's name that says its chip is the one with 128 KiB of flash memory. Firmware for it is compiled for small size
+/// instead of speed.
+const SMALL_FLASH: &str = "g431";
 
 /// The reference board: the one that `cargo xtask test` builds firmware for and whose fault reactions it checks.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
@@ -31,9 +32,6 @@ pub const ONE_BOARD: Share = Share::Part(
     &["--board", REFERENCE],
     "the programs of the other four boards",
 );
-
-/// Usage text of `cargo xtask firmware`.
-const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|nucleo-g431rb-ihm16m1|b-g431b-esc1]";
 
 /// Path of a board's firmware file once it is built.
 pub fn program(board: &str) -> PathBuf {
@@ -45,9 +43,9 @@ pub fn run(args: &[String]) -> Outcome {
         [] => BOARDS.to_vec(),
         [option, name] if option == "--board" => match BOARDS.iter().find(|board| *board == name) {
             Some(board) => vec![board],
-            None => return Outcome::Usage(format!("there is no board `{name}`: {USAGE}")),
+            None => return Outcome::Usage(format!("there is no board `{name}`: {}", usage())),
         },
-        _ => return Outcome::Usage(USAGE.into()),
+        _ => return Outcome::Usage(usage()),
     };
     let mut words = vec![OsString::from("firmware")];
     for board in boards {
@@ -64,6 +62,11 @@ pub fn run(args: &[String]) -> Outcome {
         words.push(word);
     }
     inspect::call(words)
+}
+
+/// Usage text of `cargo xtask firmware`.
+fn usage() -> String {
+    format!("cargo xtask firmware [--board {}]", BOARDS.join("|"))
 }
 
 /// Builds a board's firmware with warnings as errors; returns the path of the firmware file.
@@ -122,7 +125,7 @@ fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Pat
         .args(options)
         .args(["--no-default-features", "--features", board])
         .args(["--bin", board]);
-    if SMALL_FLASH.contains(&board) {
+    if board.contains(SMALL_FLASH) {
         cargo.args(["--config", "profile.release.opt-level='z'"]);
     }
 }

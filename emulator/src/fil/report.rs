@@ -7,10 +7,11 @@ use std::time::Instant;
 
 use touchstone_protocol::{FaultCode, Request};
 
-use super::jobs::{Asked, BOARDS, Programs, jobs};
+use super::jobs::{Asked, Programs, jobs};
 use super::press;
 use super::tally::Tally;
 use crate::bench::{Bench, Setup};
+use crate::board::Board;
 use crate::cpu::elf::Program;
 
 /// Exit code for a selection that matches no injection and no check.
@@ -69,7 +70,7 @@ pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
         wrong.extend(tally.wrong.iter().cloned());
     }
     println!();
-    let all_boards = programs.count() == BOARDS.len();
+    let all_boards = programs.count() == Board::all().len();
     if all_boards && !matches!(asked, Asked::Only(_)) {
         let latched = tallies.iter().flat_map(|tally| &tally.latched).collect();
         wrong.extend(codes(&latched));

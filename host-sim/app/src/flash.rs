@@ -10,8 +10,10 @@ use super::interrupt;
 use super::log::Log;
 use super::out::{path_line, say, tell};
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::sync::atomic::Ordering;
 use touchstone_protocol::Board;
 use touchstone_sim::error::{Error, Result};
@@ -65,7 +67,7 @@ impl<'a> Job<'a> {
 
     /// Name of the board's chip, as probe-rs calls it.
     pub const fn chip(&self) -> &'static str {
-        self.board.board().chip()
+        self.board.0.chip()
     }
 
     /// An error about the firmware file of this job, with a remedy.
@@ -121,41 +123,26 @@ impl<'a> Job<'a> {
     }
 }
 
-/// The supported boards, by their names on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum BoardName {
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
-    #[value(name = "nucleo-g474re")]
-    NucleoG474re,
-    /// B-G431B-ESC1.
-    #[value(name = "b-g431b-esc1")]
-    BG431bEsc1,
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
-    #[value(name = "nucleo-g474re-ihm16m1")]
-    NucleoG474reIhm16m1,
-    /// NUCLEO-G474RE with a SimpleFOC Mini.
-    #[value(name = "nucleo-g474re-simplefoc-mini")]
-    NucleoG474reSimplefocMini,
-    /// NUCLEO-G431RB with an X-NUCLEO-IHM16M1.
-    #[value(name = "nucleo-g431rb-ihm16m1")]
-    NucleoG431rbIhm16m1,
+/// A supported board, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoardName(pub Board);
+
+impl ValueEnum for BoardName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static NAMES: LazyLock<[BoardName; Board::ALL.len()]> =
+            LazyLock::new(|| Board::ALL.map(BoardName));
+        &*NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.0.parts()))
+    }
 }
 
 impl BoardName {
-    /// The same board in the type that the serial protocol uses.
-    pub const fn board(self) -> Board {
-        match self {
-            Self::NucleoG474re => Board::NucleoG474re,
-            Self::BG431bEsc1 => Board::BG431bEsc1,
-            Self::NucleoG474reIhm16m1 => Board::NucleoG474reIhm16m1,
-            Self::NucleoG474reSimplefocMini => Board::NucleoG474reSimplefocMini,
-            Self::NucleoG431rbIhm16m1 => Board::NucleoG431rbIhm16m1,
-        }
-    }
-
     /// The board's name on the command line.
     pub const fn name(self) -> &'static str {
-        self.board().name()
+        self.0.name()
     }
 
     /// Path of the board's firmware: the file that came with this program, else the file that `cargo xtask firmware` builds.

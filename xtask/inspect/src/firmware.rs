@@ -15,14 +15,8 @@ struct Room {
     memory: u32,
 }
 
-/// Sizes of flash and RAM for each board.
-const ROOMS: [(&str, Room); 5] = [
-    ("nucleo-g474re", room(240, 96)),
-    ("nucleo-g474re-ihm16m1", room(240, 96)),
-    ("nucleo-g474re-simplefoc-mini", room(240, 96)),
-    ("nucleo-g431rb-ihm16m1", room(112, 32)),
-    ("b-g431b-esc1", room(112, 32)),
-];
+/// Sizes of flash and RAM for each chip. The name of a board contains that of its chip.
+const ROOMS: [(&str, Room); 2] = [("g474re", room(240, 96)), ("g431", room(112, 32))];
 
 const fn room(flash_kib: u32, memory_kib: u32) -> Room {
     Room {
@@ -97,7 +91,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let (board, path) = named
             .split_once('=')
             .ok_or_else(|| format!("`{named}` is not BOARD=ELF"))?;
-        let room = ROOMS.iter().find(|(name, _)| *name == board);
+        let room = ROOMS.iter().find(|(chip, _)| board.contains(chip));
         let (_, room) = room.ok_or_else(|| format!("no chip is known for the board `{board}`"))?;
         let program = ProgramCode::open(Path::new(path))?;
         println!("{board}:");
