@@ -434,3 +434,45 @@ fn contradictions_are_refused_where_they_are_written() {
         assert!(message.contains(part), "{sets:?}: {message}");
     }
 }
+
+/// Text of the warning that the energy guard is told too small an error of the sensor.
+fn told_too_little(scene: &Scene) -> Option<String> {
+    let all = run::spoken_warnings(scene).unwrap().into_iter();
+    let mut all = all.map(|warning| warning.to_string());
+    all.find(|text| text.contains("the energy guard is told an error of"))
+}
+
+#[test]
+fn a_guard_that_is_told_less_than_noise_and_periodic_error_is_warned_of() {
+    for name in touchstone_sim::scene::names() {
+        let shipped = Scene::load(name).unwrap();
+        assert_eq!(told_too_little(&shipped), None, "{name}");
+    }
+    let knob = Scene::load("thesis-knob").unwrap();
+    // Four times the rms of the noise, and the amplitudes of both periodic errors.
+    let noise = "sensor.noise.rms_rad=5e-4";
+    let periodic = [
+        "sensor.periodic.amplitude_rad=6.05e-3",
+        "sensor.periodic.second_amplitude_rad=1e-3",
+    ];
+    let both = [noise, periodic[0], periodic[1]];
+    for (sensor, enough, too_little) in [
+        (&[noise][..], "0.0020", "0.0019"),
+        (&periodic, "0.0071", "0.0070"),
+        (&both, "0.0091", "0.0090"),
+    ] {
+        let told = |error: &str| {
+            let told = format!("law.position_error_rad={error}");
+            with(&with(&knob, sensor), &[&told])
+        };
+        for less in ["0", too_little] {
+            let text = told_too_little(&told(less)).unwrap();
+            assert!(text.contains("law.position_error_rad"), "{text}");
+            assert!(text.ends_with(&format!("give {enough} or more")), "{text}");
+            assert_eq!(text.contains("noise"), sensor.contains(&noise), "{text}");
+        }
+        assert_eq!(told_too_little(&told(enough)), None, "{sensor:?}");
+        let unguarded = with(&told("0"), &["law.guard.on=false"]);
+        assert_eq!(told_too_little(&unguarded), None, "{sensor:?}");
+    }
+}
