@@ -2,7 +2,7 @@
 
 use crate::si::si;
 use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, Side, Spacing, WallSettings,
+    Counted, DetentSettings, Environment, Face, FeelSettings, Side, Spacing, WallSettings,
 };
 use touchstone_control::{CountScale, Reported, Settings, Si};
 
@@ -77,4 +77,24 @@ pub fn built<N: Reported>(
     detents: Option<&DetentSettings>,
 ) -> Environment<N> {
     Environment::new(settings, walls, detents).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Settings of the thesis without the energy guard, which would change a part's force.
+#[must_use]
+pub fn unguarded() -> Settings {
+    let mut settings = Settings::thesis();
+    settings.guard.on = false;
+    settings
+}
+
+/// Builds an environment of a feel's parts alone, with the settings [`unguarded`].
+///
+/// # Panics
+/// The feel is refused.
+#[must_use]
+pub fn feeling<N: Reported>(feel: &FeelSettings) -> Environment<N> {
+    let settings = unguarded();
+    built::<N>(&settings, &[], None)
+        .with_feel(feel, &settings)
+        .unwrap_or_else(|e| panic!("{e}"))
 }

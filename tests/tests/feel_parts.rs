@@ -1,22 +1,16 @@
-//! Tests of the parts of a knob's feel beside walls, detents and profile: spring to a centre, viscous and dry friction, click,
-//! inertia.
+//! Tests of the parts of a knob's feel beside walls, detents and profile: spring to a centre, viscous and dry friction, click, and
+//! what these share with inertia.
 
 use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, Environment, FeelSettings, InertiaSettings,
-    Refused, Spacing, ViscousSettings,
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Refused, Spacing,
+    ViscousSettings,
 };
-use touchstone_control::{Fixed16, Fixed32, Force, Reported, Settings, Si};
-use touchstone_tests::environment::{COUNT_RAD, COUNTS, at, built};
+use touchstone_control::{Fixed16, Fixed32, Force, Reported, Si};
+use touchstone_tests::environment::{COUNT_RAD, COUNTS, at, built, feeling, unguarded};
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
 const RATE_HZ: f64 = 1000.0;
-
-fn settings() -> Settings {
-    let mut settings = Settings::thesis();
-    settings.guard.on = false;
-    settings
-}
 
 fn all() -> FeelSettings {
     FeelSettings {
@@ -87,13 +81,6 @@ fn each() -> [(&'static str, FeelSettings); 5] {
             },
         ),
     ]
-}
-
-fn feeling<N: Reported>(feel: &FeelSettings) -> Environment<N> {
-    let settings = settings();
-    built::<N>(&settings, &[], None)
-        .with_feel(feel, &settings)
-        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Counts of a motion to and fro of random speeds, up to some counts per tick.
@@ -239,143 +226,6 @@ fn a_position_clicks_once_for_each_crossing() {
     assert_eq!(heard, 6);
 }
 
-/// What a knob that swings with this amplitude, rad, and frequency, Hz, gets of a feel: the inertia in phase with its acceleration,
-/// kg·m², and the damping in phase with its velocity, N·m·s/rad.
-fn swung(feel: &FeelSettings, amplitude: f64, hz: f64) -> (f64, f64) {
-    let mut environment = feeling::<Fixed32>(feel);
-    let omega = std::f64::consts::TAU * hz;
-    let ticks = (4.0 * RATE_HZ / hz).round() as i64;
-    let (mut of_position, mut of_velocity) = (0.0, 0.0);
-    // The first half is for the beginning to end.
-    for tick in 0..2 * ticks {
-        let phase = omega * tick as f64 / RATE_HZ;
-        let count = (amplitude * phase.sin() / COUNT_RAD).round() as i64;
-        let force = environment.tick(&at(count), None).to_f64();
-        if tick >= ticks {
-            of_position += force * phase.sin();
-            of_velocity += force * phase.cos();
-        }
-    }
-    let share = 2.0 / ticks as f64 / amplitude;
-    (
-        -of_position * share / (omega * omega),
-        of_velocity * share / omega,
-    )
-}
-
-/// At 1 to 3 Hz the knob is heavier by the set inertia to within 10 %, and at constant speed nothing holds it. Above its bandwidth
-/// the mass is a damper.
-#[test]
-fn an_inertia_is_felt_in_the_acceleration_alone() {
-    let feel = each()[4].1;
-    for amplitude in [0.1, 1.0] {
-        for hz in [1.0, 2.0, 3.0] {
-            let (inertia, damping) = swung(&feel, amplitude, hz);
-            assert!((inertia / 2e-5 - 1.0).abs() < 0.1, "{hz} Hz: {inertia}");
-            // The damper of a mass behind a bandwidth `p` takes the share w²/(p² + w²) of its own damping.
-            let omega = std::f64::consts::TAU * hz;
-            let pole = std::f64::consts::TAU * 12.0;
-            let share = omega * omega / (pole * pole + omega * omega);
-            let expected = 2e-5 * pole * share;
-            assert!(
-                (0.7..1.3).contains(&(damping / expected)),
-                "{hz}: {damping}"
-            );
-        }
-    }
-    let (_, fast) = swung(&feel, 0.02, 40.0);
-    assert!(fast > 0.7 * 2e-5 * 75.4, "{fast}");
-    let mut environment = feeling::<Fixed32>(&feel);
-    for speed in [40_i64, -250] {
-        for tick in 0..400 {
-            environment.tick(&at(speed * tick), None);
-        }
-        for tick in 400..600 {
-            let force = environment.tick(&at(speed * tick), None).to_f64();
-            assert!(force.abs() < 1e-6, "{force} at constant speed");
-        }
-        // The mass goes on when the knob stops, and has stopped after a while.
-        let first = environment.tick(&at(speed * 599), None).to_f64();
-        assert!(first * (speed as f64) < 0.0, "{first} at {speed}");
-        for _ in 0..2_000 {
-            environment.tick(&at(speed * 599), None);
-        }
-        assert_eq!(environment.tick(&at(speed * 599), None), Force::zero());
-    }
-}
-
-/// A free knob of inertia `J` whose mass is the heaviest that is accepted: turned by a torque that swings, it moves as a knob of
-/// the inertia `J + m` does. At rest it stays within two counts, and the hand gets no more than the guard allows.
-#[test]
-fn a_free_knob_is_heavier_and_rests() {
-    const STEPS: u32 = 20;
-    let mut settings = settings();
-    settings.guard.on = true;
-    let mut inertia = InertiaSettings {
-        inertia: Si::ZERO,
-        bandwidth_hz: si("12"),
-    };
-    inertia.inertia = inertia.heaviest(&settings, Si::ZERO);
-    let feel = FeelSettings {
-        inertia: Some(inertia),
-        ..FeelSettings::default()
-    };
-    let heavier: f64 = inertia.inertia.to_num();
-    let own: f64 = settings.estimator.inertia.to_num();
-    let damping: f64 = settings.guard.damping.to_num();
-    let step_s = 1.0 / RATE_HZ / f64::from(STEPS);
-    for hz in [1.0, 2.0, 3.0] {
-        let mut environment = built::<Fixed32>(&settings, &[], None)
-            .with_feel(&feel, &settings)
-            .unwrap();
-        let omega = std::f64::consts::TAU * hz;
-        let torque = 0.5 * (own + heavier) * omega * omega;
-        let (mut angle, mut velocity, mut force, mut next) = (0.0_f64, 0.0_f64, 0.0, 0.0);
-        let (mut work, mut least) = (0.0_f64, 0.0_f64);
-        let (mut sums, mut range) = ([0.0; 2], [f64::INFINITY, f64::NEG_INFINITY]);
-        // Eight swings, of which the second half is measured; then four seconds without a torque.
-        let swings = (8.0 * RATE_HZ / hz) as u32;
-        let rest = swings + 4 * RATE_HZ as u32;
-        for tick in 0..rest {
-            let count = (angle / COUNT_RAD).round() as i64;
-            // The force that was calculated a tick ago.
-            (force, next) = (next, environment.tick(&at(count), None).to_f64());
-            for step in 0..STEPS {
-                let time = (f64::from(tick) + f64::from(step) / f64::from(STEPS)) / RATE_HZ;
-                let hand = if tick < swings {
-                    torque * (omega * time).sin()
-                } else {
-                    -0.002 * velocity
-                };
-                velocity += (hand - force - damping * velocity) / own * step_s;
-                angle += velocity * step_s;
-                work += hand * velocity * step_s;
-                if (swings / 2..swings).contains(&tick) {
-                    // What the knob's velocity has of the torque's phase, and of the phase a quarter later.
-                    sums[0] += velocity * (omega * time).sin() * step_s;
-                    sums[1] -= velocity * (omega * time).cos() * step_s;
-                }
-            }
-            least = least.min(work);
-            if tick > rest - 1000 {
-                range = [range[0].min(angle), range[1].max(angle)];
-            }
-        }
-        let seconds = f64::from(swings / 2) / RATE_HZ;
-        let [a, b] = sums.map(|it| 2.0 * it / seconds / torque);
-        // Velocity over torque is 1/(b + jwJ).
-        let told = b / (a * a + b * b) / omega - own;
-        assert!(
-            (told / heavier - 1.0).abs() < 0.1,
-            "{hz} Hz: {told} of {heavier}"
-        );
-        assert!(range[1] - range[0] <= 2.0 * COUNT_RAD, "{hz} Hz: {range:?}");
-        let allowed: f64 = settings.guard.capacity.to_num();
-        assert!(-least <= allowed, "{least} J");
-        let _ = force;
-    }
-}
-
 #[test]
 fn mirrored_motions_have_mirrored_forces() {
     fn body<N: Reported>() {
@@ -417,7 +267,7 @@ fn every_turn_is_alike() {
 fn the_parts_add_up_within_their_strengths() {
     let mut together = feeling::<Fixed32>(&all());
     let mut apart = each().map(|(_, feel)| feeling::<Fixed32>(&feel));
-    let limit = settings().force_limit.to_num();
+    let limit = unguarded().force_limit.to_num();
     let most = [0.03, limit, 0.01, 0.02, limit];
     let mut reached = [0.0_f64; 5];
     for count in hand(11, 60_000, 400) {
@@ -428,7 +278,7 @@ fn the_parts_add_up_within_their_strengths() {
             *reached = reached.max(force.to_f64().abs());
             sum = sum + force;
         }
-        let limit = Force::<Fixed32>::from_si(settings().force_limit).unwrap();
+        let limit = Force::<Fixed32>::from_si(unguarded().force_limit).unwrap();
         assert_eq!(together.tick(&at(count), None), sum.within(limit));
     }
     // A leap of half a turn in a tick, for the damper and the mass.
@@ -446,7 +296,7 @@ fn the_parts_add_up_within_their_strengths() {
 fn no_parts_change_nothing() {
     let (mut with, mut without) = (
         feeling::<Fixed32>(&FeelSettings::default()),
-        built::<Fixed32>(&settings(), &[], None),
+        built::<Fixed32>(&unguarded(), &[], None),
     );
     assert_eq!(with, without);
     for count in hand(2, 500, 300) {
@@ -457,7 +307,7 @@ fn no_parts_change_nothing() {
 
 #[test]
 fn settings_out_of_range_are_refused_with_their_path() {
-    let settings = settings();
+    let settings = unguarded();
     let limit = settings.force_limit;
     let over = limit + Si::DELTA;
     let refused = |change: &dyn Fn(&mut FeelSettings)| {

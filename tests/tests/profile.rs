@@ -4,19 +4,13 @@ use touchstone_control::environment::{
     Environment, Extent, MOST_POINTS, ProfileSettings, Refused, Shape, WHOLE,
 };
 use touchstone_control::{Fixed16, Fixed32, Force, Reported, Settings, Si};
-use touchstone_tests::environment::{COUNTS, at, built};
+use touchstone_tests::environment::{COUNTS, at, built, unguarded};
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-fn settings() -> Settings {
-    let mut settings = Settings::thesis();
-    settings.guard.on = false;
-    settings
-}
-
 /// A knob with a torque profile (torque over angle) and no wall.
 fn drawn<N: Reported>(profile: &ProfileSettings) -> Environment<N> {
-    let settings = settings();
+    let settings = unguarded();
     built::<N>(&settings, &[], None)
         .with_profile(profile, settings.force_limit)
         .unwrap_or_else(|e| panic!("{e}"))
@@ -239,7 +233,7 @@ fn what_is_no_profile_is_refused_by_name() {
         shape: Shape::new(&[0, 1]).unwrap(),
     };
     let refused = |profile: ProfileSettings| {
-        let settings = settings();
+        let settings = unguarded();
         let error = built::<Fixed32>(&settings, &[], None)
             .with_profile(&profile, settings.force_limit)
             .unwrap_err();

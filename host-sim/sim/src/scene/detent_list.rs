@@ -350,6 +350,85 @@ mod tests {
         assert!(drawn(&profile, 1.5).abs() < 1e-12 && drawn(&profile, 2.4).abs() < 1e-12);
     }
 
+    /// The weakest side of a detent: how far its largest drawn torque is below the listed one, as a fraction. And the largest
+    /// distance from a listed angle to the rest beside it, as a fraction of the width.
+    fn worst(list: &DetentList, profile: &TorqueProfile) -> [f64; 2] {
+        let mut worst = [0.0_f64; 2];
+        for it in list.detents().unwrap() {
+            for side in [-1.0, 1.0] {
+                let torque = |i: i32| drawn(profile, it.at + side * it.width * f64::from(i) / 8e3);
+                let most = (0..=4000).map(|i| -side * torque(i)).fold(0.0, f64::max);
+                worst[0] = worst[0].max(1.0 - most / it.strength);
+            }
+            worst[1] = worst[1].max(drawn(profile, it.at).abs() / it.strength / 4.0);
+        }
+        worst
+    }
+
+    /// Lists of angles and widths without a common grid: a list that is accepted has its torques and rests at its angles, and one
+    /// that is refused is accepted after at most three remedies.
+    #[test]
+    fn a_list_without_a_grid_keeps_its_torques_or_has_a_remedy() {
+        let mut bits = 1_u64;
+        let mut random = |from: f64, to: f64| {
+            bits = bits
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            from + (to - from) * (bits >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut refused, mut weakest) = (0, 0.0_f64);
+        for _ in 0..300 {
+            let count = 1 + random(0.0, 5.0) as usize;
+            let mut widths: Vec<f64> = (0..count).map(|_| random(0.05, 0.4)).collect();
+            let strengths: Vec<f64> = (0..count).map(|_| random(0.005, 0.05)).collect();
+            let gaps: Vec<f64> = (1..count).map(|_| random(0.0, 0.3)).collect();
+            let first = random(-3.0, 3.0);
+            let placed = |widths: &[f64]| {
+                let mut positions = vec![first];
+                for (pair, gap) in widths.windows(2).zip(&gaps) {
+                    positions
+                        .push(positions[positions.len() - 1] + 0.5 * (pair[0] + pair[1]) + gap);
+                }
+                list(&positions, &strengths, widths)
+            };
+            // Wider detents make the list longer, and a longer list asks for wider ones.
+            for _ in 0..3 {
+                let Err(no) = placed(&widths).profile() else {
+                    break;
+                };
+                refused += 1;
+                let least = no.fix.strip_prefix("make it at least ").unwrap();
+                let least: f64 = least.split(' ').next().unwrap().parse().unwrap();
+                widths.iter_mut().for_each(|it| *it = it.max(least));
+            }
+            let it = placed(&widths);
+            let profile = it
+                .profile()
+                .unwrap_or_else(|no| panic!("{}: {it:?}", no.problem));
+            assert!(profile.shape.len() <= MOST_POINTS);
+            let [weaker, beside] = worst(&it, &profile);
+            assert!(weaker <= PEAK_OFF && beside <= REST_OFF, "{it:?}");
+            weakest = weakest.max(weaker);
+        }
+        assert!(refused > 10 && weakest > 0.01, "{refused}, {weakest}");
+    }
+
+    #[test]
+    fn a_list_without_torque_is_a_profile_of_zeros() {
+        let none = list(&[0.0, 1.0], &[0.0], &[0.4]);
+        assert!(!none.acts() && list(&[0.0, 1.0], &[0.0, 0.1], &[0.4]).acts());
+        let profile = none.profile().unwrap();
+        assert!(profile.shape.iter().all(|it| *it == 0.0), "{profile:?}");
+    }
+
+    /// Widths and distances that touch, but not to the bit.
+    #[test]
+    fn neighbours_may_touch() {
+        assert_eq!(DetentList::default().profile().unwrap().shape.len(), 21);
+        let tenths: Vec<f64> = (0..16).map(|i| f64::from(i) * 0.1 - 0.7).collect();
+        assert!(list(&tenths, &[0.02], &[0.1]).profile().is_ok());
+    }
+
     #[test]
     fn what_does_not_fit_is_refused_with_a_remedy() {
         let refused = |it: DetentList| {
@@ -369,6 +448,14 @@ mod tests {
             (
                 list(&[1.0, 0.0], &[0.1], &[0.2]),
                 "positions_rad: must rise",
+            ),
+            (
+                list(&[1.0, 1.0], &[0.1], &[0.2]),
+                "positions_rad: must rise",
+            ),
+            (
+                list(&[0.0, 1.0], &[0.1], &[1.0, 0.2, 0.2]),
+                "widths_rad: 3 values for 2 detents",
             ),
             (
                 list(&[0.0, 1.0], &[0.1], &[1.2]),

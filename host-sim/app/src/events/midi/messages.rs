@@ -59,7 +59,8 @@ impl Knob {
     /// Whether a received value is what was sent: programs send back what they got.
     pub const fn is_own(self, value: u16) -> bool {
         // Of 14 bits the upper seven come first, alone.
-        value == self.value || value == self.value & !0x7f
+        let is_upper = matches!(self.kind, Kind::Fourteen) && value == self.value & !0x7f;
+        value == self.value || is_upper
     }
 
     /// The bytes for a change of position; none if the value stays.
@@ -258,7 +259,7 @@ mod tests {
             0xc2, 3, 4, // two program changes
             0xf0, 1, 2, 3, 0xf7, 9, // system exclusive, and data after it
             0xb2, 16, 0xb2, 16, 7, // a message that was cut
-            0xd2, 8, 0x92, 60, 64, // what is not for a knob
+            0xd2, 8, 0x92, 60, 64, 0xe2, 0, 65, // what is not for a knob
         ];
         let found: Vec<_> = stream.iter().filter_map(|it| parser.push(*it)).collect();
         assert_eq!(
@@ -270,9 +271,31 @@ mod tests {
                 [0xc2, 4, 0],
                 [0xb2, 16, 7],
                 [0xd2, 8, 0],
-                [0x92, 60, 64]
+                [0x92, 60, 64],
+                [0xe2, 0, 65]
             ]
         );
+    }
+
+    #[test]
+    fn a_value_that_a_program_sends_back_is_known() {
+        let mut seven = knob(Kind::Seven);
+        seven.value = 64;
+        assert!(seven.is_own(64) && !seven.is_own(63) && !seven.is_own(0));
+        // The upper seven bits of 14 come first, alone.
+        let mut fourteen = knob(Kind::Fourteen);
+        fourteen.value = (42 << 7) | 85;
+        for (message, is_own) in [
+            ([0xb2, 16, 42], true),
+            ([0xb2, 48, 85], true),
+            ([0xb2, 48, 84], false),
+            ([0xb2, 16, 43], false),
+        ] {
+            match fourteen.heard(message) {
+                Heard::Value(value) => assert_eq!(fourteen.is_own(value), is_own, "{message:x?}"),
+                other => panic!("{other:?}"),
+            }
+        }
     }
 
     #[test]
