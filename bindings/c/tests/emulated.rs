@@ -9,6 +9,10 @@ mod program;
 use program::{Program, ROOT, file, is_here};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// Held by each test: library and program have the same files in both.
+static FILES: Mutex<()> = Mutex::new(());
 
 /// A microcontroller and the emulator's board that has it.
 struct Chip {
@@ -207,6 +211,7 @@ fn rows(chip: &Chip, library: &Path) {
 #[test]
 #[ignore = "builds the library for three microcontrollers"]
 fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
+    let _files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
     if !(is_here("arm-none-eabi-gcc") && is_here("qemu-system-arm")) {
         return;
     }
@@ -245,6 +250,7 @@ const ONE_LAW: [(&str, &[&str]); 6] = [
 #[test]
 #[ignore = "builds the library for a microcontroller six times"]
 fn a_library_with_one_law_has_its_bits_and_refuses_the_others_by_name() {
+    let _files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
     if !(is_here("arm-none-eabi-gcc") && is_here("qemu-system-arm")) {
         return;
     }
