@@ -1,4 +1,4 @@
-//! Checks that every board stands in each place that the compiler does not ask for: CONTRIBUTING, "Adding", lists the places.
+//! Checks that every board stands in each place that the compiler does not ask for.
 
 use std::path::{Path, PathBuf};
 use touchstone_protocol::Board;

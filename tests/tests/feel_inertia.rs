@@ -17,8 +17,8 @@ fn dragging() -> FeelSettings {
     }
 }
 
-/// What a knob that swings with this amplitude, rad, and frequency, Hz, gets of a feel: the inertia in phase with its acceleration,
-/// kg·m², and the damping in phase with its velocity, N·m·s/rad.
+/// Swings a knob with this amplitude, rad, and frequency, Hz. Returns the feel's inertia, kg·m², and damping, N·m·s/rad: the parts of
+/// its torque in phase with acceleration and velocity.
 fn swung(feel: &FeelSettings, amplitude: f64, hz: f64) -> (f64, f64) {
     let mut environment = feeling::<Fixed32>(feel);
     let omega = std::f64::consts::TAU * hz;

@@ -365,8 +365,8 @@ mod tests {
         worst
     }
 
-    /// Lists of angles and widths without a common grid: a list that is accepted has its torques and rests at its angles, and one
-    /// that is refused is accepted after at most three remedies.
+    /// Random lists whose angles and widths have no common grid. An accepted list has its torques and rests at its angles. A refused
+    /// list is accepted after its remedy was followed, at most three times.
     #[test]
     fn a_list_without_a_grid_keeps_its_torques_or_has_a_remedy() {
         let mut bits = 1_u64;
