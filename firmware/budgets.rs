@@ -3,8 +3,8 @@
 
 /// Largest allowed number of instructions of one run of the enhanced control law alone, for any input.
 ///
-/// The goal is 600, that is 3.5 us at an instruction per cycle. Measured worst case: 712, because the law counts the energy of a
-/// virtual mass that it leaves behind, and bounds its offset by the force limit.
+/// The goal is 600 (3.5 us at an instruction per cycle). The measured worst case is 712. It exceeds the goal because the law counts
+/// the energy of its virtual mass and bounds its offset by the force limit.
 pub const ENHANCED: u64 = 720;
 
 /// Largest allowed number of instructions of one control period on three axes. The parts are: surface point, force vector from one
@@ -20,13 +20,15 @@ pub const LAW: u64 = 850;
 /// Largest allowed number of instructions of the control interrupt, in any state and with any fault: 20.6 us at an instruction per
 /// cycle.
 ///
-/// Together with two runs of the current loop this is 32 us of the 100 us of a control period at the fastest rate, 10 kHz. While
-/// the encoder's frames are on the bus, the interrupt stores and sends the last period's record. Measured worst case: 3,484; the
-/// limit leaves room for other compilers.
+/// At the fastest control rate, 10 kHz, a control period has 100 us. The control interrupt and two runs of the current loop take 31
+/// us of it. The measured worst case of the control interrupt is 3,484; the limit leaves room for other compilers.
+///
+/// While the processor waits for the encoder's frames, the interrupt stores and sends the last period's record.
 pub const CONTROL: u64 = 3_500;
 
 /// Largest part of the processor's time, in %, that control interrupt and current loop may take at 10 kHz if every run takes its
-/// longest time. The cycles include wait states for code in flash, on chips whose interrupts run from memory without wait states.
+/// longest time. Checked on chips whose interrupts run from memory without wait states. The cycles include wait states for code
+/// that is in flash nevertheless.
 pub const PROCESSOR_PERCENT: u64 = 80;
 
 /// Largest allowed number of instructions of one run of the current loop: 5.3 us of each PWM period of 50 us.

@@ -1,5 +1,5 @@
-//! Build script. Gives the linker the board's memory map, a file at the repository's top level, and the linker scripts that use
-//! that map. Gives the program a hash of its sources.
+//! Build script. Passes the board's memory map (a file at the repository's top level) and the linker scripts to the linker. Passes
+//! a hash of the source files to the program.
 
 use std::path::{Path, PathBuf};
 
@@ -19,14 +19,14 @@ fn main() {
     }
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-search={folder}");
-    // The first linker script that names a section decides where it is placed.
+    // If two linker scripts place the same section, the first one decides.
     let first = is_large.then_some("fast.x");
     for script in first.into_iter().chain(["link.x", "defmt.x"]) {
         println!("cargo::rustc-link-arg-bins=-T{script}");
     }
     // Sections need not be aligned to pages, because no operating system loads this image.
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    // A symbol that takes no flash. `touchstone flash` reads from it for which board a program is.
+    // A symbol that takes no flash. `touchstone flash` reads from it the board for which a program was built.
     let programs = Path::new(&folder).join("src/bin");
     for program in std::fs::read_dir(programs).into_iter().flatten().flatten() {
         let file = program.path();

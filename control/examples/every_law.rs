@@ -1,5 +1,5 @@
-//! Uses every part of this crate that firmware uses. Each control law is set up from settings, in the 32-bit and in the 16-bit
-//! number format, and run tick by tick (a tick is one control period).
+//! Uses every part of this crate that firmware uses. Sets up each control law from settings, in the 32-bit and in the 16-bit number
+//! format, and runs it tick by tick (a tick is one control period).
 //!
 //! The example is a library, so that it builds without an operating system. `cargo xtask float-free` checks that the compiled code
 //! has no floating-point operations.
@@ -33,7 +33,7 @@ pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsErr
     Controller::new(settings)
 }
 
-/// Makes estimator, limit and guard around a force of one's own.
+/// Makes estimator, limit and guard around a user-defined force.
 ///
 /// # Errors
 /// Same as [`Device::own_force`].
@@ -42,7 +42,7 @@ pub fn own_force(device: &Device) -> Result<OwnForce<Fixed32>, SettingsError> {
     device.own_force()
 }
 
-/// Runs one control period of a spring as a force of one's own.
+/// Runs one control period with a spring as the user-defined force.
 #[inline(never)]
 pub fn own_tick(
     own: &mut OwnForce<Fixed32>,
@@ -52,7 +52,7 @@ pub fn own_tick(
     own.tick(x, |now| (spring * now.e).towards_zero())
 }
 
-/// Returns how many passivity bounds the settings violate (limits within which a wall gives no energy to a hand).
+/// Returns how many passivity bounds the settings violate. Within these bounds a wall gives no energy to a hand.
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()

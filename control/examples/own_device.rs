@@ -1,4 +1,5 @@
-//! A force of one's own on a device of one's own, in fixed point: device, then tick. The energy guard stands behind the force.
+//! A user-defined force on a user-defined device, in fixed point: describe the device, then run the tick. The energy guard limits
+//! the force.
 
 use touchstone_control::{
     CountScale, Device, Fixed32, Force, Position, PositionSettings, SettingsError, Si,

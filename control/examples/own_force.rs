@@ -1,5 +1,5 @@
 //! A user-defined force behind the energy guard. The force is a stiff end stop, sampled too slowly: without the guard the knob
-//! rebounds faster than it came.
+//! rebounds faster than it arrived.
 
 use touchstone_control::{
     Device, Fixed32, Force, Guard, GuardSettings, Guarded, Position, PositionSettings,

@@ -63,22 +63,22 @@ crate::choice! {
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
         /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
-        /// can only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays
-        /// so.
+        /// changes on inward motion only. While the hand rests, only jitter of the measured position changes it, and an offset that
+        /// is too large stays.
         #[default]
         EveryTick = "every-tick",
     }
 }
 
 crate::choice! {
-    /// The assumption about the hand from which the enhanced law calculates the ideal step of the offset (the step that would make
-    /// the stiffness right at once).
+    /// The assumption about the hand that determines the enhanced law's ideal step of the offset: the step that would make the
+    /// stiffness right at once.
     IdealStep {
         /// The hand's position stays constant. With desired stiffness `k_de`, penetration `e`, force `f` and soft stiffness `k_v`,
         /// the step is `|k_de e - |f||/k_v`, equation (3.7) of the thesis.
         ///
-        /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`, and the
-        /// fraction `c` of it that the law goes per tick must be chosen anew for every `k_de`.
+        /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`. The law takes a
+        /// fraction `c` of the step per tick, which must be chosen anew for every `k_de`.
         Position = "position",
         /// The hand's force `f` stays constant and the penetration `e` follows the offset. With a desired stiffness `k_de` the
         /// step is `|e - |f|/k_de|`, the distance that the hand still has to go. The same fraction `c` of this step per tick then
@@ -91,7 +91,7 @@ crate::choice! {
 crate::choice! {
     /// Where the position and velocity that the control law uses come from.
     StatesKind {
-        /// The position and velocity come from the measured penetration and its change since the last tick.
+        /// The measured penetration, and its change since the last tick.
         #[default]
         Measured = "measured",
         /// The state estimator's prediction for the time at which the calculated force will act.
@@ -102,7 +102,7 @@ crate::choice! {
 crate::choice! {
     /// How the law spring-damper gets the velocity that its damper uses.
     VelocityKind {
-        /// No filter: the displacement per tick that every law gets, either the difference of two measured positions or the state
+        /// No filter: the displacement per tick that every law gets. It is the difference of two measured positions or the state
         /// estimator's.
         #[default]
         Told = "told",
@@ -120,8 +120,8 @@ crate::choice! {
 crate::choice! {
     /// How the energy guard learns the position at the instant, between two ticks, at which a new force replaces the old one.
     ChangeOfForce {
-        /// The position is measured only once a tick. So the guard takes from its energy account, at each change of force, the most
-        /// energy that a hand can have got out of the change.
+        /// The position is measured only once a tick. So at each change of force the guard takes from its energy account the most
+        /// energy that a hand can have gained by the change.
         #[default]
         Estimated = "estimated",
         /// The position is measured a second time in the tick, when the force changes (`delay` after the first measurement). So the

@@ -1,7 +1,7 @@
 //! Calculates the coefficients of each control law from the settings.
 //!
-//! A function here builds one law. None returns the enum of all laws, because that enum is large and each return path would copy
-//! it.
+//! Each function builds one law. No function returns the enum of all laws, because that enum is large and each return path would
+//! copy it.
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate, StatesKind};
 use crate::filter::VirtualMass;
@@ -36,7 +36,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// A spring of the desired stiffness with this damper. The damping is given per tick (damping over control period), in N·m/rad.
+    /// A spring of the desired stiffness with a damper. `damping` is the damping over the control period, in N·m/rad.
     pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
         Spring {
             desired: self.desired,
@@ -140,12 +140,12 @@ impl<N: Number> Common<N> {
 
     /// Energy in joules that the enhanced law lends to each contact: the wall may give the hand this much more than it took.
     fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
-        // The thesis' observer counts the energy leak of sampling as a gain, and so lends by itself what a contact needs.
+        // The thesis' observer counts the energy leak of sampling as a gain, so a contact needs no lent energy.
         let lent = match settings.observer {
             ObserverForm::Exact => settings.energy_credit,
             ObserverForm::Thesis => Si::ZERO,
         };
-        // Lent energy above the cap would break the energy sums of the 16-bit and 8-bit formats (for example 0.5 of 8 J).
+        // Lent energy above the cap would break the energy sums. In the 16-bit and 8-bit formats the cap is only 4 J and 1 J.
         N::energy(lent)
             .map(Energy)
             .filter(|credit| *credit <= self.energy_cap)
@@ -174,8 +174,8 @@ fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError>
     stiffness(Field::VirtualDamping, per_tick)
 }
 
-/// Damping per tick, N·m/rad, of the damped spring that the enhanced law is for desired stiffnesses `k_de` up to the soft stiffness
-/// `k_v`. It is in proportion to `k_de`: with a constant damper a wall of half the stiffness would take twice as long to settle.
+/// Damping per tick, N·m/rad, for desired stiffnesses `k_de` up to the soft stiffness `k_v`, where the enhanced law is a damped
+/// spring. It is in proportion to `k_de`: with a constant damper a wall of half the stiffness would take twice as long to settle.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
@@ -228,8 +228,8 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
-/// Converts a fraction per millisecond to a fraction per tick (control period), at most 1. So the offset of the soft spring moves
-/// equally fast at every control rate.
+/// Converts a fraction per millisecond to a fraction per tick (control period), at most 1. So the soft spring's offset changes at
+/// the same speed at every control rate.
 #[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });

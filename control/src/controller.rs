@@ -78,7 +78,7 @@ impl<N: Number> AnyLaw<N> {
 
     /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
     /// out.
-    // Inlined: the law is called from two places (alone and in an environment), and a call takes fifteen instructions and more.
+    // Inlined: the law is called from two places (alone and in an environment), and a call costs at least fifteen instructions.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
@@ -182,8 +182,8 @@ impl<N: Number> Controller<N> {
         })
     }
 
-    /// Clears the memory at arming (when the motor's force is switched on), by copying that of a new controller. Only the energy in
-    /// the guard's account is kept.
+    /// Resets this controller to a copy of `fresh`, a new controller, when the motor's force is switched on (arming). Only the
+    /// energy in the guard's account is kept.
     ///
     /// The copy is in place: a law has some hundred bytes, and a control interrupt has no time to copy them more often.
     pub fn resume(&mut self, fresh: &Self) {
@@ -203,7 +203,8 @@ impl<N: Number> Controller<N> {
         self.tick_with_change(e, None)
     }
 
-    /// Same as [`Controller::tick`], with a second measured penetration: that at the instant when the last force began to act.
+    /// Same as [`Controller::tick`], with a second measured penetration: `at_change`, measured at the instant when the last force
+    /// began to act.
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
@@ -246,7 +247,8 @@ impl<N: Number> Controller<N> {
         self.commanded
     }
 
-    /// Whether the guard has switched the force off for overspeed.
+    /// Whether the guard has switched the force off: for overspeed, or because the law requested a force at the end of the range of
+    /// positions.
     #[must_use]
     pub fn tripped(&self) -> bool {
         self.guard.as_ref().is_some_and(|guard| guard.tripped)

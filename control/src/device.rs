@@ -1,10 +1,10 @@
-//! A haptic device of one's own, described once. The settings of energy guard and estimator, the encoder's count and the limits
-//! follow from this description. [`OwnForce`] runs a force of any origin on the device.
+//! A description of the user's haptic device. The settings of energy guard and estimator, the encoder's count and the limits follow
+//! from this description. [`OwnForce`] runs a force of any origin on the device.
 //!
 //! | field | range | an error of the value |
 //! |---|---|---|
-//! | `rate_hz` | 1 to 100,000 Hz | must be none: in a slower tick the damping takes less energy than the guard counts |
-//! | `inertia` | from `force_limit` (at least 0.76 N·m) over `rate_hz`² up | costs no safety: only the estimator uses it. With a wrong one a stiff force shakes |
+//! | `rate_hz` | 1 to 100,000 Hz | is **never safe**: in a slower tick the damping takes less energy than the guard counts |
+//! | `inertia` | at least `max(force_limit, 0.76 N·m)/rate_hz²` | is safe: only the estimator uses it. A wrong value makes a stiff force shake |
 //! | `damping` | 0 to 1,000 N·m·s/rad | is safe if the value is **too small** |
 //! | `position` | one count and twice `position_error`: up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
 //! | `position_error` | 0 to 0.05 rad | is safe if the value is **too large** |
@@ -40,7 +40,7 @@ pub struct Device {
     pub force_limit: Si,
     /// Time from reading the position until the new force begins to act, s.
     pub delay: Si,
-    /// Mean time from there until the force acts, s: the time constant of a drive of first order.
+    /// Mean time from then until the force acts, s. For a first-order drive it is the time constant.
     pub lag: Si,
 }
 
@@ -55,8 +55,8 @@ impl Device {
         }
     }
 
-    /// The energy guard's settings for this device. Capacity, refill power, share of damping and over-speed limit are the shipped
-    /// ones; the position is read once a tick.
+    /// The energy guard's settings for this device, for one position reading per tick. Capacity, refill power, trusted fraction of
+    /// the damping and over-speed limit are the shipped ones.
     #[must_use]
     pub fn guard_settings(&self) -> GuardSettings {
         GuardSettings {
@@ -104,7 +104,7 @@ impl Device {
         Ok(States::Estimated(estimator, EstimatorState::default()))
     }
 
-    /// Estimator, limit and guard around a force of one's own.
+    /// Estimator, limit and guard around a user-defined force.
     ///
     /// # Errors
     /// A value is out of its range.
@@ -112,23 +112,22 @@ impl Device {
         OwnForce::new(self, &self.guard_settings())
     }
 
-    /// A damping in N·m·s/rad as the factor of a displacement per tick, for the damper of an own force; `None` if it does not fit the
-    /// number format.
+    /// Converts a damping in N·m·s/rad to a force per displacement in a tick, for a damper in a user-defined force. `None` if the
+    /// result does not fit the number format.
     #[must_use]
     pub fn damper<N: Number>(&self, damping: Si) -> Option<Stiffness<N>> {
         N::gain(damping.checked_mul(Si::saturating_from_num(self.rate_hz))?).map(Stiffness)
     }
 
-    /// A stiffness in N·m/rad as the factor of a position, for the spring of an own force; `None` if it does not fit the number
-    /// format.
+    /// Converts a stiffness in N·m/rad to the number format, for a spring in a user-defined force. `None` if it does not fit.
     #[must_use]
     pub fn spring<N: Number>(&self, stiffness: Si) -> Option<Stiffness<N>> {
         N::gain(stiffness).map(Stiffness)
     }
 
-    /// Makes settings of a law no less cautious than this device requires. Rate, delay and lag become those of the device, since no
-    /// side of them is safe. The count becomes at least that of the device; force limit and trusted damping become at most those.
-    /// Values that are more cautious already are kept.
+    /// Makes a law's settings at least as cautious as this device requires. Rate, delay and lag become the device's, as an error to
+    /// either side is unsafe. Count and position error become at least the device's, force limit and trusted damping at most the
+    /// device's. Values that are already more cautious are kept.
     pub fn hold(&self, settings: &mut Settings) {
         let trusted = GuardSettings::default().share_of_damping;
         let count = &mut settings.position.count;
@@ -149,7 +148,7 @@ impl Device {
     }
 }
 
-/// A force of one's own on a [`Device`]: the estimator before it, the limit and the energy guard after it.
+/// A user-defined force on a [`Device`], with the estimator before it, and the limit and the energy guard after it.
 ///
 /// ```text
 /// position -> estimator -> own force -> limit -> guard -> force
@@ -165,8 +164,8 @@ pub struct OwnForce<N: Number> {
 }
 
 impl<N: Number> OwnForce<N> {
-    /// Estimator, limit and guard of a device, in the state at power-up, with guard settings of one's own.
-    /// [`Device::guard_settings`] gives those to start from.
+    /// Estimator, limit and guard of a device, in the state at power-up, with the given guard settings. [`Device::guard_settings`]
+    /// returns settings to start from.
     ///
     /// # Errors
     /// A value is out of its range.
@@ -180,14 +179,15 @@ impl<N: Number> OwnForce<N> {
     }
 
     /// Runs one control period. Takes the measured position `x`, and the force as a function of position and displacement per tick.
-    /// The function gets both predicted for the time at which its force acts; it returns the force against `+x`. Returns the force to
-    /// command against `+x`.
+    /// The function gets both predicted for the time at which its force acts, and returns the force against `+x`. This method
+    /// returns the force to command against `+x`.
     #[inline]
     pub fn tick(&mut self, x: Position<N>, force: impl FnOnce(Sample<N>) -> Force<N>) -> Force<N> {
         self.tick_with_change(x, None, force)
     }
 
-    /// Same as [`OwnForce::tick`], for a guard with `change: Measured`: takes also the position measured when the force changed.
+    /// Same as [`OwnForce::tick`], for a guard with `change: Measured`. Also takes the position that was measured when the force
+    /// changed.
     #[inline]
     pub fn tick_with_change(
         &mut self,
@@ -214,8 +214,8 @@ impl<N: Number> OwnForce<N> {
         self.guard.switched_off();
     }
 
-    /// Prepares for forces after [`OwnForce::switched_off`] or an over-speed. The guard's account keeps its energy; position and
-    /// velocity are new.
+    /// Allows forces again after [`OwnForce::switched_off`] or an over-speed. The guard's account keeps its energy; position and
+    /// velocity are forgotten.
     pub fn resume(&mut self) {
         self.guard = Guarded::new(self.guard.guard).resumed(&self.guard);
         self.states.forget();

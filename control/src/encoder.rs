@@ -6,15 +6,15 @@ use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
-/// How many fractional bits more the angle of one count has than [`Si`].
+/// Number of fractional bits that the angle of one count has more than [`Si`].
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
 /// A turn in rad with 48 fractional bits: `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
 
 /// Converts an encoder's counts to angles relative to a wall's surface.
 ///
-/// **The error does not grow over many turns.** The counts are reduced to one turn before anything is rounded. So
-/// [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] give the same bits at every turn.
+/// **Positions repeat exactly at every turn.** Counts are reduced to one turn before they are rounded. So after a whole turn
+/// [`CountScale::turn`] gives the same bits, and [`CountScale::angle`] differs by exactly one rounded turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
     /// Angle of one encoder count in rad, with [`STEP_BITS`] fractional bits.
@@ -22,7 +22,7 @@ pub struct CountScale {
     surface: Si,
     /// Encoder counts per turn.
     counts: i64,
-    /// Fraction of a turn that one count is, in units of 2^-64, rounded to the nearest.
+    /// One count as a fraction of a turn, in units of 2^-64, rounded to the nearest.
     share: u64,
     /// Angle of half a turn in rad. If a count lies at half a turn, this is that count's angle, so that both directions of rotation
     /// give the same value.
@@ -147,7 +147,7 @@ impl CountScale {
         if below { size.saturating_neg() } else { size }
     }
 
-    /// Same as [`CountScale::penetration`] for a surface at another angle, where count 0 lies `turns` whole turns further on.
+    /// Same as [`CountScale::penetration`], for a wall surface at `turns` whole turns plus the angle `surface`.
     #[inline(always)]
     #[must_use]
     pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {

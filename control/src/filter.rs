@@ -60,7 +60,8 @@ impl<N: Number> VirtualMass<N> {
     /// The force that drives the mass, without the wall's force: the sum of inertia, coupling spring and coupling damper. `e` is
     /// the penetration of the hand's point, `moved` its displacement in this tick.
     ///
-    /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`, and `validate` keeps `total` to at most a quarter of the word.
+    /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`. Settings with a `total` above a quarter of the word's range are
+    /// refused.
     #[inline(always)]
     pub fn drive(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Tension<N> {
         (self.inertia * mass.moved)

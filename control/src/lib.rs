@@ -33,8 +33,8 @@
 //! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, towards zero
 //! ```
 //!
-//! `examples/one_wall.rs` and the README go from encoder count to motor torque. Values are made of [`Si`], as above. The crate of
-//! the fixed-point types (`I8F24` and the like) is re-exported as [`fixed`].
+//! `examples/one_wall.rs` and the README go from encoder count to motor torque. Settings and values in SI units are [`Si`] numbers,
+//! as above. The crate of the fixed-point types (`I8F24` and the like) is re-exported as [`fixed`].
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

@@ -1,9 +1,9 @@
 //! The multiplications, divisions and roots of the control laws, on **unsigned words** (absolute values). The machine-checked
 //! proofs are about these functions.
 //!
-//! Solvers cannot finish the signed products and quotients at full width; the same facts about absolute values take seconds. So
-//! these steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add signs
-//! to them. A test checks the same source at 8 bits for every input.
+//! A solver does not finish on signed products and quotients at full width, but proves the same facts about absolute values in
+//! seconds. So these functions use `u8`/`u16`/`u32` words, with products in the next width. The signed [`Number`] functions only
+//! add signs to them. A test checks the same source at 8 bits for every input.
 //!
 //! [`Number`]: crate::Number
 
@@ -87,7 +87,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides_within(self, wide: $wide) -> Option<(Self, $wide)> {
-                // Known before the division, by comparing: whether the quotient reaches 2^(BITS-1).
+                // A comparison before the division finds whether the quotient reaches 2^(BITS-1).
                 if wide >= <$wide>::from(self) << (Self::BITS - 1) {
                     return if self == 0 { Some((0, 0)) } else { None };
                 }
@@ -165,7 +165,7 @@ word!(
         )
     }
 );
-// A machine that has no 64-bit division makes two or three of 32 bits; other machines use their own.
+// A machine without a 64-bit division makes two or three 32-bit divisions instead.
 word!(
     u32,
     u64,

@@ -1,4 +1,4 @@
-//! Sets one setting from text: a path such as `law.kind` and a value. Scene files, boards and bindings to other languages use it.
+//! Sets one setting from text: a path such as `law.kind` and a value. Scene files, boards and bindings to other languages use this.
 
 use crate::{Choice, Field, Settings};
 use core::fmt;
@@ -9,7 +9,7 @@ use core::fmt;
 pub enum NotSet {
     /// No setting has this path.
     UnknownPath,
-    /// The text is no value of this setting: not a decimal number, or not one of the setting's words.
+    /// The text is not a value of this setting: not a decimal number, or not one of the setting's words.
     NoValue,
 }
 
@@ -24,7 +24,7 @@ impl fmt::Display for NotSet {
 
 impl core::error::Error for NotSet {}
 
-/// Parses a text as a value of this type; `None` if it is no such value.
+/// Parses a text as a value of a setting's type; `None` if that fails.
 macro_rules! parse {
     ($text:ident: choice ($choice:ident)) => {
         Choice::of_word($text)
@@ -67,7 +67,7 @@ impl Settings {
     /// Ranges depend on each other, so [`Settings::validate`] checks them after all settings are set.
     ///
     /// # Errors
-    /// No setting has this path, or the text is no value for it. The settings then stay unchanged.
+    /// No setting has this path, or the text is not a value of the setting. The settings then stay unchanged.
     pub fn set_by_path(&mut self, path: &str, text: &str) -> Result<(), NotSet> {
         crate::law_settings!(set self path text:);
         Err(NotSet::UnknownPath)

@@ -3,8 +3,9 @@
 //! `E(n)`, `f(n)` and `e(n)` are energy, force and penetration at tick `n`. A force is held over a tick (zero-order hold), so the
 //! force that acted over the last displacement is the previous one:
 //! - [`ObserverForm::Exact`]: `E(n) = E(n-1) + f(n-1) (e(n) - e(n-1))`, the true energy of the port, without a velocity;
-//! - [`ObserverForm::Thesis`], equations (2.1) and (2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which counts the energy leak of sampling with
-//!   the opposite sign. A controller that chooses `f(n)` can keep *this sum* from becoming negative. That says nothing about the true energy.
+//! - [`ObserverForm::Thesis`], equations (2.1) and (2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which counts the energy leak of
+//!   sampling with the opposite sign. A controller that chooses `f(n)` can keep *this sum* from becoming negative. This says
+//!   nothing about the true energy.
 
 use crate::{Energy, Force, Number, Position, Stiffness};
 

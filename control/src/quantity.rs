@@ -163,15 +163,15 @@ impl<N: Number> Mul<Force<N>> for Compliance<N> {
     }
 }
 impl<N: Number> Ratio<N> {
-    /// This ratio times the sum of the displacement `x` and the deformation of `spring` under the force `f`, rounded down once. The
-    /// caller guarantees that nothing overflows.
+    /// This ratio times the displacement `x`, plus the deformation of `spring` under the force `f`. The sum is rounded down once.
+    /// The caller guarantees that nothing overflows.
     #[inline(always)]
     #[must_use]
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
         Position(N::scale_both_fitting(self.0, x.0, spring.0, f.0))
     }
 
-    /// This share of a force, rounded towards zero.
+    /// This fraction of a force, rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn share_of_force(self, force: Force<N>) -> Force<N> {

@@ -1,5 +1,5 @@
-//! Divisions of settings, numbers of the type [`Si`]. They calculate with 128 bits and are slow, so control periods do not use
-//! them. The division is compiled once and never inlined, because the smaller board has little flash.
+//! Divisions of settings, which are [`Si`] numbers. These functions calculate with 128 bits and are slow, so control periods do not
+//! use them. The division is compiled once and never inlined, because the smaller board has little flash.
 
 use crate::Si;
 

@@ -8,10 +8,10 @@
 //! Variant field, name: kind(range) = default, "unit", "words";
 //! ```
 //!
-//! - `field` is the name in [`crate::Settings`], where one number stands for an angle or a length. `name` is the last part of the path in scene
-//!   files and on devices; it ends in the unit for one degree of freedom.
-//! - `kind` is one of `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`.
-//!   A scene may leave out a `choice_of_law`; the law then has its own value.
+//! - `field` is the name in [`crate::Settings`], where the unit is that of an angle or of a length, depending on the device. `name`
+//!   is the last part of the path in scene files and on devices; it ends in the unit for one degree of freedom.
+//! - `kind` is one of `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and
+//!   `choice_of_law(Enum)`. A scene may leave out a `choice_of_law`; then the value that belongs to the law is used.
 //! - `words` is the description that messages show after "give" and before the unit.
 //!
 //! `timing`, `wall` and `law` are tables of a scene and of a device, and their fields are fields of [`crate::Settings`] itself. The
@@ -53,11 +53,11 @@ macro_rules! law_settings {
                     "whether tdpa counts c_i as dissipation (2.6)";
                 FirstContact first_contact, first_contact: choice_of_law(FirstContact) = ZeroOffset, "",
                     "what happens to the force when the first contact ends";
-                // The only choice with which the hand feels k_de whatever the coupling k_f is.
+                // The only choice with which the hand feels k_de for every coupling k_f.
                 Regulate regulate, regulate: choice(Regulate) = Hip, "",
                     "which stiffness the offset regulates";
-                // With the other two choices the offset can only grow: while the hand rests, it grows only because the measured
-                // position jitters. If it grows too far, it stays so.
+                // With the other two choices the offset changes on inward motion only. While the hand rests, only jitter of the
+                // measured position changes it, and an offset that is too large stays.
                 OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
                     "when the enhanced law changes the offset";
                 // With this choice one value of step_of_ideal serves all stiffnesses.
@@ -86,7 +86,7 @@ macro_rules! law_settings {
             filter FilterSettings {
                 FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
-                // Far above the bound of sampling, 2 (c_i - c_f)/T: the energy guard bounds the energy that a hand can get out by
+                // Far above the bound of sampling, 2 (c_i - c_f)/T: the energy guard bounds the energy that a hand can gain by
                 // that.
                 FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "280", "N·m/rad",
                     "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f - B)/T)";

@@ -196,7 +196,7 @@ impl fmt::Display for SettingsError {
     }
 }
 
-// It computes nothing, so the model checker compiles without it.
+// This implementation computes nothing, so the model checker's build leaves it out.
 #[cfg(not(kani))]
 impl core::error::Error for SettingsError {}
 

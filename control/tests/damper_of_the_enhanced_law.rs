@@ -16,7 +16,7 @@ fn settings(k_desired: &str, virtual_damping: &str) -> Settings {
     let mut settings = Settings {
         law: LawKind::EnhancedSfa,
         k_desired: si(k_desired),
-        // Below the stiffness, so that it augments.
+        // Below the desired stiffness, so that the law augments the force.
         k_soft: si("4.9"),
         virtual_damping: si(virtual_damping),
         states: StatesKind::Measured,

@@ -1,5 +1,5 @@
 //! Tests [`Device`]: guard, estimator and limits follow from it, and an error of a value is safe on the side that its documentation
-//! names. The sums of energy are calculated in floating point, apart from the guard.
+//! names. The tests sum the energy in floating point, independently of the guard.
 
 use std::f64::consts::TAU;
 use touchstone_control::law::Sample;
@@ -99,7 +99,8 @@ fn bound_j(device: &Device) -> f64 {
     capacity_j + largest_n_m * device.guarded_device().count.to_num::<f64>() / 2.0
 }
 
-/// A hand that swings, and a hostile law that is a spring and a damper, both also negative.
+/// Same as [`gets_j`], for a hand that swings as a sinusoid and a hostile law: a spring `k` and a damper `b`, which may be
+/// negative.
 fn swung_j(told: &Device, real: Real, amplitude_rad: f64, hz: f64, k: f64, b: f64) -> f64 {
     let hand = |tick: u32| amplitude_rad * (TAU * hz * f64::from(tick) * TICK_S).sin();
     gets_j(told, real, hand, |_, at, change| {
@@ -125,8 +126,8 @@ fn less_damping_than_told_gives_energy_out_and_more_does_not() {
 
 #[test]
 fn a_wrong_delay_gives_energy_out_on_either_side() {
-    // Hostile laws that a search found: for a guard that is told a tick, half a tick, and no delay. Amplitude, frequency, spring and
-    // damper of each.
+    // Found by a search, for configured delays of a tick, half a tick and zero. The values are the configured delay in s, the real
+    // one in ticks, the hand's amplitude and frequency, and the law's spring and damper.
     for (told_s, real_ticks, amplitude_rad, hz, k, b) in [
         ("0.001", 0.0, 0.195, 21.6, -1.45, -1.97e-3),
         ("0.0005", 0.0, 0.134, 17.2, -1.0, -1.09e-3),
@@ -157,8 +158,9 @@ fn fewer_counts_than_told_give_energy_out_and_more_do_not() {
     let mut told = knob();
     told.delay = Si::ZERO;
     let right = Real::of(&told);
-    // The hand trembles over the edge of a count, where the law pushes in one direction only: nothing moves, and the measured
-    // position does. Then the hand is pushed out, and comes back where the law gives no force.
+    // The hand trembles over the edge of a count, and the law gives a force in one direction of the change only. The device hardly
+    // moves, but the measured position changes by a count. Then the hand is pushed out, and comes back while the law gives no
+    // force.
     let hand = |edge_rad: f64| {
         move |tick: u32| match tick % 1_000 {
             at @ 0..800 => edge_rad + f64::from(at % 2) * 1e-9,
@@ -202,8 +204,8 @@ fn fewer_counts_than_told_give_energy_out_and_more_do_not() {
 fn an_encoder_error_beyond_the_told_one_gives_energy_out() {
     let mut told = knob();
     told.delay = Si::ZERO;
-    // Drives the hand where the encoder shows less motion than there is, and brakes it where it shows more. `share` moves the limit
-    // between both.
+    // The law drives the hand where the encoder shows less motion than there is, and brakes it where the encoder shows more.
+    // `share` shifts the boundary between the two.
     let with = |told: &Device, error: (f64, f64), share: f64| {
         let real = Real {
             error,
@@ -216,7 +218,7 @@ fn an_encoder_error_beyond_the_told_one_gives_energy_out() {
             if drives { -0.5 * along } else { 0.5 * along }
         })
     };
-    // Degrees and periods in a turn of a magnetic encoder's errors.
+    // Errors of a magnetic encoder: amplitude in degrees, and periods per turn.
     for (degrees, periods) in [
         (0.2_f64, 16.0),
         (0.4, 16.0),
@@ -250,7 +252,7 @@ fn random(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// A force that reads position and velocity, with no thought for stability.
+/// A force that depends on position and velocity and is not designed to be stable.
 fn springy(now: Sample<Fixed32>) -> Force<Fixed32> {
     let k = Stiffness(Fixed32::gain(Si::lit("30")).expect("fits"));
     (k * now.e + k * now.moved + k * now.moved).towards_zero()
@@ -375,7 +377,7 @@ fn settings_become_no_less_cautious_than_the_device_and_no_more_than_they_were()
         ..Settings::default()
     };
     let mut expected = cautious;
-    // A delay that is told too long is no caution.
+    // A configured delay that is longer than the real one is not more cautious.
     (expected.guard.delay, expected.guard.lag) = (device.delay, device.lag);
     device.hold(&mut cautious);
     assert_eq!(cautious, expected);
@@ -420,7 +422,7 @@ fn each_value_out_of_range_is_refused() {
     assert_eq!(device.damper::<Fixed32>(Si::MAX), None);
 }
 
-/// A spring as an own force is the same as the shipped spring's law on the same device.
+/// Checks that a spring as a user-defined force gives the same force as the law `spring` on the same device.
 #[test]
 fn an_own_spring_is_the_shipped_spring_bit_for_bit() {
     let device = knob();

@@ -3,7 +3,7 @@
 
 use touchstone_control::Number;
 
-/// Numbers of all sizes, by their bits: a multiplicative generator, seeded by the golden ratio.
+/// Pseudo-random bit patterns of numbers of all sizes: multiples of 2^64 over the golden ratio.
 fn bits() -> impl Iterator<Item = u64> {
     (1..1_000_000_u64).map(|index| index.wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }

@@ -6,9 +6,9 @@
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without
-//! environments, and takes the same time. Only if the user changes the scene while the device is armed does an environment replace
-//! that wall. The replacement lasts until the next arming.
+//! If the user requests only the single wall of the settings, the device's own control law renders it, in the same time as on a
+//! board without environments. If the request comes while the device is armed, an environment renders that wall until the next
+//! arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -196,7 +196,7 @@ impl Around {
         }
     }
 
-    /// Changes to the prepared environment (walls and detents) while the device is armed, without a jump of the force.
+    /// Switches to the prepared environment (walls and detents) while the device is armed, without a jump of the force.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, law: &Law, scale: CountScale) {
@@ -230,8 +230,8 @@ impl Around {
 }
 
 impl Scenery for Around {
-    // For the single wall the functions below only add two comparisons. Its own control law is the longest computation of a control
-    // period.
+    // For the single wall the functions below add only two comparisons, because that wall's control law is the longest computation
+    // of a control period.
     #[inline(always)]
     fn armed(&mut self, law: &mut Law, fresh: &Law) {
         if self.runs {

@@ -9,9 +9,9 @@
 //! Waiting: supply in its range, shaft at rest -> Checking: calibrate, at rest again -> Started: arm
 //! ```
 //!
-//! The limit on the computer's silence (`limits.host_silence_s`) counts from its first frame on. Until then the board itself counts
-//! as the computer. So a knob without a computer runs, and a cable that is pulled during a session switches the outputs off. The
-//! stop button always works.
+//! The longest time without a frame from the computer (`limits.host_silence_s`) is checked only after the computer's first frame.
+//! So a knob runs without a computer, and pulling the cable during a session switches the outputs off. The stop button always
+//! works.
 
 use crate::reset::ResetReason;
 use touchstone_protocol::{Command, SelfStart, State};
@@ -84,8 +84,8 @@ impl Autostart {
         self.told
     }
 
-    /// Whether the board itself counts as the computer (so that silence is no fault), because none has sent a frame since the
-    /// start.
+    /// Whether missing frames from the computer are no fault, because the board starts by itself and no computer has sent a frame
+    /// since the start.
     #[must_use]
     pub const fn stands_in(&self, desktop_spoke: bool) -> bool {
         matches!(self.told, SelfStart::Checking | SelfStart::Started) && !desktop_spoke

@@ -7,8 +7,8 @@
 //!
 //! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
 //! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical
-//!    turn. A rotor that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings,
-//!    up to three seconds.
+//!    turn. A rotor that stood against the field begins to turn late, and then swings about the field. The field waits as long as
+//!    the rotor swings, up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
 //!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to
 //!    stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
@@ -105,11 +105,11 @@ pub struct Alignment {
 /// Progress of a calibration after a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The calibration goes on; holds the command for the current loop.
+    /// The calibration continues; holds the command for the current loop.
     Running(CurrentCommand),
     /// The calibration is done; holds its result.
     Done(Alignment),
-    /// The calibration failed; holds the fault's code and the number that goes with it.
+    /// The calibration failed; holds the fault's code and value.
     Failed(FaultCode, i32),
 }
 

@@ -1,11 +1,11 @@
 //! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between
 //! the old and the new force.
 //!
-//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after
-//! that on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing
-//! a time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx`
-//! in a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known
-//! parts, `Δx = u + w`. For all motions of the hand within these parts
+//! The current loop gets the command of a control period one PWM period later. The command begins to act half a PWM period after
+//! that. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a
+//! time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx` in
+//! a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known parts,
+//! `Δx = u + w`. For all motions of the hand within these parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
@@ -37,8 +37,8 @@ const REST_MAX: i64 = ONE / 50;
 const TWO_PI: Si = Si::lit("6.283185307");
 
 /// The calculated response of the current to a step of the commanded current, as controller and bridge produce it. It gives the
-/// fraction of the step that is still missing after each quarter of a PWM period. The loop acts on a sampled error half a PWM
-/// period (`T`) later, for a whole one, and changes the current by `ω T` times the error; `ω` is the loop's bandwidth.
+/// fraction of the step that is still missing after each quarter of a PWM period. The loop's answer to a sampled error begins half
+/// a PWM period later and lasts one PWM period `T`. It changes the current by `ω T` times the error, with the loop's bandwidth `ω`.
 struct Answer {
     /// Fraction of an error by which the loop changes the current in a quarter of a PWM period: bandwidth times period, `ω T/4`.
     step: i64,
@@ -95,7 +95,7 @@ impl Answer {
     /// Calculates the next quarter of a PWM period; returns the fraction of the change of force that is still missing at its end.
     #[inline(never)]
     fn next(&mut self) -> i64 {
-        // The new voltage acts from the counter's bottom one and a half PWM periods after the sample of the control period on, and
+        // The new voltage begins to act at the counter's bottom, one and a half PWM periods after the control period's sample, and
         // stays.
         #[cfg(feature = "voltage")]
         if let Some(share) = self.winding {
@@ -226,7 +226,7 @@ impl ChangeConfig {
         let lag = open + open / 16;
         let delay = before.area + after.area - lag;
         let span = i64::from(tick) * ONE - delay;
-        // This fraction of the displacement after the change the energy guard itself counts as made under the old force.
+        // Fraction of the displacement after the change that the energy guard itself counts as made under the old force.
         let own = (lag << BITS).checked_div(span)?;
         if lag - times(lag, own) < open {
             return None;

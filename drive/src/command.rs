@@ -87,12 +87,13 @@ impl Rotor {
     }
 }
 
-/// The drive command for a torque, and the limits that made the torque smaller.
+/// The drive command for a torque, and the limits that are in effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
     /// The command to the drive.
     pub command: DriveCommand,
-    /// The limits that made the torque smaller.
+    /// [`Limit::Current`] if the current limit made the torque smaller; [`Limit::Temperature`] while the temperature lowers that
+    /// limit.
     pub limits: Limits,
     /// The torque that remains after the limits, N·m; positive towards rising positions (`+x`).
     pub torque: Force<Fixed32>,

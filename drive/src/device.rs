@@ -117,8 +117,8 @@ impl Device {
         matches!(self.memory.machine.outputs(), Outputs::Off)
     }
 
-    /// Sets other settings, which are used from the next calibration on. Call [`Device::may_configure`] first: if it is false,
-    /// nothing that runs changes.
+    /// Sets other settings, which are used from the next calibration on. Until then nothing that runs changes. Call
+    /// [`Device::may_configure`] first.
     ///
     /// # Errors
     /// Same as [`Config::new`]; the device is then unchanged.
@@ -182,7 +182,7 @@ impl Device {
         self.measurement.as_ref().map(Measurement::part)
     }
 
-    /// Result of the last calibration: electrical angle at the encoder's zero, and direction.
+    /// Result of the last calibration: electrical angle at count 0 of the unwrapped encoder, and direction.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
         self.memory.alignment
@@ -227,8 +227,8 @@ impl Device {
         self.tick_with(input, around)
     }
 
-    /// Sets the environment of walls and detents to render; returns from when on it is rendered. It must have been computed with
-    /// the settings that [`Device::prepare`] got last.
+    /// Sets the environment of walls and detents to render, and returns from when on it is rendered. `surrounding` must have been
+    /// computed with the settings that [`Device::prepare`] got last.
     #[cfg(feature = "large")]
     pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
         let is_armed = self.memory.machine.state() == State::Armed;
@@ -458,7 +458,7 @@ impl Device {
         record.contact = Contact::Free;
     }
 
-    /// Fills in the rest of the control period's telemetry record, and returns the period's output.
+    /// Fills in the rest of the control period's telemetry record.
     fn finish(
         &mut self,
         input: &ControlInput,

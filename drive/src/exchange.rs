@@ -213,8 +213,8 @@ mod tests {
             assert_eq!(reports.get(), report);
         }
     }
-    /// Checks that no read mixes two reports. Up to eleven writes fall between the steps of a read, in every possible order; the
-    /// bits of a number select the order.
+    /// Checks that no read mixes two reports. Zero to two writes fall between any two steps of a read, in every combination; the
+    /// base-3 digits of a number select it.
     #[test]
     fn no_report_is_torn_however_often_its_reading_is_interrupted() {
         const WORDS: usize = 6;

@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | current | A, positive into the motor | [`Amps`] |
 //! | voltage | V | [`Volts`] |
-//! | electrical angle | fraction of a turn of the rotor's field, wraps by itself | [`Angle`] |
+//! | electrical angle | fraction of a turn of the rotor's field, wraps after a whole turn | [`Angle`] |
 //! | d, q | along the rotor's field, and a quarter turn ahead of it: the torque is `k_t i_q` | |
 //! | duty | compare value, 0 to the timer's top; the phase's voltage rises with it | `u16` |
 //! | tick | one control period | |

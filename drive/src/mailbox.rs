@@ -1,5 +1,5 @@
-//! Command and report of the two mailboxes between current loop and control interrupt as 32-bit words, so that the firmware can
-//! pass them through atomics. Every bit pattern decodes to a harmless value: an unknown mode becomes [`CurrentMode::Off`], an
+//! Packs the command and the report of the two mailboxes between current loop and control interrupt into 32-bit words. The firmware
+//! passes the words through atomics. Every bit pattern decodes to a valid value: an unknown mode becomes [`CurrentMode::Off`], an
 //! unknown trip (reason for switching off) becomes none.
 
 use crate::Volts;

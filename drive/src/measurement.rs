@@ -1,5 +1,5 @@
-//! The excitation of a motor measurement, after a calibration. The computer identifies the motor from the recorded data, in
-//! `touchstone_lab::identify::motor`.
+//! Drives the motor for a motor measurement after a calibration. The computer calculates the motor's values from the recorded data
+//! (`touchstone_lab::identify::motor`).
 //!
 //! ```text
 //! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
@@ -27,10 +27,10 @@ use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
 /// Angle by which the fast field turns per PWM period, 2^-32 turns: a sixty-third of a turn, which is 317 Hz at 20 kHz. The effect
-/// of dead time repeats every sixth of a turn. A control period, a product of 2s and 5s of PWM periods, is no multiple of that, so
-/// the readings average the effect.
+/// of dead time repeats every sixth of a turn. The number of PWM periods in a control period has only the prime factors 2 and 5. So
+/// the field's angle per control period is no multiple of a sixth of a turn, and the readings average the effect.
 pub const FAST_FIELD: u32 = u32::MAX / 63;
-/// Number of pushes of the shaft: two to the full speed, there and back, then two to a third of it.
+/// Number of pushes of the shaft: one in each direction to the full speed, then one in each direction to a third of it.
 const PUSHES: u8 = 4;
 
 /// Coefficients of a motor measurement.
@@ -39,7 +39,7 @@ pub struct MeasurementConfig {
     /// Whether the user has requested a measurement.
     pub(crate) wanted: bool,
     current: Amps,
-    /// Rise per control period of the current that the fast field has, A.
+    /// Rise per control period of the fast field's current, A.
     current_step: Amps,
     /// Angle by which the fast field turns per control period, 2^-32 turns.
     field_per_tick: u32,
@@ -88,7 +88,7 @@ impl MeasurementConfig {
 /// Progress of a motor measurement after a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measuring {
-    /// The measurement goes on; holds the command for the current loop.
+    /// The measurement continues; holds the command for the current loop.
     Running(CurrentCommand),
     /// The measurement is done.
     Done,

@@ -15,7 +15,7 @@ pub struct Record {
     pub tick: u32,
     /// State of the device after the control period.
     pub state: State,
-    /// The limits that reduced the force.
+    /// The limits that act in this period.
     pub limits: Limits,
     /// Encoder counts since the calibration, as passed to the control law.
     pub count: i64,

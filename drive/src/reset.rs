@@ -86,7 +86,7 @@ impl ResetReason {
         }
     }
 
-    /// The fault that this reason stands for, with the number that goes with the fault; `None` if the reason is no fault.
+    /// The fault that this reason causes, with the fault's value; `None` if the reason is no fault.
     #[must_use]
     pub const fn fault(self) -> Option<(FaultCode, i32)> {
         match self {

@@ -21,7 +21,7 @@ pub struct CompactRecord {
     pub current: i16,
     /// Lateness of the control period in units of 64 processor cycles, saturating.
     pub lateness: u8,
-    /// The limits that reduced the force.
+    /// The limits that act in this period.
     pub limits: Limits,
     /// State of the device: 0 boot, 1 calibrating, 2 ready, 3 armed, 4 fault, 5 stopped.
     pub state: u8,

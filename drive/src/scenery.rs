@@ -26,10 +26,9 @@ pub(crate) struct Here {
 /// The calls that a control period makes to what it renders: the single wall of the settings or an environment (walls and detents).
 /// The control law of the settings' wall belongs to the device, so it is passed in.
 pub(crate) trait Scenery {
-    /// Starts rendering after the device was armed. All memory is cleared, except the energy that the energy guard still lets the
-    /// wall give.
+    /// Starts rendering after the device was armed. All memory is cleared, except the energy in the energy guard's account.
     fn armed(&mut self, law: &mut Law, fresh: &Law);
-    /// Restarts the control law while the device stays armed, after a motion so large that no force is allowed.
+    /// Restarts the control law while the device stays armed, after the energy guard has tripped without a fault.
     fn again(&mut self, law: &mut Law, fresh: &Law);
     /// Runs one control period while armed; returns the force, positive against rising positions (`+x`). The encoder's scale is
     /// passed by reference, as a copy takes time.
@@ -38,7 +37,8 @@ pub(crate) trait Scenery {
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
     /// Reports to the control law that the outputs are switched off, after a control period without force or at an unknown time.
     fn switched_off(&mut self, law: &mut Law);
-    /// Whether the energy guard has switched the force off because the shaft turns too fast.
+    /// Whether the energy guard has switched the force off, because the shaft turns too fast or is at the end of the range of
+    /// positions.
     fn is_tripped(&self, law: &Law) -> bool;
     /// Whether a wall gives no force because the device is deeper inside it than the position's number format reaches.
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;

@@ -5,9 +5,10 @@
 //! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
 //! ```
 //!
-//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show
-//! where the shaft deviates, and the computer corrects for the inertia. Friction changes its sign with the direction and cogging
-//! does not, so the mean of both directions is the cogging alone. Two turns in each direction show how well the result repeats.
+//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the encoder counts
+//! show how far the shaft deviates, and the computer corrects for the inertia. Friction changes its sign with the direction and
+//! cogging does not, so the mean of both directions is the cogging alone. Two turns in each direction show how well the result
+//! repeats.
 
 use crate::Amps;
 use crate::calibration::Reason;

@@ -83,7 +83,8 @@ mod tests {
             let shown = NTC_10K_3455_OVER_4K7
                 .celsius(code(exact).round() as u16)
                 .unwrap();
-            // The error of a straight line between points 20 degrees apart. It is least in the range in which the limits are.
+            // The error of a straight line between points 20 degrees apart. This error is smallest in the range of the temperature
+            // limits.
             let bound = if (20.0..100.0).contains(&exact) {
                 1.0
             } else {

@@ -135,7 +135,7 @@ impl Twin {
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.config.fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
-        // The records do not say by how much a warm power stage reduced the force.
+        // The records do not say by how much a warm power stage or motor reduced the force.
         if limits.has(Limit::Temperature) && limits.has(Limit::Current) {
             self.knows = Knows::Little(0);
         }

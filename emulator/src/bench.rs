@@ -1,4 +1,4 @@
-//! A test bench: an emulated device, the computer's end of its serial port, and the actions of a person at the device.
+//! A test bench: an emulated device, the computer's end of its serial port, and the actions of a person at the knob.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -130,10 +130,10 @@ impl Bench {
         self.machine.chip_mut().link().put(bytes, now);
     }
 
-    /// Sends a request to the device and waits for the reply.
+    /// Sends a request to the device and waits for the answer: a reply or a refusal.
     ///
     /// # Errors
-    /// No reply within a second, or the machine halted.
+    /// No answer within a second, or the machine halted.
     pub fn ask(&mut self, request: Request<'_>) -> Result<Result<Reply, Refusal>, String> {
         let what = format!("an answer to {request:?}");
         let (id, frame) = self.link.ask(request);
@@ -219,8 +219,8 @@ impl Bench {
         self.demand(Request::Hello)
     }
 
-    /// Changes the settings of the device. The bench may send nothing for seconds. Therefore the device's time limit for a silent
-    /// computer is off unless `change` sets it.
+    /// Changes the settings of the device. Unless `change` sets it, the device's limit on the computer's silence is off, because
+    /// the bench may send nothing for seconds.
     ///
     /// # Errors
     /// The device refuses the settings.
@@ -289,7 +289,7 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// Same as [`Bench::press`], without reading the device's settings: the caller gives the surface of the wall in rad, the
+    /// Same as [`Bench::press`], without reading the device's settings. The caller passes the surface of the wall in rad, the
     /// encoder counts per turn, and the stiffness in N·m/rad.
     ///
     /// # Errors
@@ -309,7 +309,7 @@ impl Bench {
         let turn = std::f64::consts::TAU / counts;
         let world = &mut self.machine.chip_mut().world;
         let here = world.angle_rad();
-        // The shaft's true angle at the wall's surface, from the true angle now and the position that the device reports.
+        // The shaft's true angle at the wall's surface, from the present true angle and the position that the device reports.
         let surface = here - f64::from(record.count) * turn + surface_rad;
         let give = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness;
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);
@@ -320,8 +320,8 @@ impl Bench {
         Ok(())
     }
 
-    /// The simulated hand takes hold of the knob, if it does not yet, and turns it to an angle from the zero that the device
-    /// reports, in rad. The encoder has `counts` a turn. The hand stays there.
+    /// The simulated hand takes hold of the knob, if it does not hold it yet, turns it and then holds it. `angle_rad` counts from
+    /// the zero that the device reports; `counts` are the encoder counts per turn.
     ///
     /// # Errors
     /// No telemetry has arrived, so the zero is unknown.

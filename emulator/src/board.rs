@@ -92,8 +92,7 @@ pub struct Board {
     pub name: &'static str,
     /// The encoder that is mounted.
     pub encoder: Encoder,
-    /// Port and pin of the button that the firmware uses to stop. The pin is high while the button is pressed, and the board pulls
-    /// it down otherwise.
+    /// Port and pin of the firmware's stop button. The pin is high while the button is pressed; otherwise the board pulls it down.
     pub button: Option<(usize, usize)>,
     /// Chip select of the magnetic encoder: port and pin.
     pub chip_select: Option<(usize, usize)>,
@@ -115,9 +114,9 @@ pub struct Board {
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
     pub gates: GateDriver,
-    /// Output of a current sensor: voltage at no current in V, and volts per ampere into the motor. The second number is negative
-    /// where the shunt is below the lower transistor: a current into the motor comes from ground and pulls the shunt's upper end
-    /// below ground.
+    /// Output of a current sensor: voltage at no current in V, and volts per ampere into the motor. The second number is negative:
+    /// the shunt is below the lower transistor, so a current into the motor comes from ground and pulls the shunt's upper end below
+    /// ground.
     pub current: (f64, f64),
     /// Volts at the measuring pin per volt of the supply bus.
     pub bus_divider: f64,
@@ -134,13 +133,12 @@ pub struct Board {
     pub dead_share: f64,
     /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,
-    /// Torque with which a hand presses in the tests on this board, N·m. `lean_n_m` is a larger torque that the motor cannot hold
-    /// for ever.
+    /// Torque with which a hand presses in the tests on this board, N·m.
     pub press_n_m: f64,
-    /// Torque with which a hand leans on the wall in a long test, N·m; more than the motor can hold for ever.
+    /// Torque with which a hand leans on the wall in a long test, N·m; too much for the motor to hold for ever.
     pub lean_n_m: f64,
-    /// Largest speed of the rotating field in a calibration, electrical turns per second. A small rotor swings around a faster
-    /// field.
+    /// Largest speed of the rotating field in a calibration, electrical turns per second. In a faster field a small rotor would
+    /// swing.
     pub field_turns_per_s: Si,
     /// Stiffnesses of the walls that the tests press, N·m/rad.
     pub walls: [Si; 2],
@@ -192,7 +190,7 @@ impl Board {
         sources.any(|at| matches!(at, Source::Current(_)))
     }
 
-    /// Whether the motor is the small gimbal motor with its light knob.
+    /// Whether the motor is the kit's small gimbal motor with a light knob.
     #[must_use]
     pub fn has_small_motor(&self) -> bool {
         matches!(self.gates, GateDriver::Stspin830 | GateDriver::Drv8313)
@@ -285,7 +283,7 @@ impl Board {
         }
     }
 
-    /// NUCLEO-G431RB with X-NUCLEO-IHM16M1 and the motor of the kit, P-NUCLEO-IHM03. Shield, connectors and button are those of the
+    /// NUCLEO-G431RB with X-NUCLEO-IHM16M1 and the motor of the kit P-NUCLEO-IHM03. Shield, connectors and button are those of the
     /// NUCLEO-G474RE (UM2505 describes both boards); the chip is smaller.
     #[must_use]
     pub fn nucleo_g431rb_ihm16m1(encoder: Encoder, link: FaultLink) -> Self {
@@ -303,8 +301,8 @@ impl Board {
     }
 
     /// NUCLEO-G474RE with a SimpleFOC Mini on wires and the small gimbal motor, at 12 V. The values come from the Mini's schematic
-    /// and from the DRV8313's data sheet (SLVSBA5D). Its tables of operating conditions and inputs were read, its protections were
-    /// not.
+    /// and from the DRV8313's data sheet (SLVSBA5D). Of the data sheet, the tables of operating conditions and inputs were read,
+    /// the protections were not.
     #[must_use]
     pub fn nucleo_g474re_simplefoc_mini(encoder: Encoder) -> Self {
         Self {
@@ -423,9 +421,9 @@ impl Board {
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();
         if self.gates == GateDriver::Drv8313 {
-            // The driver keeps this error until its supply is switched off, because its reset line is not connected.
+            // An over-current error stays until the supply is switched off, because the driver's reset line is not connected.
             self.wiring.break_pulled |= over;
-            // The thermal shutdown threshold TTSD is at least 150 °C. This error ends when the driver is cooler.
+            // The thermal shutdown threshold TTSD is at least 150 °C. This error ends when the driver has cooled down.
             return self.wiring.break_pulled || world.temperature_c >= 150.0;
         }
         self.wiring.break_pulled || over
@@ -437,12 +435,12 @@ impl Board {
         !(self.wiring.break_pulled || world.hardware_over_current())
     }
 
-    /// Voltage at a pin of [`Board::shunts`] for a current through its shunt to ground, V. The shunt has 3 mOhm; 1.5 kohm lead from
-    /// it to the pin, 22 kohm from the pin to 3.3 V, and 2.2 kohm to ground.
+    /// Voltage at a pin of [`Board::shunts`] for a current through its shunt to ground, V. The shunt has 3 mOhm. From it, 1.5 kohm
+    /// lead to the pin; from the pin, 22 kohm lead to 3.3 V and 2.2 kohm to ground.
     ///
     /// These resistors leave 4/7 of the shunt's voltage before an amplifier with a gain of 16, as in SimpleFOC's
     /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`). They are an assumption that
-    /// gives this value, as the schematic (MB1419) was not read.
+    /// gives this ratio; the schematic (MB1419) was not read.
     #[must_use]
     pub fn shunt_pin_v(&self, amps: f64) -> f64 {
         let (shunt, up, down) = (1.0 / 1.5e3, 1.0 / 22e3, 1.0 / 2.2e3);
@@ -462,8 +460,7 @@ impl Board {
         }
     }
 
-    /// The value that the program reads from a register of an unmodelled block after it wrote `value`. Bits that report "ready" are
-    /// set.
+    /// The value that a register of an unmodelled block has after the program wrote `value`. Bits that report "ready" are set.
     #[must_use]
     pub fn read_back(&self, address: u32, value: u32) -> u32 {
         match address {

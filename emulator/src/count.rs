@@ -35,8 +35,8 @@ struct Case {
     ramp_s: f64,
 }
 
-/// The presses after the hard one are light: it heats the motor, and with the half of its force that is left then a wall swings
-/// under a strong hand (fault 26).
+/// The workloads after the hard press use a light press: the hard press heats the motor, which halves the allowed force. With half
+/// of its force a wall swings under a strong hand (fault 26).
 const CASES: &[Case] = &[
     Case {
         name: "press, 1 N·m/rad",
@@ -121,7 +121,7 @@ struct Counted {
 #[derive(Default)]
 struct Table {
     worst: Counted,
-    /// The costs with the largest feel, on boards that render one.
+    /// Costs while the board renders the largest feel; `None` on boards that render none.
     feel: Option<Counted>,
     stack_used: u32,
     wrong: Vec<String>,
@@ -219,7 +219,7 @@ pub fn run(programs: &Programs) -> u8 {
     code
 }
 
-/// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders, and prints the table.
+/// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders. Prints the table.
 /// Returns whether every cost is within its limit, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
@@ -387,8 +387,8 @@ fn take(bench: &mut Bench) -> Counted {
 
 /// Injects a fault while the device is armed, waits 20 ms, and removes the fault.
 ///
-/// Errors: the device is then not in the phase `Fault`. A fault that turns the knob quickly may leave the device armed without an
-/// error.
+/// Errors: after the 20 ms the device is not in the phase `Fault`. For a fault that turns the knob quickly, the phase `Armed` is no
+/// error either.
 fn fail(bench: &mut Bench, fault: Fault) -> Result<(), String> {
     fault.inject(bench)?;
     bench.run(20 * MS)?;
@@ -417,7 +417,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
     bench.run(250 * MS)
 }
 
-/// Lets a hand sweep through the largest feel for two swings.
+/// Lets a hand sweep through the largest feel for 3.3 s, two swings to and fro.
 fn feel(bench: &mut Bench, setup: &Setup) -> Result<(), String> {
     around::set(bench, &around::largest(setup))?;
     around::sweep(bench);
@@ -432,7 +432,8 @@ fn feel(bench: &mut Bench, setup: &Setup) -> Result<(), String> {
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The torques of the workloads assume the press of the thesis, which is 0.1 N·m. They are scaled to the press of this board.
+    // The torques of the workloads are for a board with a press of 0.1 N·m, as in the thesis. They are scaled to the press of this
+    // board.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

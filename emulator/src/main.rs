@@ -200,7 +200,7 @@ fn board_of(name: &str) -> Option<Board> {
     Board::all().into_iter().find(|board| board.name == name)
 }
 
-/// Replays a file with a programme of hand actions on the emulated device, and writes the recording to another file.
+/// Replays a file of recorded hand actions on the emulated device, and writes the recording to another file.
 fn play(
     program: &Program,
     board: Board,

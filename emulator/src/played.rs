@@ -25,8 +25,8 @@ const REST: u64 = SECOND / 4;
 const STEP_US: u64 = 25;
 /// Waiting time in processor cycles until the last telemetry records have arrived over the serial line.
 const ON_THE_LINE: u64 = 20 * MS;
-/// Least fraction of the control periods in which the encoder count must be that of the shaft's true angle or its neighbour. The
-/// shaft moves on between sampling and reading, so not all need be.
+/// Least fraction of the control periods in which the encoder count must equal the count for the shaft's true angle, or a neighbour
+/// of it. It is below 1, because the shaft moves between sampling and reading.
 const IN_STEP: f64 = 0.99;
 
 /// The motion of one hand for one action of the programme.
@@ -186,7 +186,7 @@ struct Course {
 }
 
 impl Stand {
-    /// Makes a stand with a calibrated device in the hand. The hand has moved the knob to and fro, so that `ahead` is known.
+    /// Makes a test stand with a calibrated device, whose knob the hand holds. Moves the knob to and fro to find `ahead`.
     fn new(
         program: &Program,
         setup: &Setup,
@@ -211,7 +211,7 @@ impl Stand {
             ));
         }
         bench.calibrate()?;
-        // Waits, because a light rotor coasts on and swings in the hand.
+        // Waits, because a light rotor still moves and swings in the hand.
         bench.run(REST)?;
         let now = bench.now();
         let world = &mut bench.machine.chip_mut().world;
@@ -228,8 +228,7 @@ impl Stand {
             first_tick: None,
         };
         stand.bench.run(REST)?;
-        // The shaft moves a short way in both directions, to align the device's counts with the true angle. Afterwards it moves to
-        // the start of the motion.
+        // The shaft moves a short way in both directions, to align the device's counts with the true angle.
         for to in [here + 0.1, here - 0.1] {
             stand.go(to);
             let course = stand.watch(700)?;
@@ -238,7 +237,7 @@ impl Stand {
         Ok(stand)
     }
 
-    /// Converts a true shaft angle to the programme's frame, in which the middle of an encoder count stands for the count's angle.
+    /// Converts a true shaft angle to the programme's frame. There the angle of an encoder count is the middle of the count.
     fn in_programme(&self, world_rad: f64) -> f64 {
         world_rad + (self.ahead as f64 - 0.5) * self.step_rad
     }
@@ -256,8 +255,8 @@ impl Stand {
         world.lead(move |time| from + (to - from) * minimum_jerk(time / OUT_S));
     }
 
-    /// Turns the shaft to a position from outside; then the hand takes it, at rest. A hand alone would leave the shaft where
-    /// friction holds it.
+    /// Turns the shaft from outside to a position, where the hand then takes hold of it at rest. A hand alone would not reach the
+    /// position exactly, because of friction.
     fn put(&mut self, hand: &Hand, to: f64) -> Result<(), String> {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
@@ -314,8 +313,8 @@ impl Stand {
         Ok(course)
     }
 
-    /// Aligns telemetry and true motion: index of the record that belongs to the first true state, and the counts by which the
-    /// device is ahead. The function chooses the pair with which most counts belong to their angles.
+    /// Aligns telemetry and true motion. Returns the index of the record that belongs to the first true state, and the counts by
+    /// which the device is ahead. Chosen is the pair for which most counts fit the true angles.
     fn in_step(&self, course: &Course) -> (usize, i64) {
         let spare = course.told.len().saturating_sub(course.shaft.len());
         let mut best = (0, 0, -1.0);

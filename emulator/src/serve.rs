@@ -105,7 +105,7 @@ pub fn serve(
             .telemetry
             .last()
             .is_some_and(|record| record.phase == Phase::Armed);
-        // A user who stops a device also takes the hand off it, because the next calibration turns the shaft.
+        // A user who stops a device also takes the hand off the knob, because the next calibration turns the shaft.
         if hand && was_armed && !is_armed {
             bench.release();
         }

@@ -52,7 +52,7 @@ const BEFORE: u64 = MS;
 const AFTER: u64 = 4 * MS;
 /// A current push counts as begun when the amplitude of the phase currents reaches this fraction (0 to 1) of the push's current.
 const BEGUN: f64 = 0.1;
-/// Longest time until an event appears in the telemetry, in processor cycles.
+/// Longest time from an event until the telemetry shows it, in processor cycles.
 const TOLD: u64 = 10 * MS;
 /// Waiting time after arming until the torque has faded in, in processor cycles.
 const FADED_IN: u64 = 300 * MS;
@@ -132,7 +132,7 @@ fn pwm(bench: &mut Bench) -> Result<String, String> {
             let (upper, lower) = pins.ok_or("a phase is not driven")?;
             let _ = write!(text, ",{},{}", u8::from(upper), u8::from(lower));
         }
-        // A sample is written to the first row after the time of the sample.
+        // A sample is written to the first row after its time.
         let samples = chip.samplings().into_iter().flatten();
         let new: Vec<_> = samples
             .filter(|(_, at)| (begin..=now).contains(at))

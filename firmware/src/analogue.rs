@@ -11,8 +11,8 @@ use touchstone_drive::DacCode;
 /// Bit mask of the pin of port C that enables the amplifier; 0 where the board has no such output.
 static ENABLE: AtomicU32 = AtomicU32::new(0);
 
-/// Sets the converter up with its output in the middle, which means no torque. The DAC's pin is analogue after a reset. It is not
-/// driven before the first command, because on a shield used without a servo amplifier a potentiometer is connected to the pin.
+/// Sets the converter up with its output at half scale, which means no torque. The DAC's pin is analogue after a reset and is not
+/// driven before the first command. A shield that is used without a servo amplifier has a potentiometer at this pin.
 pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();
@@ -31,8 +31,8 @@ pub fn off() {
     set(DacCode::ZERO);
 }
 
-/// Switches the amplifier on with this command. The converter needs 8 us to wake up; meanwhile the first command is no torque,
-/// because the torque fades in.
+/// Switches the amplifier on and sets its command to `code`. The converter needs 8 us to wake up. This has no effect on the torque,
+/// because the first command is no torque: the torque fades in.
 #[inline]
 pub fn on(code: DacCode) {
     set(code);

@@ -1,5 +1,5 @@
-//! Passes the automatic start, and the stored encoder alignment that it checks, from the main thread to the control interrupt. Not
-//! on boards with an STM32G431.
+//! Connects the automatic start, which the main thread runs, with the control interrupt's data. Also hands over the stored encoder
+//! alignment. Not compiled for boards with an STM32G431.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -22,7 +22,7 @@ pub fn give(control: &mut Control, session: &Session) {
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Begins the automatic start before the first control period, with the stored encoder alignment.
+/// Prepares the automatic start before the first control period, and hands over the stored encoder alignment.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);

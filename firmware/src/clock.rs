@@ -1,10 +1,10 @@
 //! The clock of 170 MHz for processor, buses and timers, from the chip's internal oscillator.
 //!
-//! Its error of 1 % is small enough: the control law's bounds allow 1 % for the control period, and a serial port tolerates 2 %. An
-//! internal oscillator works on every board and has no connection that can break.
+//! The oscillator's error of 1 % is small enough: the control law's bounds allow 1 % for the control period, and a serial port
+//! tolerates 2 %. An internal oscillator works on every board and has no connection that can break.
 //!
-//! After a switch to more than 80 MHz, the reference manual RM0440, 7.2.7, recommends 1 µs or more at half the frequency.
-//! `embassy-stm32` 0.6 waits before the switch and not after it. It offers no way to change that.
+//! For a switch to more than 80 MHz, the reference manual RM0440, 7.2.7, recommends 1 µs or more at half the frequency after the
+//! switch. `embassy-stm32` 0.6 waits before the switch instead, and has no option to change that.
 
 use embassy_stm32::Config;
 use embassy_stm32::interrupt::Priority;

@@ -1,4 +1,5 @@
-//! The wiring of the control interrupt: reads registers into a [`ControlInput`] and writes a [`ControlOutput`] to registers.
+//! The control interrupt's access to registers: reads registers into a [`ControlInput`] and writes a [`ControlOutput`] to
+//! registers.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -17,11 +18,11 @@ use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
 use crate::shared::Guarded;
 use crate::{analogue, board, pwm};
 
-/// Largest number of telemetry records that wait for the serial port. At 10 kHz they arrive in one and a half rounds of the task
-/// that serves the port.
+/// Largest number of telemetry records that wait for the serial port. At 10 kHz, 16 records arrive in 1.6 ms; the task that serves
+/// the port runs at least every millisecond.
 pub const QUEUED: usize = 16;
 
-/// The values, except the encoder's, that the interrupt has read for a control period.
+/// The values that the interrupt has read for a control period. The encoder's reading is not among them.
 pub struct Readings {
     /// Whether the PWM timer's hardware break has switched the outputs off.
     pub hardware_break: bool,
@@ -66,8 +67,8 @@ pub struct Control {
     brown_out_told: bool,
 }
 
-/// Whether a frame from the computer arrived since the last control period. The flag is read and cleared in two steps; the main
-/// thread, which sets it, cannot run between them.
+/// Whether a frame from the computer arrived since the last control period. The flag is read and then cleared. The main thread,
+/// which sets the flag, cannot run between the two.
 #[inline(always)]
 fn heard() -> bool {
     let heard = HEARD.load(Relaxed);
@@ -77,7 +78,7 @@ fn heard() -> bool {
     heard
 }
 
-/// Runs one control period of the device. It is a function of its own, so that the input is built in place and not copied.
+/// Runs one control period of the device. A separate function, so that the input is built in place and not copied.
 #[inline(always)]
 fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
@@ -123,7 +124,7 @@ impl Control {
         }
     }
 
-    /// Runs one control period: reads the encoder, lets the device decide, passes its command on.
+    /// Runs one control period: reads the encoder, lets the device decide, and passes the device's command on.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
         if readings.brown_out && !self.brown_out_told {
@@ -174,7 +175,7 @@ impl Control {
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
-    /// Reads the encoder a second time, between two control periods, when the commanded force changes.
+    /// Reads the encoder a second time in a control period, when the commanded force changes.
     #[inline]
     pub fn read_change(&mut self) {
         let last = magnetic::begin(self.encoder).and_then(|()| magnetic::go_on(self.encoder));
@@ -200,7 +201,7 @@ impl Control {
         }
     }
 
-    /// Queues the last control period's record for the serial port, once in `decimation` periods.
+    /// Queues the last control period's record for the serial port, once in `decimation` periods; never if `decimation` is 0.
     #[inline(always)]
     fn send(&mut self) {
         if self.decimation == 0 || self.since_sent < self.decimation {
@@ -222,8 +223,8 @@ impl Control {
         self.cycles_max = self.cycles_max.max(cycles);
     }
 
-    /// Passes the control period's command to the current loop or the amplifier. The mailbox is written before the outputs are
-    /// switched off: a current loop that interrupts between the two must not find an old command and switch on again.
+    /// Passes the control period's command to the current loop or the amplifier. The command is written to the mailbox before the
+    /// outputs are switched off. Otherwise a current loop that interrupts in between could find an old command and switch on again.
     fn drive(&mut self, outputs: Outputs, drive: DriveCommand) {
         let command = match (outputs, drive) {
             (Outputs::On, DriveCommand::Current(command)) => command,
@@ -243,7 +244,8 @@ impl Control {
         }
     }
 
-    /// Takes new settings and the coefficients computed from them. They are used from the next calibration on.
+    /// Takes new settings and the coefficients computed from them. The decimation of the telemetry applies at once, the control law
+    /// and the encoder's kind from the next calibration on.
     pub fn prepare(&mut self, settings: &DeviceSettings, config: Config) {
         self.device.prepare(config);
         self.next_encoder = settings.encoder.kind;
@@ -266,9 +268,9 @@ impl Control {
         pwm::clear_break();
     }
 
-    /// Adds the values measured at the motor to the telemetry record that is already in the queue. Building the record elsewhere
-    /// would cost a copy in every control period. For the same reason the current loop's report is read again; it is at most one
-    /// PWM period newer than the record.
+    /// Adds the values measured at the motor to the telemetry record that is already in the queue. To build the record elsewhere
+    /// would cost a copy in every control period. To save another copy, the current loop's report is read a second time. That
+    /// report is at most one PWM period newer than the record.
     #[cold]
     #[inline(never)]
     fn add_measuring(&mut self, part: MeasuringPart) {

@@ -1,12 +1,13 @@
-//! The memory copy functions that the compiler calls, here for whole words, four at a time.
+//! The memory copy functions that the compiler calls, written in assembly. They copy four words at a time.
 //!
-//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words long, and the
-//! control period in which the device is armed copies one. The linker uses these functions because the compiler's symbols are weak.
+//! The compiler library's own copy takes five instructions per word where it was built for size. A control law is 114 words long,
+//! and the control period in which the device is armed copies one. The compiler's symbols are weak, so the linker takes these
+//! functions instead.
 
 use core::arch::global_asm;
 
-// The ARM run-time ABI passes the destination in r0, the source in r1 and the number of bytes in r2. Both addresses are aligned to
-// words. Nothing is returned.
+// ARM run-time ABI: r0 is the destination, r1 the source and r2 the number of bytes. Both addresses are aligned to words. Nothing
+// is returned.
 global_asm!(
     ".syntax unified",
     ".section .text.__aeabi_memcpy4, \"ax\", %progbits",

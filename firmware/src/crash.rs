@@ -20,7 +20,7 @@ unsafe extern "C" {
     static mut RECORD: Record;
 }
 
-/// Value of the crash record's word `RUNNING` once the program runs. If the next start finds it, the RAM kept its content.
+/// Value of the crash record's word `RUNNING` while the program runs. If the next start finds this value, the RAM kept its content.
 const RUNNING: u32 = 0x7045_5001;
 /// Value of the crash record's word `CRASHED` after a crash. It means that the other words are valid.
 const CRASHED: u32 = 0xDEAD_C0DE;
@@ -56,7 +56,7 @@ fn sum() -> u32 {
     (word::CRASHED..word::SUM).fold(RUNNING, |sum, index| sum.rotate_left(5) ^ read(index))
 }
 
-/// Switches the outputs off, writes the crash record and resets the processor. The function does not format text, wait or panic.
+/// Switches the outputs off, writes the crash record and resets the processor. It must not format text, wait or panic.
 fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
     pwm::outputs_off();
     analogue::off();
@@ -80,7 +80,7 @@ fn panic(info: &PanicInfo) -> ! {
     }
 }
 
-/// The file name in a panic's location. It is a constant of the program, although its type does not say so.
+/// The file name in a panic's location, with the lifetime of the program.
 fn file_of(place: &core::panic::Location<'_>) -> &'static str {
     let file = place.file();
     // SAFETY: `Location`s that panics carry are constants in flash, and so are their texts.
@@ -97,8 +97,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     die(FAULT, frame.pc(), "", status)
 }
 
-/// Handles a flash error of two wrong bits in a double word. In the settings' pages it comes from an interrupted write, and the CRC
-/// will reject that slot of the settings. Anywhere else the program is damaged.
+/// Handles a flash error: two wrong bits in a double word. While settings are read, the cause is an interrupted write, and the CRC
+/// will reject that copy of the settings. At any other time the program is damaged, and this function resets.
 #[exception]
 unsafe fn NonMaskableInt() {
     let is_flash = FLASH.eccr().read().eccd();
@@ -107,11 +107,12 @@ unsafe fn NonMaskableInt() {
         die(FAULT, 0, "", 0);
     }
     FLASH.eccr().modify(|w| w.set_eccd(true));
-    // The error has also triggered the timer's break (`supply`). No interrupt runs yet while settings are read.
+    // The error has also triggered the timer's break (`supply`). The firmware's own interrupts are not enabled yet while settings
+    // are read.
     pwm::clear_break();
 }
 
-/// Handles an enabled interrupt without a handler as a crash, since it is a mistake in the program.
+/// Handles an enabled interrupt without a handler as a crash: the program has a defect.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     die(UNEXPECTED, number as u32, "", 0)
@@ -142,7 +143,7 @@ pub fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// Writes the crash record to the log, which a person reads with a debug probe.
+/// Writes the crash record to the debug log, which a debug probe shows.
 fn log() {
     let place = read(word::PLACE);
     match read(word::KIND) {
@@ -163,7 +164,8 @@ fn log() {
     }
 }
 
-/// The text at this address in flash; empty if the text does not lie in flash, e.g. after another program was flashed.
+/// The text at this address in flash. Empty if the text does not lie in the program's flash, for example because another program
+/// was flashed since.
 fn text(start: u32, length: u32) -> &'static str {
     let program = storage::FLASH..storage::FLASH + storage::pages().start;
     let is_inside = program.contains(&start)

@@ -1,8 +1,9 @@
-//! The critical section of embassy and defmt. It masks the interrupts of priorities 3 and below; the current loop, the timer's
+//! The critical section of embassy and defmt. It masks the interrupts of priorities 3 and below. The current loop, the timer's
 //! break and the control interrupt (priorities 0 to 2) still run.
 //!
-//! Priorities 0 to 2 share only atomics with the rest of the program and never enter a critical section; `cargo xtask firmware`
-//! checks it on the program. So a long critical section, such as a line of the log, does not delay them.
+//! Interrupts of priorities 0 to 2 share only atomics with the rest of the program and never enter a critical section. `cargo xtask
+//! firmware` checks the latter in the compiled program. So a long critical section, such as a log message, does not delay these
+//! interrupts.
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
@@ -16,8 +17,8 @@ struct Masking;
 critical_section::set_impl!(Masking);
 
 // SAFETY: there is one core. Code in the thread or at priority 3 or below excludes all other such code by raising BASEPRI. Nested
-// sections restore the earlier value. Code at priorities 0 to 2 never enters a critical section (a check of the finished program
-// makes sure).
+// sections restore the earlier value. Code at priorities 0 to 2 never enters a critical section (`cargo xtask firmware` checks
+// this).
 unsafe impl critical_section::Impl for Masking {
     unsafe fn acquire() -> critical_section::RawRestoreState {
         let before = basepri::read();

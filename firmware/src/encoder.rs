@@ -1,7 +1,7 @@
 //! Counts an incremental encoder's edges with a timer.
 
-/// Counts the edges of both tracks of an incremental encoder with a timer, with a filter of 0.4 us against spikes. It is a macro,
-/// because 16-bit and 32-bit timers have different types with the same registers.
+/// Makes a timer count the edges of both tracks of an incremental encoder, with a filter of 0.4 us against spikes. It is a macro
+/// because 16-bit and 32-bit timers have different Rust types with the same registers.
 macro_rules! count_edges {
     ($timer:ident) => {{
         use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Sms};

@@ -17,8 +17,8 @@ pub static BREAK: AtomicBool = AtomicBool::new(false);
 pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
 /// Longest run of the current loop, in processor cycles.
 pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
-/// Number of PWM periods whose new compare values were written after the counter's turn at the bottom, so that they took effect a
-/// period later.
+/// Number of PWM periods whose new compare values were written too late, after the counter had turned at the bottom. They then took
+/// effect a period later.
 pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
 /// Whether the current loop has run since the supervision task last checked.
 pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);

@@ -3,8 +3,8 @@
 
 use core::arch::global_asm;
 
-// The start-up code calls this function with nothing but a stack. It is in assembly, because no variable has its value yet. It
-// copies whole words, because the section consists of words.
+// The start-up code calls this function when only a stack exists. It is in assembly, because no variable has its initial value yet.
+// It copies whole words, because the section consists of words.
 global_asm!(
     ".syntax unified",
     ".section .text.__pre_init, \"ax\", %progbits",

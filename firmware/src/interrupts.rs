@@ -1,5 +1,4 @@
-//! The interrupts of current loop, timer break, supply and control period. They contain no code that could wait without bound or
-//! panic.
+//! The interrupts of current loop, timer break, supply and control period. Their code has no unbounded wait and no panic.
 //!
 //! ```text
 //! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control interrupt
@@ -20,19 +19,19 @@ use crate::exchange::{
 use crate::shared::{Owned, raise};
 use crate::{analogue, board, cycles, pwm, supply, window};
 
-/// Whether the current loop has switched the outputs on and not off since. When other code switches the outputs off, it also gives
-/// the current loop a reason to do so, in the same or the next PWM period.
+/// Whether the current loop has switched the outputs on and not off since. Other code that switches the outputs off also makes the
+/// current loop switch them off, in the same or the next PWM period.
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// The cycle counter's value at which the control interrupt became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// Whether a control period is due and has not begun. If none is due, the control interrupt only reads the encoder, at the moment at
-/// which the new force begins to act. The energy guard needs the position there.
+/// Whether a control period is due and has not begun. If false, the control interrupt only reads the encoder. That reading comes
+/// when the new force begins to act, because the energy guard needs the position at that time.
 static TICK_DUE: AtomicBool = AtomicBool::new(false);
-/// Largest allowed lateness, in processor cycles, of the second encoder reading, which is made when the force changes. A later
-/// reading would belong to another moment and is left out.
+/// Largest allowed lateness of the second encoder reading of a control period, in processor cycles. The reading must be made when
+/// the force changes; one that would come later is left out.
 const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
-/// Whether the last PWM period's new compare values were written after the counter's turn at the bottom, so that they take effect a
-/// period later.
+/// Whether the last PWM period's new compare values were written too late, after the counter had turned at the bottom. They then
+/// take effect a period later.
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
@@ -46,8 +45,8 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
     interrupt::ADC1_2.set_priority(Priority::P0);
     interrupt::TIM1_BRK_TIM15.set_priority(Priority::P1);
     interrupt::LPTIM1.set_priority(Priority::P2);
-    // Clears a break from before: the set-up of the comparators or a memory error during the start (`crash`) may have caused it. A
-    // break that is still active comes back at once.
+    // Clears an earlier break, which the set-up of the comparators or a memory error during the start (`crash`) may have caused. A
+    // break whose cause is still active returns at once.
     pwm::clear_break();
     NVIC::unpend(interrupt::TIM1_BRK_TIM15);
     // SAFETY: their handlers share with other code only what `shared` describes.
@@ -92,9 +91,8 @@ fn ADC1_2() {
         }
         BridgeCommand::On(duty) => {
             pwm::set_duty(duty);
-            // Switches on once and not in every period. Otherwise a break that begins and ends between its check above and this
-            // line would switch off and be undone (the emulator found this with a break of 2 us). After switching on, the break is
-            // checked once more.
+            // Switches on once, not in every period. Otherwise this line would undo a break that begins and ends after its check
+            // above (the emulator found this with a break of 2 us). After switching on, the break is checked once more.
             if !SWITCHED_ON.load(Relaxed) {
                 SWITCHED_ON.store(true, Relaxed);
                 pwm::outputs_on();
@@ -108,7 +106,8 @@ fn ADC1_2() {
         analogue::off();
     }
     REPORT.put(current.report());
-    // A due control tick replaces an encoder reading that did not run. No reading is requested while a tick is still due.
+    // If a control tick becomes due, it replaces a pending second encoder reading. While a tick is still due, no reading is
+    // requested.
     if output.pend_control || output.reads_change && !TICK_DUE.load(Relaxed) {
         TICK_DUE.store(output.pend_control, Relaxed);
         DUE.store(begun, Relaxed);
@@ -117,7 +116,7 @@ fn ADC1_2() {
     CURRENT_LIVES.store(true, Relaxed);
     let took = cycles::now().wrapping_sub(begun);
     raise(&CURRENT_CYCLES_MAX, took);
-    // The counter's direction alone is not enough: after a whole period the counter goes down again.
+    // The counter's direction alone is not enough: a whole period later the counter counts down again.
     let is_late = took > pwm::HALF_PERIOD || !pwm::is_before_bottom();
     LATE.store(is_late, Relaxed);
     if is_late {
@@ -126,8 +125,8 @@ fn ADC1_2() {
     window::refresh();
 }
 
-/// Priority 1, after the hardware break has switched the outputs off. A break input that stays active would raise this interrupt
-/// for ever, so the interrupt is disabled until the control interrupt clears the break.
+/// Priority 1, after the hardware break has switched the outputs off. While the break input stays active, this interrupt would
+/// occur again and again. So the handler disables it until the control interrupt clears the break.
 #[interrupt]
 fn TIM1_BRK_TIM15() {
     pwm::silence_break();
@@ -143,8 +142,8 @@ fn PVD_PVM() {
     supply::take();
 }
 
-/// Priority 2: runs one control period, or between two of them the second reading of the encoder. The current loop pends this
-/// interrupt; no timer does.
+/// Priority 2: runs one control period, or the second encoder reading within a control period. The current loop sets this interrupt
+/// pending; no timer does.
 #[interrupt]
 fn LPTIM1() {
     // Read first: a tick that becomes due after this line belongs to the next run of the interrupt.

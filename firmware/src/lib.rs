@@ -1,7 +1,7 @@
-//! Touchstone's program for microcontrollers: access to registers, and wiring.
+//! Touchstone's program for microcontrollers: access to registers, and the connections between its parts.
 //!
-//! The program makes no decisions. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and
-//! writes the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
+//! The program makes no decisions. An interrupt reads registers into a plain struct and calls one function of `touchstone-drive`.
+//! It writes the returned struct to registers. `docs/firmware.md` says which interrupt may do what.
 #![no_std]
 
 // The log goes to a debug probe; without one it is dropped.

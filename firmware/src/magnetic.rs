@@ -16,7 +16,8 @@ use crate::cycles;
 const SELECT: usize = 2;
 /// The AS5047P's shortest time between chip select and clock and between two frames: 350 ns, in processor cycles.
 const SETTLE: u32 = 60;
-/// Number of polls of a flag before the encoder counts as silent. A frame takes 512 processor cycles, a poll at least 8.
+/// Number of polls of a flag after which a reading is given up and the encoder counts as silent. A frame takes 512 processor
+/// cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
 /// Switches the clock of the SPI port on and resets the port.
@@ -24,7 +25,7 @@ pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }
 
-/// Configures the port for an encoder: 5.3 MHz, data change on the rising clock edge and are read on the falling edge.
+/// Configures the port for an encoder: clock 5.3 MHz; data change on the rising clock edge and are read on the falling edge.
 pub fn prepare(kind: EncoderKind) {
     let (size, threshold) = match kind {
         EncoderKind::Incremental => return,
@@ -49,7 +50,7 @@ pub fn prepare(kind: EncoderKind) {
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
-/// The frame with which the previous control period requested a further register from the AS5047P, beside the angle; 0 for none.
+/// The frame with which the previous control period requested another register of the AS5047P besides the angle; 0 for none.
 static ASKED: AtomicU16 = AtomicU16::new(0);
 
 /// An encoder reading in progress, whose last frame is on the bus.
@@ -60,7 +61,8 @@ pub enum Last {
     Mt6701(u32),
 }
 
-/// Sends the first frame of a reading. It takes 512 processor cycles (256 for the MT6701), in which the caller can do other work.
+/// Sends the first frame of a reading. The transfer takes 512 processor cycles (256 for the MT6701), in which the caller can do
+/// other work. `None`: no frame was sent.
 #[inline]
 pub fn begin(kind: EncoderKind) -> Option<()> {
     if kind == EncoderKind::Incremental {
@@ -75,11 +77,11 @@ pub fn begin(kind: EncoderKind) -> Option<()> {
     }
 }
 
-/// Waits for the first frame and sends the last one.
+/// Waits for the first frame and sends the last one. `None`: the encoder is silent, or has no SPI.
 ///
-/// The AS5047P answers each frame in the next one. The first frame requests the angle and brings the answer to the previous control
-/// period's request. The second frame brings the present angle and requests a further register: the magnet's field, or the errors
-/// of earlier frames.
+/// The AS5047P answers each frame in the next one. The first frame requests the angle, and its answer is that to the previous
+/// control period's request. The second frame's answer is the present angle. It requests another register: the magnet's field, or
+/// the errors of earlier frames.
 #[inline]
 pub fn go_on(kind: EncoderKind) -> Option<Last> {
     match kind {
@@ -106,7 +108,7 @@ pub fn go_on(kind: EncoderKind) -> Option<Last> {
     }
 }
 
-/// Waits for the last frame and returns the encoder's reading.
+/// Waits for the last frame and returns the encoder's reading; `Silent` if the frame does not end.
 #[inline]
 pub fn end(last: Option<Last>) -> EncoderReading {
     let reading = last.and_then(|last| {
@@ -128,15 +130,15 @@ fn select() {
     settle(cycles::now());
 }
 
-/// Ends a frame and returns the cycle counter's value. Chip select must stay inactive for [`SETTLE`] cycles before the next frame.
-/// Between two control periods it always does.
+/// Sets chip select inactive, which ends a frame. Returns the cycle counter's value. Chip select must stay inactive for [`SETTLE`]
+/// cycles before the next frame; the time between two readings is always longer.
 fn deselect() -> u32 {
     GPIOD.bsrr().write(|w| w.set_bs(SELECT, true));
     cycles::now()
 }
 
-/// Waits until [`SETTLE`] cycles have passed since the counter's value `since`. The wait reads the cycle counter, because a loop
-/// that only counts takes five times as long. The number of polls is bounded in case a debugger has stopped the cycle counter.
+/// Waits until [`SETTLE`] cycles have passed since the cycle counter had the value `since`. A loop that only counts its own passes
+/// would take five times as long. The number of polls is bounded, because a debugger can stop the cycle counter.
 fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }

@@ -18,14 +18,14 @@ use crate::clock::CORE_HZ;
 /// Rate of the PWM and of the current loop, Hz.
 pub const PWM_HZ: u32 = 20_000;
 
-/// Compare value of full duty, and the counter's top. In a PWM period the timer counts up to it and down again.
+/// Compare value of full duty, and the largest count. In a PWM period the timer counts up to this value and down again.
 pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
 
 /// Half a PWM period in processor cycles; the timer runs at the processor's clock.
 pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
 
-/// The injected conversions begin this many timer counts before the middle of the time in which all lower transistors conduct. So
-/// the middle lies within the sampling time.
+/// Number of timer counts by which the injected conversions start before the middle of the time in which all lower transistors
+/// conduct. So the middle lies within the sampling time.
 const SAMPLE_LEAD: u16 = 20;
 
 /// The settings of the PWM timer that a board's bridge needs.
@@ -56,8 +56,8 @@ pub enum Complement {
 pub enum BreakInput {
     /// The pin BKIN, active low, which comparators on the board pull.
     Pin,
-    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They get the shunts' voltage without a filter, including the
-    /// spikes of switching. So the break acts only after an over-current of 1.5 us without a gap.
+    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. Their inputs are the unfiltered voltages of the shunts, with
+    /// spikes from switching. So the break acts only after an uninterrupted over-current of 1.5 us.
     Comparators(u8),
 }
 
@@ -99,13 +99,13 @@ pub type LowSides = (
     ComplementaryPwmPin<'static, Timer, Ch3>,
 );
 
-/// Gives up the handles of the pins, so that they stay connected to the timer until the next reset.
+/// Leaks the handles of the pins, so that the pins stay connected to the timer until the next reset.
 pub fn keep(high: HighSides, low: LowSides) {
     core::mem::forget((high, low));
 }
 
-/// Starts the timer with its outputs off, at the levels that the gate drivers take for off. The board connects the pins after this
-/// call and gives them to [`keep`].
+/// Starts the timer with its outputs off, at the levels that the gate drivers read as off. The board connects the pins after this
+/// call and passes them to [`keep`].
 pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     rcc::enable_and_reset::<Timer>();
     TIM1.cr1().write(|w| {
@@ -114,8 +114,8 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_arpe(true);
     });
     let inverted = bridge.complement == Complement::ActiveLow;
-    // An output that its enable bit switches off is at its inactive level while the timer drives (OSSR), and at its idle level
-    // otherwise (RM0440, table of the outputs' control bits). So the line says whether the bridge is on, without the processor.
+    // While the timer drives an output whose enable bit is clear, the output is at its inactive level (OSSR); otherwise at its idle
+    // level (RM0440, table of the outputs' control bits). So the enable line shows whether the bridge is on, without the processor.
     let enables = bridge.complement == Complement::Enable;
     // Levels of the pins while the outputs are off: upper transistors off. OC4REF triggers the converters.
     TIM1.cr2().write(|w| {
@@ -190,7 +190,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         // Only software sets MOE again, and only after a command.
         w.set_aoe(false);
         w.set_moe(false);
-        // Dead time, break, polarity and idle levels stay as they are until a reset, whatever the program does.
+        // Dead time, break, polarity and idle levels are locked until a reset; no later write can change them.
         w.set_lock(Lock::LEVEL2);
     });
     // Loads the preloaded registers, then clears the flags that this and the set-up have raised.
@@ -206,14 +206,14 @@ pub fn outputs_off() {
     TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
-/// Switches the outputs on, unless a break is pending. While its break input is active, the timer clears `MOE` again at once.
+/// Switches the outputs on, unless a break is pending. The timer clears `MOE` again at once while its break input is active.
 #[inline(always)]
 pub fn outputs_on() {
     TIM1.bdtr().modify(|w| w.set_moe(true));
 }
 
-/// Sets the compare values of the three phases, each at most [`FULL_SCALE`]. They apply from the counter's next turn at the bottom
-/// on.
+/// Sets the compare values of the three phases, each at most [`FULL_SCALE`]. They take effect when the counter next turns at the
+/// bottom.
 #[inline(always)]
 pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(0).write(|w| w.set_ccr(duty[0]));
@@ -221,15 +221,15 @@ pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(2).write(|w| w.set_ccr(duty[2]));
 }
 
-/// Whether the counter still counts down from the top, at which the currents were sampled. If so, the values in the compare
-/// registers take effect at the bottom, for all three phases.
+/// Whether the counter still counts down from the top, where the currents were sampled. If so, the values in the compare registers
+/// take effect for all three phases together, at the bottom.
 #[inline(always)]
 pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether a break has acted since breaks were last cleared: that of the break input, or the system break. The system break comes
-/// from low supply, a processor lockup or a flash error that cannot be corrected, and has a flag of its own.
+/// Whether a break has acted since breaks were last cleared: a break of the break input, or a system break. A system break comes
+/// from low supply, a processor lockup or an uncorrectable flash error, and has its own flag.
 #[inline(always)]
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
@@ -248,8 +248,8 @@ pub fn silence_break() {
     TIM1.dier().write(|_| ());
 }
 
-/// Clears the flags of input break and system break, and enables the break's interrupt. A flag returns at once if its cause is
-/// still there. While the system break's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
+/// Clears the flags of input break and system break, and enables the break's interrupt. A flag is set again at once if its cause is
+/// still present. While the system break's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
     // The register is written without reading it first, because a zero clears a flag and a one has no effect.
     TIM1.sr().write(|w| {

@@ -28,7 +28,8 @@ pub struct Thread {
     new_settings: bool,
 }
 
-/// Calls `look` with the control interrupt's data, while that interrupt is masked. The data exist from before the first request on.
+/// Calls `look` with the control interrupt's data while that interrupt is masked. `None` before the data exist; they exist before
+/// the first request arrives.
 pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     CONTROL.in_thread(here, |control| {
         control.as_mut().map(|control| look(control))
@@ -56,8 +57,8 @@ impl Thread {
         self.new_settings
     }
 
-    /// Computes the coefficients of the settings and hands them to the control interrupt. The main thread does it, where time does
-    /// not matter, and only after the answer was sent, when the answer's messages are off the stack.
+    /// Computes the coefficients of the settings and hands them to the control interrupt. The main thread computes them, because
+    /// its run time is not critical. It does so after the answer was sent, when the stack no longer holds the answer.
     #[inline(never)]
     pub fn apply(&mut self, session: &Session) {
         self.new_settings = false;

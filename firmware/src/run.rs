@@ -38,8 +38,8 @@ pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Stora
     supervise(here).await
 }
 
-/// Does everything that comes before the first interrupt. It is not part of the async function [`run`], so that data that are
-/// needed only once lie on the stack and not in a static.
+/// Does everything that comes before the first interrupt. It is not part of the async function [`run`]: a future's variables lie in
+/// a static, those of this function on the stack.
 #[inline(never)]
 fn start(
     spawner: Spawner,
@@ -78,7 +78,7 @@ fn start(
 }
 
 /// Makes the protocol session with the settings in flash, or with the defaults. Also returns whether the settings in flash were
-/// refused.
+/// invalid.
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
@@ -117,8 +117,7 @@ fn control(
     current
 }
 
-/// Logs the device's state when it has changed, for a person with a debug probe. The control interrupt does not log, because
-/// logging takes time.
+/// Writes the device's state to the debug log when it has changed. The control interrupt does not log, because logging takes time.
 fn tell_state(here: InThread, told: &mut Option<State>) {
     let state = CONTROL.in_thread(here, |control| {
         control.as_ref().map(|control| control.state)

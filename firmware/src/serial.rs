@@ -1,4 +1,4 @@
-//! The serial port to the computer: the ST-LINK's virtual port, 921,600 baud, 8N1. Requests in, answers and telemetry out.
+//! The serial port to the computer: the ST-LINK's virtual port, 921,600 baud, 8N1. Receives requests, sends answers and telemetry.
 
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -22,8 +22,8 @@ pub const BAUD: u32 = 921_600;
 /// Largest number of telemetry records that are sent before the task handles received bytes again; sending them takes 4 ms.
 const RECORDS_A_ROUND: usize = 8;
 
-/// Longest wait for the result of a command. The next control period handles a command, at most 2 ms later at the slowest rate.
-/// [`LOOK`] is the time between two checks for the result.
+/// Longest wait for the result of a command. The next control period handles a command, at the slowest rate within 2 ms. [`LOOK`]
+/// is the time between two checks for the result.
 const PATIENCE: Duration = Duration::from_millis(20);
 const LOOK: Duration = Duration::from_micros(250);
 
@@ -58,7 +58,7 @@ pub async fn link(
     let mut received = [0; 64];
     loop {
         LINK_LIVES.store(true, Relaxed);
-        // An error of the line ends the read. The damaged frame fails its check and is counted.
+        // An error on the line ends the read. The damaged frame fails its checksum and is counted.
         let count = match select(port.read(&mut received), ticker.next()).await {
             embassy_futures::select::Either::First(Ok(count)) => count,
             _ => 0,
@@ -78,7 +78,8 @@ pub async fn link(
         if device.has_new_settings() {
             device.apply(session);
         }
-        // Does not send until the queue is empty: telemetry may come faster than the port sends, and requests must be read too.
+        // Sends a limited number of records, not all: telemetry may arrive faster than the port sends, and requests must be read
+        // too.
         for _ in 0..RECORDS_A_ROUND {
             let Some(length) = next_record(device.here(), frame) else {
                 break;
@@ -98,8 +99,8 @@ enum Taken {
     Command,
 }
 
-/// Waits until a control period has handled the command or [`PATIENCE`] is over; the main thread does other work meanwhile. Returns
-/// whether the command had an effect.
+/// Waits until a control period has handled the command, or until [`PATIENCE`] is over. Other tasks run meanwhile. Returns whether
+/// the command had an effect.
 async fn looked_at(device: &Thread) -> bool {
     let begun = Instant::now();
     loop {
@@ -114,8 +115,8 @@ async fn looked_at(device: &Thread) -> bool {
     }
 }
 
-/// Handles a received byte. It is a function of its own, not a part of the task, so that decoded messages are on the stack only
-/// while they are needed.
+/// Handles a received byte. A separate function, not a part of the task, so that decoded messages are on the stack only while they
+/// are needed.
 #[inline(never)]
 fn take(
     byte: u8,

@@ -1,8 +1,8 @@
 //! Cells for data that code of different interrupt priorities shares.
 //!
 //! `touchstone_drive::exchange` has the data that the current loop (priority 0) and the control interrupt (priority 2) exchange in
-//! every control period. All other shared data are in a [`Guarded`] cell: the main thread masks the control interrupt for a few
-//! microseconds to access it.
+//! every control period. All other shared data are in a [`Guarded`] cell: to access it, the main thread masks the control interrupt
+//! for a few microseconds.
 
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
@@ -13,7 +13,7 @@ use cortex_m::register::{basepri, basepri_max};
 /// BASEPRI value that masks the control interrupt (priority 2) and all priorities below it.
 const CONTROL_MASK: u8 = 2 << 4;
 
-/// A token that proves that the code that holds it runs in the main thread and in no interrupt. It cannot be sent to other threads.
+/// A token that only code of the main thread holds, never an interrupt. It cannot be sent to other threads.
 #[derive(Debug, Clone, Copy)]
 pub struct InThread(PhantomData<*const ()>);
 
@@ -27,7 +27,7 @@ impl InThread {
     }
 }
 
-/// A value that belongs to the control interrupt. The main thread can access it by masking that interrupt meanwhile.
+/// A value that belongs to the control interrupt. The main thread masks that interrupt while it accesses the value.
 pub struct Guarded<T> {
     value: UnsafeCell<T>,
     /// Whether the main thread has a reference to the value.
@@ -57,7 +57,7 @@ impl<T> Guarded<T> {
         unsafe { &mut *self.value.get() }
     }
 
-    /// Calls `look` with the value, in the main thread. Keep `look` short: it delays the control interrupt by its duration.
+    /// Calls `look` with the value, in the main thread. Keep `look` short: the control interrupt is delayed until it returns.
     ///
     /// # Panics
     /// `look` calls this function for the same value, which would make a second reference.
@@ -68,8 +68,8 @@ impl<T> Guarded<T> {
         assert!(!self.taken.load(Ordering::Relaxed));
         self.taken.store(true, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
-        // SAFETY: this is the thread, as `_in_thread` says, which has no other reference, as `taken` says. Priorities 2 and below
-        // wait now, and those above do not use the value.
+        // SAFETY: this code runs in the main thread (`_in_thread`), and no other reference exists there (`taken`). Interrupts of
+        // priority 2 and below are masked, and those above do not use the value.
         let result = look(unsafe { &mut *self.value.get() });
         compiler_fence(Ordering::SeqCst);
         self.taken.store(false, Ordering::Relaxed);
@@ -79,7 +79,7 @@ impl<T> Guarded<T> {
     }
 }
 
-/// Index that marks an empty box; the indices 0 and 1 name the place of the last value.
+/// Value of `waiting` if no value waits. The indices 0 and 1 name a place.
 const NOTHING: u8 = 2;
 
 /// A box that passes the newest value from a lower interrupt priority to a higher one, which takes each value once. A new value
@@ -93,7 +93,7 @@ pub struct Latest<T> {
 }
 
 // SAFETY: the giver writes to the place that was not published last. The taker may interrupt the giver, but the giver cannot
-// interrupt the taker. So the taker always finds the other place complete.
+// interrupt the taker. So the published place is always complete.
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
@@ -122,7 +122,7 @@ impl<T: Copy> Latest<T> {
     /// Takes the newest value; `None` if it was already taken.
     ///
     /// # Safety
-    /// Only code of one interrupt priority calls this, which is higher than that of [`Self::give`].
+    /// Only code of one interrupt priority calls this, a higher priority than that of [`Self::give`].
     #[inline]
     pub unsafe fn take(&self) -> Option<T> {
         let place = self.waiting.load(Ordering::Acquire);
@@ -141,7 +141,7 @@ impl<T: Copy> Default for Latest<T> {
     }
 }
 
-/// A cell for a value that belongs to one interrupt, which gets it before the interrupt is enabled.
+/// A cell for a value that belongs to one interrupt. The value is put in before the interrupt is enabled.
 pub struct Owned<T>(UnsafeCell<Option<T>>);
 
 // SAFETY: only the one interrupt touches the value after it was given (see `give` and `take`), so it moves between contexts once.

@@ -1,7 +1,7 @@
 //! The 16 KiB of flash for the settings, accessed page by page.
 //!
-//! Reading and writing stall the processor; an erase stalls it for some 22 ms. So the protocol session saves only while the outputs
-//! are off (`touchstone_protocol::session`). The control interrupt does not run meanwhile, so no command can switch the outputs on.
+//! Writing stalls the processor, and an erase stalls it for some 22 ms. So the protocol session saves only while the outputs are
+//! off (`touchstone_protocol::session`). The control interrupt does not run meanwhile, so no command can switch the outputs on.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -31,8 +31,8 @@ pub fn pages() -> Range<u32> {
     offset(&raw const _settings_start)..offset(&raw const _settings_end)
 }
 
-/// Whether settings are being read from flash. While true, a flash word that fails its hardware check (ECC) counts as an
-/// interrupted write and does not stop the program.
+/// Whether settings are being read from flash. While true, an uncorrectable flash error (ECC) counts as an interrupted write of the
+/// settings and does not stop the program.
 pub static READING: AtomicBool = AtomicBool::new(false);
 
 /// The flash pages in which the settings are stored; `None` if they cannot be used.
@@ -57,8 +57,8 @@ impl NorFlashError for StorageError {
 }
 
 impl Storage {
-    /// Takes the flash controller. A chip with two flash banks must be configured for two banks, as it is delivered: with one bank
-    /// its pages are twice as large.
+    /// Takes the flash controller. A chip with two flash banks must be configured for two banks, its state on delivery. With one
+    /// bank its pages are twice as large, and the settings are not stored.
     pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
         #[cfg(feature = "g474re")]
         if !embassy_stm32::pac::FLASH.optr().read().dbank() {
@@ -81,10 +81,11 @@ impl ReadNorFlash for Storage {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StorageError> {
-        // A flash word whose write was interrupted may fail its hardware check (ECC). The check raises an interrupt, which is
+        let flash = self.flash()?;
+        // A double word whose write was interrupted may have an uncorrectable error (ECC). It raises an interrupt, which is
         // harmless only here.
         READING.store(true, Relaxed);
-        let read = self.flash()?.blocking_read(offset, bytes);
+        let read = flash.blocking_read(offset, bytes);
         READING.store(false, Relaxed);
         read.map_err(StorageError::Refused)
     }

@@ -1,5 +1,5 @@
-//! Watches the processor's own supply. Below 2.9 V the outputs are off, by hardware and by software, before the chip resets at 1.7
-//! to 2.8 V.
+//! Watches the processor's own supply voltage. Below 2.9 V hardware and software switch the outputs off, before the chip resets
+//! itself at 1.7 to 2.8 V.
 
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -10,8 +10,8 @@ const LEVEL: u8 = 6;
 /// Number of the external interrupt line of the voltage detector.
 const LINE: usize = 16;
 
-/// Starts the voltage detector. Also connects to the timer's break the conditions that the processor may not survive to report: low
-/// supply, a lockup (a fault within a fault), a flash error that cannot be corrected.
+/// Starts the voltage detector. Also connects to the timer's break the conditions that may stop the processor before it can react:
+/// low supply, a lockup (a fault within a fault), an uncorrectable flash error.
 pub fn start() {
     PWR.cr2().modify(|w| {
         w.set_pls(LEVEL);

@@ -12,11 +12,11 @@ use crate::shared::InThread;
 use crate::{board, cycles};
 
 /// Longest wait for a control period's second encoder reading, in processor cycles: two control periods at the slowest rate, 500
-/// Hz. The limit keeps a missing reading from blocking the main thread.
+/// Hz. A missing reading must not block the main thread.
 const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
 
-/// Same as [`control`], for a copy that would delay the second encoder reading of a control period by more than its allowed
-/// lateness. In a period with a second reading, `look` is called after that reading.
+/// Same as [`control`], but waits until no second encoder reading is due in the present control period, at most
+/// [`READING_PATIENCE`]. For a copy that takes long enough to make that reading too late.
 fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     let begun = cycles::now();
     let mut look = Some(look);
@@ -36,8 +36,8 @@ fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R
 }
 
 /// Checks and computes an environment (walls, end stops, detents), and hands it to the control interrupt. Returns from when on it
-/// is rendered. The computation runs before that interrupt is masked. Only the copy of some kilobytes is made while it is masked,
-/// after the control period's second encoder reading.
+/// is rendered. The computation runs with the control interrupt enabled. Only the copy of some kilobytes masks it, after the
+/// control period's second encoder reading.
 #[inline(never)]
 pub fn give(
     here: InThread,

@@ -1,8 +1,8 @@
 //! The independent watchdog: resets the chip when the supervision task does not feed it.
 //!
-//! Its clock, the LSI, is nominally 32 kHz, and 29.5 to 34 kHz over temperature and supply (data sheet DS12288, table 47). Even
-//! with the slowest clock the reset must come in time. Even with the fastest clock it must not come while the supervision task
-//! feeds the watchdog in time.
+//! Its clock, the LSI, has nominally 32 kHz, and 29.5 to 34 kHz over temperature and supply (data sheet DS12288, table 47). With
+//! the slowest clock the reset must still come in time. With the fastest clock no reset may come while the supervision task feeds
+//! the watchdog in time.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
@@ -22,7 +22,7 @@ const RELOAD: u32 = LONGEST_MS * LSI_HZ.0 / 1_000 / PRESCALER;
 
 const _: () = {
     assert!(RELOAD <= 0xfff);
-    // Shortest time to a reset, ms: longer than three feedings that two page erases delay.
+    // Shortest time to a reset, ms. It must exceed three feeding intervals of 10 ms with two page erases of 25 ms among them.
     assert!(RELOAD * PRESCALER * 1_000 / LSI_HZ.1 > 80);
 };
 

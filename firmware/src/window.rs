@@ -1,14 +1,15 @@
 //! The window watchdog: resets the chip when the current loop stops running.
 //!
-//! A current loop that hangs leaves its last duty at the bridge: the field stands still while the shaft turns, and no code checks
-//! the currents. No interrupt can end the hang, because the current loop has the highest priority. The independent watchdog
-//! ([`crate::watchdog`]) resets only after 100 ms. The window watchdog resets after five PWM periods, a quarter of a control period
-//! at 1 kHz. Each run of the current loop refreshes it at its end, so it also acts when timer or converters stop calling the
-//! current loop.
+//! If the current loop hangs, the bridge keeps its last duty: the motor's field stands still while the shaft turns, and no code
+//! checks the currents. No interrupt can end the hang, because the current loop has the highest priority. The independent watchdog
+//! ([`crate::watchdog`]) resets only after 100 ms.
 //!
-//! The watchdog counts the bus clock, as the current loop does; the independent watchdog covers a failure of that clock. The window
-//! against too early refreshes is not used: only a wrongly configured timer would call the current loop too often, and no code
-//! configures the timer again.
+//! The window watchdog resets after five PWM periods, a quarter of a control period at 1 kHz. Each run of the current loop
+//! refreshes the watchdog at its end. So the chip also resets when timer or converters no longer start the current loop.
+//!
+//! The watchdog counts the bus clock, from which the PWM timer runs too; the independent watchdog covers a failure of that clock.
+//! The window against too early refreshes is not used: only a wrongly configured timer would run the current loop too often, and no
+//! code configures the timer again.
 
 use embassy_stm32::pac::WWDG;
 use embassy_stm32::pac::wwdg::vals::Wdgtb;
@@ -18,12 +19,12 @@ use crate::clock::CORE_HZ;
 
 /// Cycles of the bus clock, which equals the processor's clock, per count of the watchdog (reference manual RM0440, 43.3.4).
 const CYCLES_PER_COUNT: u32 = 4_096;
-/// Least number of the watchdog's counts to the reset. It can be one count more, because the phase of a refresh between two counts
-/// is unknown.
+/// Least number of the watchdog's counts from a refresh to the reset. It can be one count more, because a refresh may come at any
+/// time between two counts.
 ///
-/// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while it drives,
-/// 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the time is 128 times
-/// as long.
+/// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while the outputs
+/// are on, 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the time is 128
+/// times as long.
 const COUNTS: u32 = 10;
 /// The watchdog resets the chip when its counter falls below this value.
 const LAST: u32 = 0x40;
@@ -56,7 +57,7 @@ pub fn refresh() {
 /// Calls `erase`, which stalls the processor, with the watchdog's time extended to 31 to 34 ms. The outputs must be off.
 pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     set_share(Wdgtb::DIV128);
-    // The counter may have fallen since the current loop's last refresh.
+    // The counter has counted down since the current loop's last refresh.
     refresh();
     let result = erase();
     refresh();

@@ -28,7 +28,7 @@ fn git(arguments: &[&str]) -> Option<String> {
 
 /// Commit of the Git checkout, and whether the program's sources differ from that commit; `None` outside a checkout.
 fn checkout() -> Option<(String, bool)> {
-    // A package that was unpacked inside somebody else's checkout is no part of it.
+    // A package that was unpacked inside another checkout does not belong to that checkout.
     git(&["ls-files", "--error-unmatch", "build.rs"])?;
     let commit = git(&["rev-parse", "HEAD"])?;
     let root = git(&["rev-parse", "--show-toplevel"])?;

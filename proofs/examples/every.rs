@@ -1,9 +1,9 @@
 //! Tries all inputs of properties (statements about the code) that have few enough inputs: `every [NAME]`, `every --list`.
 //!
-//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
-//! 2^24 inputs, solvers take longer than trying each input. The property's body that runs here is the one that the tests run on
-//! samples. It is compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs
-//! no solver.
+//! Products and a root on three axes at 8 bits are too hard for the solvers, but have at most 2^32 inputs. For quotients with 2^24
+//! inputs, a solver takes longer than a trial of each input. The property's body that runs here is also the one that the tests run
+//! on samples. It is compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that
+//! needs no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -76,11 +76,11 @@ const PROPERTIES: &[Row] = &[
     every!(vector_guard::w8::p4_vector_commanded),
 ];
 
-/// Most numbers that one input of a property consists of.
+/// Largest count of numbers that one input of a property consists of.
 const DIGITS: usize = 16;
 
-/// A source that gives a property all inputs, one after the other: each number of an input is a digit of one large number that
-/// counts up. There are some thousand million inputs, so the work for each input is kept small.
+/// A source that gives a property all inputs, one after the other. The numbers of an input are the digits of one large number that
+/// counts up. There are up to some thousand million inputs, so the work for each input is kept small.
 struct Every {
     /// Value and width in bits of each digit.
     digits: [(u64, u32); DIGITS],
@@ -89,12 +89,13 @@ struct Every {
     at: usize,
     rejected: bool,
     covers: Vec<(&'static str, u64)>,
-    /// Index of the cover (a situation to be reached) that comes next if this input meets the same covers as the last one.
+    /// Index of the cover (a situation to be reached) that is expected next, if this input meets covers in the same order as the
+    /// last one.
     cover_at: usize,
 }
 
 impl Every {
-    /// The first of all inputs that begin with the number `first` (8 bits, or cut to fewer).
+    /// The first of all inputs whose first number is `first`, a number of at most 8 bits.
     fn beginning_with(first: u64) -> Self {
         let mut digits = [(0, 8); DIGITS];
         digits[0].0 = first;
@@ -108,10 +109,10 @@ impl Every {
         }
     }
 
-    /// Goes to the next input that begins with the same number; `false` if there is none.
+    /// Goes to the next input with the same first number; `false` if there is none.
     #[inline(always)]
     fn advance(&mut self) -> bool {
-        // Numbers that the property no longer asked for after a refused assumption do not count.
+        // After a refused assumption the property draws no further numbers; those of earlier inputs do not count.
         self.known = self.known.min(self.at.max(1));
         while self.known > 1 {
             let (value, bits) = &mut self.digits[self.known - 1];
@@ -124,7 +125,7 @@ impl Every {
         false
     }
 
-    /// Counts a cover (a situation to be reached) that does not come at the same place as for the input before.
+    /// Counts a cover (a situation to be reached) that is not the expected one.
     #[cold]
     fn other_cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {

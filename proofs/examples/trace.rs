@@ -1,6 +1,6 @@
-//! Prints control periods (ticks) computed by the shipped code, which the specification extracted from Coq (`proofs/coq/`) must
-//! reproduce. For the guard and the laws TDPA, FBA and enhanced it prints the coefficients, and for each tick the inputs, the
-//! memory and the output. It also prints the guard's coefficients for settings, invalid ones included, and integer roots.
+//! Prints control periods (ticks) computed by the shipped code. The specification extracted from Coq (`proofs/coq/`) must reproduce
+//! them. For the guard and the laws TDPA, FBA and enhanced it prints the coefficients, and for each tick the inputs, the memory and
+//! the output. It also prints the guard's coefficients for settings, invalid ones included, and integer roots.
 //!
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
@@ -111,12 +111,12 @@ fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(6);
     let mut ticks = 0;
     while ticks < wanted_ticks {
-        // The theorems are about the wall without the damper beside it. That damper adds to the force and changes no memory.
+        // The theorems are about the wall without the parallel damper, which adds to the force and changes no memory.
         let settings = Settings {
             virtual_damping: Si::ZERO,
             ..any_law(&mut random, LawKind::EnhancedSfa)
         };
-        // Below `k_v` the enhanced law is a plain spring.
+        // With a desired stiffness up to `k_v`, the enhanced law is a plain spring.
         let Ok(AnyLaw::Enhanced(law, mut state)) = AnyLaw::<Fixed32>::new(&settings) else {
             continue;
         };
@@ -206,7 +206,7 @@ fn coefficients(out: &mut impl Write, law: &Guard<Fixed32>) -> Result<()> {
     writeln!(out)
 }
 
-/// Prints settings of the guard, and the coefficients that follow from them or that the settings are refused.
+/// Prints settings of the guard, and the coefficients that follow from them, or that the settings are refused.
 fn guard_of(
     out: &mut impl Write,
     settings: &GuardSettings,
@@ -238,7 +238,7 @@ fn guard_of(
     Ok(law)
 }
 
-/// Prints settings around every end of the accepted ranges, with the coefficients of the guard, but without ticks.
+/// Prints settings around each end of the accepted ranges, with the guard's coefficients, but without ticks.
 fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(8);
     for _ in 0..draws {
@@ -272,7 +272,8 @@ fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut Guarde
         9 => device.force_limit = end(random, whole(1000)),
         10 => device.force_limit = end(random, whole(128)),
         11 => device.count = end(random, Si::lit("0.1")),
-        // A largest displacement of about a quarter of the format; or nearly as much, all of it under the old force.
+        // A largest displacement of about a quarter of the format; or nearly as much, with the whole displacement under the old
+        // force.
         12 => settings.overspeed = whole(32).saturating_mul(Si::from_num(device.rate_hz.min(1000))),
         13 => {
             device.rate_hz = 1 + random.below(30) as u32;
@@ -313,7 +314,7 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
             } else {
                 bits(0)
             };
-            // Armed again with the energy that is left: after a tick that commanded no force, or under a force.
+            // Arms again with the remaining energy: after a tick that commanded no force, or under a force.
             let ends = random.below(60);
             let told = bits(if ends == 0 { 0 } else { random.signed(31) });
             let answer = law.tick_with_change(

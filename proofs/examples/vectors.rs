@@ -1,5 +1,5 @@
 //! Prints results of the code, which the Python model of the integer obligations (lemmas of the proofs) must reproduce. At 8 bits
-//! it prints every force and displacement over a grid of energies, at 32 bits seeded samples.
+//! it prints every force and displacement for a grid of energies, at 32 bits seeded samples.
 
 use std::io::{BufWriter, Write};
 use touchstone_control::magnitude::{affordable, passivity_step, root, scale};

@@ -2,7 +2,7 @@
 //! by the code that computes the law's coefficients.
 //!
 //! The code multiplies and divides settings in 128 bits, which no solver follows to the end. The assumptions need only signs, sums
-//! and shifts. Solvers follow those, whatever the products are. That every setting is in its range is checked once
+//! and shifts, and solvers follow those for any values of the products. That every setting is in its range is proved once
 //! (`p8_validated`), not again for each law. Assumptions that need products are in `set.rs`.
 
 use crate::format::Format;

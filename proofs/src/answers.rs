@@ -1,5 +1,5 @@
-//! Arithmetic for the model checker, replaced by tables of answers. An operation (on settings, on the estimator's 56-bit numbers,
-//! or a prediction of a device) returns any result, and the same result for equal arguments.
+//! Arithmetic for the model checker, replaced by tables of recorded results. An operation (on settings, on the estimator's 56-bit
+//! numbers, or a prediction of a device) returns any result, and the same result for equal arguments.
 
 use crate::spec::estimator_settings::Device;
 use crate::spec::settings::MOST;
@@ -17,8 +17,8 @@ pub fn of_specification() {
     SPECIFIES.store(1, Relaxed);
 }
 
-/// Defines the table of one replaced operation: the arguments of each call, and the result. The model checker must know the next
-/// free row at every point that the code can reach. So a call may not depend on a branch, unless that branch returns.
+/// Defines the table of one replaced operation: the arguments and the result of each call. At every point that the code can reach,
+/// the model checker must know the next free row. So no call may depend on a branch, unless the branch returns.
 macro_rules! table {
     ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
         $(#[doc = $doc])*
@@ -57,14 +57,14 @@ macro_rules! table {
             table! { @$row }
         }
     };
-    // The same question gets the same answer, in any order.
+    // Equal arguments get equal results, in any order of calls.
     (@any) => {
         fn rows(specifies: bool, asked: usize) -> (usize, usize) {
             (0, if specifies { ROWS } else { asked })
         }
     };
-    // The specification's n-th question gets the code's n-th answer, if it is the same question. The solver then compares one
-    // question with one row, not with each. Less is known of the answers then, so that the proof covers more than the code can do.
+    // The specification's n-th call gets the result of the code's n-th call, if the arguments are equal. The solver then compares
+    // one pair of calls, not each pair. Less is known of the results, so the proof still covers all that the code can do.
     (@nth) => {
         static AGAIN: AtomicUsize = AtomicUsize::new(0);
 
@@ -104,13 +104,13 @@ table!(
     ratios, 4, nth
 );
 table!(
-    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a displacement per
-    /// tick of 1 (`V`). It records the results that the code got, so that the specification gets the same.
+    /// The table that replaces a sum when the model checker runs: how far a device with a displacement of 1 per tick moves in a
+    /// time (`V`). It records the results that the code got, so that the specification gets the same.
     reaches, 5, nth
 );
 table!(
-    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a push (acceleration)
-    /// of 1 per tick² (`X`). It records the results that the code got, so that the specification gets the same.
+    /// The table that replaces a sum when the model checker runs: how far a push (acceleration) of 1 per tick² moves a device in a
+    /// time (`X`). It records the results that the code got, so that the specification gets the same.
     drifts, 5, nth
 );
 table!(
@@ -132,7 +132,8 @@ pub(crate) fn double(x: Int) -> i64 {
     x as i64
 }
 
-/// Assumes of the result of a replaced product or quotient of settings: if both arguments are not negative, it is not negative.
+/// Assumes one fact of the result of a replaced product or quotient of settings: if both arguments are not negative, neither is the
+/// result.
 fn signed(a: i64, b: i64, answer: i64) -> i64 {
     kani::assume(a < 0 || b < 0 || answer >= 0);
     answer
@@ -165,7 +166,7 @@ pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
 
-/// Replaces the quotient of settings when the model checker runs. The divisor is positive wherever the result is used.
+/// Replaces the quotient of settings when the model checker runs. Where the result is used, the divisor is positive.
 pub fn over(a: Si, b: Si) -> Si {
     let answer = quotient(a.to_bits(), b.to_bits());
     if b <= Si::ZERO {
@@ -186,7 +187,7 @@ pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
 }
-/// Replaces `checked_div` when the model checker runs: any result, which may be 0, as the code uses 0 for a missing result.
+/// Replaces `checked_div` when the model checker runs: any result. It may be 0, because the code uses 0 if there is no result.
 pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Option<FixedI64<Frac>> {
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
@@ -282,7 +283,7 @@ fn told_of(device: &DeviceInTicks) -> [i64; 3] {
 fn specified_of(device: &Device) -> [i64; 3] {
     [device.loss, device.per_torque, device.delay].map(double)
 }
-/// The coefficients of a prediction (state transition), made of the low half of each given number. It stands for a computed one.
+/// A prediction (state transition) with any coefficients: each is the low half of a given number.
 fn of_words<N: Number, const COMMANDS: usize>(words: &[i64]) -> Flow<N, COMMANDS> {
     let weight = |i: usize| {
         let long = Exact::from_bits(i64::from(words[i] as i32) << 30);

@@ -1,8 +1,8 @@
-//! Proves that `AnyLaw`, the law chosen at run time, calls the law of its variant in its tick, in its view and when it forgets its
+//! Proves that `AnyLaw`, the law chosen at run time, calls the law of its variant for a tick, for a view and for clearing the
 //! memory.
 //!
-//! Which law's tick is called does not depend on the values of products, quotients and roots. So the model checker replaces these,
-//! and the parts of a tick, by small functions of their arguments and memory, the same for both sides of the comparison.
+//! Which law is called does not depend on the values of products, quotients and roots. So the model checker replaces these, and the
+//! parts of a tick, by small functions of their arguments and memory. The same functions are used on both sides of the comparison.
 //! `refines.rs` and `refines_enhanced.rs` prove how a law uses the real operations.
 //!
 //! ```text
@@ -143,7 +143,8 @@ pub mod small {
     }
 }
 
-/// Asserts that `AnyLaw` does in a tick, a view and a forgetting what the law of its variant does. Returns the force.
+/// Asserts that `AnyLaw` does the same as the law of its variant in a tick, in a view and when the memory is cleared. Returns the
+/// force.
 fn dispatched<L, S: Source>(
     s: &mut S,
     any_law: fn(L, L::State) -> AnyLaw<N>,

@@ -55,8 +55,8 @@ pub(crate) fn touch(at: [i64; 3], normal: Direction<N>, depth: i64) -> Touch<N> 
 
 property! {
     /// P4 (geometry): the displacement that a law gets is the hand's displacement along the normal of the last tick, rounded down.
-    /// On a surface that did not turn it is the change of penetration; the two differ only by rounding. An estimated displacement
-    /// is projected on the same normal.
+    /// On a surface that did not turn it is the change of penetration, which differs only by rounding. An estimated displacement is
+    /// projected on the same normal.
     equation "m = floor(-n'·(x - x')); e - e' where n = n' and |e - e' - m| <= 2"
     over "normals of 3 bits along two axes, places of 3 bits along two axes, depths of 3 bits; turned or not, estimated or not"
     by sampled fn p4_displacement(s) {
@@ -69,7 +69,7 @@ property! {
         let now = if turned { Direction::along(1, false) } else { normal };
         let mut track = Track::default();
         let first = track.sample(&touch(from, normal, was));
-        // The first sample is that of one axis: from the surface.
+        // The first sample starts at the surface, as on one axis.
         assert!(first == Sample::measured(position(was), Position::zero()));
         assert!(track.normal().is_none() && track.depth() == Position::zero());
         assert!(place_bits(track.moved(&touch(from, normal, was))) == [0; 3]);
@@ -180,7 +180,7 @@ property! {
                 assert!(turned >= cosine - 6);
                 let size = squares(parts(&told.normal));
                 assert!(((ONE - 8) * (ONE - 8)..=ONE * ONE).contains(&size));
-                // A ball offers no other direction than that to its closest point, so the surface point turns by the whole angle.
+                // A ball offers no direction but that to its closest point, so the surface point turns by the whole angle.
                 let between = along(&last, parts(&nearest.normal));
                 assert!(!round || between < 10 - ONE || turned <= cosine + 6 && along(&nearest.normal, parts(&told.normal)) >= between);
                 let out = if round { ball.exit(at, &told.normal, &side) } else { box_.exit(at, &told.normal, &side) };

@@ -1,6 +1,6 @@
 //! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law,
-//! limits, drive) may answer anything. The code calls them with the same arguments as the specification and calculates the same
-//! from the answers. Random tests run six ticks in a row with the real parts.
+//! limits, drive) may return any result. The code calls them with the same arguments as the specification, and calculates the same
+//! from their results. Random tests run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
@@ -35,8 +35,8 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 use crate::device_parts::{end, of_specification};
 /// Number of control ticks that the comparison runs in a row: one under the model checker, six in random tests.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Does nothing in random tests. Under the model checker, the function of this name in `device_parts` marks that from now on the
-/// specification makes the calls.
+/// Does nothing in random tests. Under the model checker, the function of this name in `device_parts` marks that the specification
+/// makes all further calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
@@ -60,7 +60,7 @@ struct Own {
     law: Controller<Fixed32>,
     calibration: Option<Calibration>,
     input: ControlInput,
-    /// Whether new settings are waiting to be put in force.
+    /// Whether new settings wait to take effect.
     waits: bool,
     next: Config,
     found: Option<Verdict>,
@@ -208,7 +208,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // In tests on random samples the displacement is mostly short, since there the law's force varies more.
+    // In random tests the displacement is mostly short, because the law's force then varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -345,15 +345,15 @@ replaced_property! {
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
     /// P11 (refinement): a control tick equals its specification, from the reading to the drive's command, with the whole memory.
-    /// Code and specification call the device's parts with the same arguments, whatever the parts answer. Calls that change law or
-    /// supervisor are in the same order.
+    /// Code and specification call the device's parts with the same arguments, for any results of the parts. Calls that change law
+    /// or supervisor are in the same order.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by minisat fn p11_control_tick(s) {
         let Some(config) = any_config(s) else {
             return;
         };
-        // The checker's formula would be too large with two configurations. Samples check which one a tick uses.
+        // The checker's formula would be too large with two configurations. Random tests check which one a tick uses.
         let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
         let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();

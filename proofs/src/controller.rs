@@ -1,8 +1,7 @@
 //! The controller around a law: a tick is the law, the pulse at the touch and then the energy guard, for any law. The controller
-//! keeps the force that later stages report to it.
+//! stores the force that later stages report to it.
 //!
-//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
-//! value.
+//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` its capacity; `'` marks the new value.
 //!
 //! ```text
 //! f = guard(pulse(law(e, e - e(n-1))))         p11_controller_tick
@@ -52,8 +51,8 @@ macro_rules! controller_property {
     };
 }
 
-/// Replaces the product of a gain and a signal of `Fixed8`. The result depends on every digit of both factors, lies above the
-/// rounding by a gain's fractional bits, and leaves room for a sum of two.
+/// Replaces the product of a gain and a signal of `Fixed8`. The result depends on every digit of both factors and stays exact when
+/// it is rounded by a gain's fractional bits. The sum of two results fits.
 #[cfg(kani)]
 pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i16 {
     (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
@@ -75,7 +74,7 @@ pub fn kept<N: Number>(
     -wanted
 }
 
-/// Replaces `Guard::switched_off`: changes the guard's memory so that the call can be recognised.
+/// Replaces `Guard::switched_off`: changes the guard's memory, so that the property can see the call.
 #[cfg(kani)]
 pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
@@ -110,8 +109,8 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
 }
 
 controller_property! {
-    /// P11 (refinement): a tick is the law, with the penetration and its change, then the pulse at the touch, and then the guard, with
-    /// what was measured and the force that law and pulse request.
+    /// P11 (refinement): a tick is the law, with the penetration and its change, then the pulse at the touch, and then the guard.
+    /// The guard gets the measured positions and the force that law and pulse request.
     equation "f = guard(e, at_change, pulse(law(e, e - e(n-1))))"
     over "spring, pulse or none, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
     by minisat fn p11_controller_tick(s) {
@@ -169,8 +168,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11 (refinement): when the controller is told that the force is switched off, so is its guard, and the last force is 0. The
-    /// law's memory stays.
+    /// P11 (refinement): a report to the controller that the force is switched off reaches its guard, and the last force becomes 0.
+    /// The law's memory stays.
     equation "guard = switched_off(guard), f = 0"
     over "guard or none, memories"
     by cadical fn p11_controller_switched_off(s) {

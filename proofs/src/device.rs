@@ -7,8 +7,8 @@ use touchstone_protocol::{
 };
 
 property! {
-    /// P9 (counters): the count made from a 16-bit counter follows the true count exactly, wherever the counter wraps, if a tick
-    /// moves by less than half of the counter's range.
+    /// P9 (counters): the count made from a 16-bit counter follows the true count exactly, also where the counter wraps, if the
+    /// displacement in a tick is less than half of the counter's range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 16 bits"
     fn p9_unwrap16(s) {
@@ -25,8 +25,8 @@ property! {
     }
 }
 property! {
-    /// P9 (counters): the count made from a 32-bit counter follows the true count exactly, wherever the counter wraps, if a tick
-    /// moves by less than half of the counter's range.
+    /// P9 (counters): the count made from a 32-bit counter follows the true count exactly, also where the counter wraps, if the
+    /// displacement in a tick is less than half of the counter's range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 32 bits"
     fn p9_unwrap32(s) {
@@ -156,8 +156,8 @@ property! {
 }
 property! {
     /// P10 (fault machine): `Armed` is entered only from `Ready` by command, `Ready` only from `Calibrating` or `Armed`, and
-    /// `Calibrating` only from `Boot` or `Stopped` by command. So every way from `Fault` to `Armed` leads through `Stopped`,
-    /// `Calibrating` and `Ready`, three commands apart.
+    /// `Calibrating` only from `Boot` or `Stopped` by command. So every path from `Fault` to `Armed` leads through `Stopped`,
+    /// `Calibrating` and `Ready`, and takes three commands.
     equation "state' = Armed /= state  =>  state = Ready and event = Arm, ..."
     over "state and event, with any context"
     fn p10_ways(s) {

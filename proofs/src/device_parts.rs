@@ -1,9 +1,9 @@
-//! Replacements of a device's parts (law, limits, drive) when the model checker runs. The code gets any answer, and the
-//! specification gets the same answer; it must call with the same arguments.
+//! Replacements of a device's parts (law, limits, drive) when the model checker runs. A part returns any result to the code, and
+//! the same result to the specification, which must call with the same arguments.
 //!
-//! A part is called at most once in a tick. Some calls change law or supervisor, or read what may have changed in the law. Such
-//! calls are also distinguished by the calls before them. The part itself and its coefficients are not recorded with the arguments:
-//! the property's random tests cover those.
+//! A part is called at most once in a tick. Some calls change law or supervisor, or read what may have changed in the law. Their
+//! arguments include the history of the calls before them. The part itself and its coefficients are not recorded as arguments; the
+//! property's random tests cover those.
 
 use crate::control_tick::contact_of;
 use crate::controller::plain;
@@ -32,17 +32,17 @@ use touchstone_protocol::Limits;
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
 /// Record of which calls changed law or supervisor in this tick, in order: one octal digit per call.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// Set to 1 if the specification calls a part with other arguments than the code did, or calls it twice.
+/// 1 if the specification has called a part with other arguments than the code, or if one of them has called a part twice.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the specification makes the calls of parts from now on, and no longer the code.
+/// Marks that the specification makes all further calls of parts.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has called the parts with exactly the arguments of the code, and in the same order where a call
-/// changes law or supervisor.
+/// Whether the specification has called the same parts as the code, with the same arguments. The order must be the same for calls
+/// that change law or supervisor.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -74,7 +74,7 @@ fn so_far() -> i64 {
     HISTORY.load(Relaxed) as i64
 }
 
-/// Defines the replacement of one part of a device. The two numbers are the words in its arguments and in its result.
+/// Defines the replacement of one part of a device. The two numbers are the counts of words in its arguments and in its result.
 macro_rules! part {
     ($module:ident, $words:literal, $answers:literal) => {
         mod $module {
@@ -88,7 +88,7 @@ macro_rules! part {
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);
-                // States: 0 not asked, 1 asked by the code, 2 asked by the specification as well.
+                // States: 0 not called, 1 called by the code, 2 called by the specification too.
                 if is_new {
                     same &= ASKED.swap(1, Relaxed) == 0;
                     for at in 0..$words {
@@ -138,8 +138,7 @@ part!(driven, 6, 10);
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Replaces `quotient` when the model checker runs: returns a coefficient that fits every format. The parts that are replaced do
-/// not use it.
+/// Replaces `quotient` when the model checker runs: returns a coefficient that fits every format. The replaced parts do not use it.
 pub fn some_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(1 << 31)
 }

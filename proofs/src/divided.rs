@@ -1,9 +1,9 @@
 //! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
 //! arguments.
 //!
-//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
-//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient
-//! times divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and
+//! A quotient here is any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
+//! next call gets the code's result if its arguments are equal. Quotient times divisor, the part of the dividend that the quotient
+//! accounts for, is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and
 //! specification by the functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
@@ -11,9 +11,9 @@
 //! r < 2^31 where r^2 <= x < 2^62                           p3_root, obligations/check.py
 //! ```
 //!
-//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`,
-//! and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in
-//! `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
+//! `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit` prove that the code's operations have these facts; for
+//! signed numbers, `edges::p1_edge_*` and `p6_edge_divide`. `control/src/reciprocal.rs` shows that the reciprocal gives the same
+//! quotients. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
 
 use crate::{cover, property};
 #[cfg(kani)]
@@ -91,8 +91,8 @@ macro_rules! divided_property {
     };
 }
 
-/// Defines a property of a law's settings, for which only three facts of the arithmetic are known. Products and quotients are not
-/// negative if their arguments are not; twice a number is its sum with itself; accepted settings are in their ranges.
+/// Defines a property of a law's settings, for which only three facts are known. Products and quotients are not negative if their
+/// arguments are not. Twice a number is its sum with itself. Accepted settings are in their ranges.
 #[macro_export]
 macro_rules! settings_property {
     ($($property:tt)*) => {
@@ -200,7 +200,7 @@ mod by_one_quotient {
     static QUOTIENT: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
     static PART: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
 
-    /// A quotient for the code, with the part of the dividend that it accounts for (quotient times divisor).
+    /// A quotient for the code, and quotient times divisor.
     fn quotient(dividend: u64, divisor: u32) -> (u64, u64) {
         let (quotient, part): (u64, u64) = (kani::any(), kani::any());
         if divisor == 0 {
@@ -287,7 +287,7 @@ mod by_one_quotient {
         .into()
     }
 
-    /// The specification's product, which agrees with the products (quotient times divisor) that belong to the code's quotients.
+    /// The specification's product. It agrees with the recorded products (quotient times divisor) of the code's quotients.
     fn beside(a: u32, b: u32) -> u64 {
         let product = magnitude(a, b);
         let mut at = 0;

@@ -70,7 +70,7 @@ property! {
         // A product of two words does not wrap.
         let exact = i64::from(x).wrapping_mul(i64::from(y));
         let found = product(x, y, digits);
-        // The definition of rounding down, as in obligations/check.py. At the end of the format the exact product lies beyond.
+        // The definition of rounding down, as in obligations/check.py. At an end of the format the exact product may lie beyond it.
         let back = i64::from(found) << digits;
         assert!(found == i32::MIN || back <= exact);
         assert!(found == i32::MAX || exact - back < 1 << digits);
@@ -78,8 +78,8 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a fraction of the difference between two words, which the current controller's integrator uses, is rounded
-    /// to the nearest.
+    /// P3 (arithmetic): a fraction of the difference between two words is rounded to the nearest. The current controller's
+    /// integrator uses it.
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
@@ -144,8 +144,8 @@ static ASKED: [core::sync::atomic::AtomicI32; 3] =
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (crate::drive::part_of, crate::drive::same_part)]
-    /// P4 (limits): the torque is the negative of the force. While it fades in, it is a fraction of that, never larger and never of
-    /// the force's own sign.
+    /// P4 (limits): the torque is the negative of the force. While it fades in, it is a fraction of that, never larger, and never
+    /// has the force's own sign.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
     over "force, share or none; under the checker a part of which p3_parts_of_words holds"
     by cadical fn p4_fade_in32(s) {
@@ -167,9 +167,9 @@ pub fn any_quotient(_: Si, _: Si) -> Si {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
-    /// P4 (limits): for every requested torque, the motor's current is along the q-axis alone, turns the motor the right way, and
-    /// is within what the temperature leaves of its limit. The torque that remains is not larger, and is the same if nothing was
-    /// cut.
+    /// P4 (limits): for every requested torque, the motor's current is along the q-axis alone and turns the motor in the right
+    /// direction. It is within the current limit as reduced by temperature. The remaining torque is not larger, and unchanged if
+    /// nothing was cut.
     equation "|i_q| <= i_max min(θ, 1), ±i_q τ >= 0, i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
@@ -222,8 +222,8 @@ replaced_property! {
     }
 }
 property! {
-    /// P9 (angles): angles wrap. Adding an angle and subtracting again gives the distance, the short way round, wherever the turn
-    /// ends.
+    /// P9 (angles): angles wrap. Adding an angle and subtracting again gives the distance, the short way round, for any start
+    /// angle.
     equation "(a + b) - a = b"
     over "pair of angles"
     fn p9_angle16(s) {

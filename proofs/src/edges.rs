@@ -1,5 +1,5 @@
-//! Properties of the signed functions of `Number`: each has a result for every input (P3). Those that other proofs build on equal
-//! the unsigned functions of `control::magnitude` ([`crate::heart`]) on the absolute values, with the sign restored.
+//! Properties of the signed functions of `Number`: each has a result for every input (P3). The functions on which other proofs
+//! build equal the unsigned functions of `control::magnitude` ([`crate::heart`]) on the absolute values, with the sign restored.
 
 use crate::format::Format;
 use crate::{assume, cover, property};
@@ -21,7 +21,7 @@ macro_rules! edges {
                 by $products fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
-                    // The operands are written as in the code, so that a solver with terms recognises the same products.
+                    // The operands are written as in the code, so that a solver that works on terms recognises the same products.
                     let heart = magnitude::passivity_step::<$word>(
                         energy.0.to_bits().max(0).unsigned_abs(),
                         force.0.max(Force::<N>::zero().0).to_bits().unsigned_abs(),

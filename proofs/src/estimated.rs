@@ -2,9 +2,11 @@
 //! memory.
 //!
 //! Each product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
-//! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the
-//! weights that settings give. `x`, `d`, `g` are position, displacement per tick and the hand's push (an acceleration), `f` the
-//! commands, `e` the measured position.
+//! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows; `estimator::p3_*` prove that for the
+//! weights that settings give.
+//!
+//! `x`, `d`, `g` are position, displacement per tick and the hand's push (an acceleration), `f` the commands, `e` the measured
+//! position.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -77,8 +79,8 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): the estimator's prediction from a sample to when the next command acts, with two commands, equals the
-    /// specification's.
+    /// P11 (refinement): the estimator's prediction from a sample to the time at which the next command acts, with two commands,
+    /// equals the specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_ahead(s) {

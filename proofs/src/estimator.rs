@@ -17,8 +17,8 @@ const ONE: i32 = 1 << 26;
 const ONE_TORQUE: i64 = 1 << 30;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// A weight (coefficient) with any bits under the model checker. In random tests it is from 0 to `most`, as hardly any other sample
-/// would be what settings give.
+/// A weight (coefficient) with any bits under the model checker. In random tests it is from 0 to `most`, because settings give few
+/// of the other weights.
 fn weight<S: Source>(s: &mut S, most: i64) -> i32 {
     let x = s.i32();
     if s.shortcut() {
@@ -35,7 +35,7 @@ fn any_flow<S: Source, const COMMANDS: usize>(
 ) -> Flow<N, COMMANDS> {
     let one = i64::from(ONE);
     let limit = i64::from(limit.0.to_bits()).max(1);
-    // Only for samples: the checker need not follow a division.
+    // For random tests only: the checker need not follow a division.
     let share = if s.shortcut() {
         (2 * ONE_TORQUE).min(RAD / limit) * ticks / COMMANDS as i64
     } else {
@@ -56,8 +56,8 @@ fn times(weight: i32, limit: i64) -> i64 {
 }
 
 /// Whether a prediction over up to `ticks` ticks is bounded: its weights of the displacement and of the hand's push are at most the
-/// time, and damping takes at most all of the motion. All commands at the limit together change position or displacement by less
-/// than 2 rad per tick.
+/// time in ticks, and damping takes at most the whole motion. All commands together, each at the limit, change position and
+/// displacement by less than 2 rad per tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
     let most = 2 * RAD * i64::from(ticks);
@@ -130,8 +130,8 @@ pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     core::array::from_fn(|_| s.i32().clamp(-most, most))
 }
 
-/// Any measured position. Some samples are near the expected position, as otherwise the estimator would hardly ever correct and
-/// mostly restart.
+/// Any measured position. In random tests some are near the expected position; otherwise the estimator would almost always restart
+/// and hardly ever correct.
 pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Position<N> {
     if !s.bool() {
         return Position(fixed::types::I8F24::from_bits(s.i32()));
@@ -188,7 +188,7 @@ bounded_property! {
             assert!(holds(&after));
             let surprise = N::widen(measured.0).minus_fitting(expected);
             let rest = N::widen(measured.0).minus_fitting(after.position);
-            // A part is rounded down, so it can be wrong by one of its steps.
+            // A part is rounded down, so it can be wrong by one step.
             assert_reached!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
         }
         cover!(s, after.is_some_and(|after| after.position != expected), "corrected");
@@ -197,7 +197,7 @@ bounded_property! {
 }
 property! {
     /// P2 (rounding): at rest the state does not change, and the result is the measured position. At rest means: the measured
-    /// position equals the predicted one, the hand does not push, and no force is commanded.
+    /// position equals the predicted one, the device does not move, the hand does not push, and no force is commanded.
     equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
     over "weights as settings give them, measured position"
     by minisat fn p2_rest_stays32(s) {

@@ -1,11 +1,12 @@
-//! A number type of whose products, quotients and roots only proved facts are known; with it the laws can be proved at 32 bits.
+//! A number type of whose products, quotients and roots only proved facts are known. With it the laws can be proved at 32 bits.
 //!
 //! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over [`Number`], so
 //! they can run on one more type. [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and roundings. Of each
-//! product, quotient and root it knows only the facts below: any result that has them may come back. What holds for all such
-//! results holds for those of `Fixed32`, provided that `Fixed32` has the facts. The properties of `facts::fixed32` prove that at 32
-//! bits; the size of a product is shown by two solvers over the integers. The law's source is the shipped one; no function is
-//! replaced.
+//! product, quotient and root it knows only the facts below: it may return any result that has them.
+//!
+//! What holds for all such results holds for those of `Fixed32`, provided that `Fixed32` has the facts. The properties of
+//! `facts::fixed32` prove that at 32 bits; two solvers show the size of a product over the integers. The proofs run the shipped
+//! source of the laws; no function is replaced.
 //!
 //! Without the model checker, `Facts32` calls `Fixed32` and asserts the facts, so every random test checks them too.
 
@@ -31,7 +32,7 @@ pub mod fact {
     pub fn work(result: i64, f: i64, d: i64) -> bool {
         result.unsigned_abs() <= 1 << 62 && sign_of(result, sign(f, d))
     }
-    /// The sign of the product of `f` and `d`, found without a multiplication, which the solvers cannot follow.
+    /// The sign of the product of `f` and `d`, found without a multiplication, because the solvers cannot follow one.
     pub fn sign(f: i64, d: i64) -> i64 {
         if f == 0 || d == 0 {
             0
@@ -252,7 +253,7 @@ impl Number for Facts32 {
         } else {
             Fixed32::affordable(e, f)
         };
-        // Outside this contract nothing is known; the laws never leave it.
+        // Outside these conditions nothing is known of the result. The laws never call it there.
         let inside = stored >= 0 && force > 0;
         let moved = known!("Moved", bits(_exact_moved), |y| word(y)
             && (!inside || y >= 0));

@@ -2,7 +2,7 @@
 //! negative. `E` is the energy, `c_i` the device's damping and `T` the control period.
 //!
 //! Let `b` be the number of fractional bits of a gain. In steps of the number formats, with `c = c_i/T`, three facts about the code
-//! give one fact of arithmetic:
+//! imply one fact of arithmetic:
 //!
 //! ```text
 //! f 2^b <= bound root      p5_force_below_bound
@@ -47,8 +47,8 @@ macro_rules! fba {
             }
             property! {
                 /// P1, P3, P4 and the invariant, force bounding: one tick does not panic, its force is at most the limit and never
-                /// pulls, and it keeps the invariant. The law's energy is the port's with the counted damping, limited from above
-                /// only.
+                /// pulls, and it keeps the invariant. The law's energy is that at the port plus the counted damping. It is limited
+                /// from above only.
                 equation "0 <= f <= limit, E <= cap, (E >= 0 or f = 0)"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -113,7 +113,7 @@ macro_rules! fba {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be limited.
+                    // The sum is limited only below a deficit of the whole format, 32 kJ.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, state.energy < before.energy, "gives");

@@ -1,8 +1,8 @@
-//! Properties of the parts of a knob's feel (spring to a centre, viscous and dry friction, click, inertia) at 32 bits: each force is
-//! within its limit, and each memory within its bounds.
+//! Properties of the parts of a knob's feel (spring to a centre, viscous and dry friction, click, inertia) at 32 bits: each force
+//! is within its limit, and each memory within its bounds.
 //!
-//! `f` is the force, `A` its limit, `z` the stretch of a spring, `Z` the largest stretch, `l` the ticks that are left of a click of
-//! `2 h` ticks, `y` what the device is ahead of the mass that it drags.
+//! `f` is the force, `A` its limit, `z` the stretch of a spring, `Z` the largest stretch. `l` is the number of ticks left of a
+//! click of `2 h` ticks. `y` is the distance from the dragged mass to the device.
 //!
 //! ```text
 //! |f| <= A, f z >= 0                              p4_elastic_force
@@ -32,7 +32,7 @@ fn any_elastic32<S: Source>(s: &mut S) -> Elastic<N> {
     }
 }
 
-/// Whether the spring is one of accepted settings: `CentreSettings::spring`, `DrySettings::dry`.
+/// Whether the spring could come from accepted settings: `CentreSettings::spring`, `DrySettings::dry`.
 fn elastic_holds(it: &Elastic<N>) -> bool {
     it.stiffness >= Compliance::zero() && it.most >= Force::zero()
 }
@@ -54,7 +54,7 @@ property! {
     }
 }
 property! {
-    /// P4: rendered viscous friction stays within the force limit, and remembers the force that it gave.
+    /// P4: rendered viscous friction stays within the force limit, and stores its force for the next tick.
     equation "|f| <= A; f is the memory of the next tick"
     over "coefficients, force limit, last force, displacement"
     fn p4_viscous_force(s) {
@@ -74,8 +74,8 @@ property! {
     }
 }
 property! {
-    /// P4: rendered dry friction is within its strength. Its spring is never longer than the largest stretch, and moves by at most
-    /// the displacement.
+    /// P4: the force of rendered dry friction is at most its strength. Its spring is never longer than the largest stretch, and the
+    /// stretch changes by at most the displacement.
     equation "|z'| <= Z, |z' - z| <= |Δ|, |f| <= A"
     over "stiffness, strength, largest stretch, stretch, displacement"
     fn p4_dry_force(s) {
@@ -96,8 +96,8 @@ property! {
     }
 }
 property! {
-    /// P4: a click gives its force or the opposite one while a part of the pulse is left, and else none. A pulse begins only on the
-    /// other side of a position than the device came from, and lasts twice its half.
+    /// P4: while a part of the pulse is left, a click's force is its strength in one of the two directions; otherwise 0. A pulse
+    /// begins only when the device has passed the position from its other side, and lasts twice `half` ticks.
     equation "l > 0: |f| = A, l' = l - 1; else f = 0; l' <= 2 h; begins => side known before, unknown after"
     over "strength, length, side, direction, ticks left, distance from the position"
     fn p4_click_force(s) {
@@ -125,8 +125,8 @@ property! {
     }
 }
 property! {
-    /// P4: rendered inertia stays within the force limit and remembers the force that it gave. A device that moves on stays ahead of
-    /// the mass that it drags.
+    /// P4: rendered inertia stays within the force limit and stores its force for the next tick. A device that is ahead of the mass
+    /// that it drags, and moves on, stays ahead.
     equation "|f| <= A; f is the memory of the next tick; y >= 0, Δ >= 0 => y' >= 0; y <= 0, Δ <= 0 => y' <= 0"
     over "coefficients, force limit, last force, distance to the mass, displacement"
     fn p4_inertia_force(s) {

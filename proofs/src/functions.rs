@@ -1,12 +1,12 @@
-//! A number type whose operations give equal results for equal arguments; with it sums and equalities can be proved at 32 bits.
+//! A number type whose operations give equal results for equal arguments. With it sums and equalities can be proved at 32 bits.
 //!
 //! A tick's energy is the energy before, plus the work, plus the damper's part. This sum does not depend on what a product *is*,
 //! only on both sides having the same one. [`Functions32`] is [`Facts32`] (only proved facts of a result are known) with one more
-//! fact: equal arguments give equal results. An equality that holds for all functions that have the facts holds for those of
-//! `Fixed32`. `edges::w32` proves that those are the exact products and the quotients of `heart`. The law's source is the shipped
-//! one; no function is replaced.
+//! fact: equal arguments give equal results. An equality that holds for all functions that have the facts also holds for those of
+//! `Fixed32`. `edges::w32` proves that these are the exact products and the quotients of `heart`. The proofs run the shipped source
+//! of the laws; no function is replaced.
 //!
-//! Without the model checker every operation is that of `Fixed32`, which is a function without any record.
+//! Without the model checker every operation is that of `Fixed32`, and nothing is recorded.
 
 use crate::facts::Facts32;
 use touchstone_control::number::Wide64;
@@ -16,7 +16,7 @@ type Signal = <Facts32 as Number>::Signal;
 type Gain = <Facts32 as Number>::Gain;
 type Energy = <Facts32 as Number>::Energy;
 
-/// A number type like [`Facts32`], of whose operations only proved facts are known, and that equal arguments give equal results.
+/// A number type like [`Facts32`]. Of its operations, proved facts are known, and that equal arguments give equal results.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Functions32;
 
@@ -25,8 +25,8 @@ pub struct Functions32;
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 
-    /// Number of rows in the record of one operation: more calls than one tick and its property make. Further calls are not
-    /// recorded, which proves less, never more.
+    /// Number of rows in the record of one operation. It is meant to exceed the calls that one tick and its property make. Further
+    /// calls are not recorded; less is then assumed of their results, so the proof stays valid.
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
@@ -218,7 +218,8 @@ impl Number for Functions32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Facts32::modulus_fitting(a)
     }
-    // Not recorded, which proves less, never more: no property asks for it twice.
+    // Not recorded, because no property calls it twice with the same arguments. Less is then assumed of its results, so a proof
+    // stays valid.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         Facts32::scale_both_fitting(r, x, q, y)
     }

@@ -1,9 +1,9 @@
 //! Properties of one tick of the energy guard, from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the guard's account is a lower bound of the true energy is proved on paper, in `docs/energy-guard.md`. The properties here
-//! prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force. `B` is the energy in the
-//! account, `C` the most that it holds, `R` the reserve, `A` the free energy `B - R`, `f` the force and `D` the largest
-//! displacement.
+//! `docs/energy-guard.md` proves that the guard's account is a lower bound of the true energy; `proofs/coq` proves it for the
+//! code's integers. The properties here prove that the code calculates that account: the sum, its limits, the reserve, and the
+//! bound on the force. `B` is the energy in the account, `C` its capacity, `R` the reserve, `A` the free energy `B - R`, `f` the
+//! force and `D` the largest displacement.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
@@ -168,9 +168,9 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): the guard's account is the exact sum of the account before, the refill, the work of each force over
-                /// its own part of the displacement, the trusted damping, and the charge for the change of force. It is not below
-                /// the reserve and not above the capacity.
+                /// P1 (energy): the guard's account is the exact sum of these terms: the account before, the refill, the work of
+                /// each force over its own part of the displacement, the trusted damping, and the charge for the change of force.
+                /// It is not below the reserve and not above the capacity.
                 equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $sum fn p1_account_is_the_sum(s) {
@@ -209,8 +209,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1 (energy): the guard's charge for an unknown position at the change of force never adds energy: the change of
-                /// force times its own scaled value has the sign of a square.
+                /// P1 (energy): the guard's charge for an unknown position at the change of force never adds energy, because the
+                /// change of force times its own scaled value has the sign of a square.
                 equation "g floor(κ' g) >= 0, up to a quantum"
                 over "valid configuration, change of force"
                 by $solver fn p1_stray_is_charged(s) {
@@ -273,8 +273,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): more energy in the guard's account never allows less force, and no energy allows none. So the wall
-                /// gets softer without a step.
+                /// P4 (limits): more energy in the guard's account never allows less force, and no energy allows no force. So the
+                /// wall gets softer gradually.
                 equation "A <= A'  =>  f(A) <= f(A'), f(0) = 0"
                 over "valid configuration, pair of energies"
                 by $solver fn p4_force_follows_the_account(s) {
@@ -337,7 +337,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): the guard reports overspeed, leaves no force, never adds to the account then, and keeps the
+                /// P4 (limits): at overspeed the guard reports it, sets the force to 0, adds nothing to the account, and keeps the
                 /// invariant.
                 equation "|Δ| > d  =>  overspeed, f = 0, B' <= B"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
@@ -360,7 +360,7 @@ macro_rules! guard {
             }
             property! {
                 /// P1 (energy): switching off keeps the guard's invariant. After a tick that commands no force, the account is
-                /// reduced by the reserve of the older force. Otherwise nothing is left in the account.
+                /// reduced by the reserve of the older force. Otherwise the account becomes at most 0.
                 equation "f = 0: 0 <= B' = B - R; f != 0: B' = min(B, 0); f' = 0"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p1_switched_off(s) {

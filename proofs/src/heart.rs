@@ -2,7 +2,7 @@
 //! fact per property.
 //!
 //! Absolute values of signed words are at most `2^(BITS-1)`; energies are at most the signed limit of the double width. The
-//! properties assume no more than that, and the types of the callers enforce it.
+//! properties assume no more than that, and the types of the callers ensure it.
 
 use crate::{assume, cover, property, replaced_property};
 use touchstone_control::magnitude::{
@@ -26,7 +26,7 @@ macro_rules! heart {
                     let (energy, force, moved) = (s.$wide(), s.$word(), s.$word());
                     assume!(s, energy <= FULL && force <= LARGEST && moved <= LARGEST, "types of the callers");
                     let step = passivity_step::<$word>(energy, force, moved, true);
-                    // A product of two words does not wrap.
+                    // A product of two words fits the double width, so it does not wrap.
                     let sum = energy + $wide::from(force).wrapping_mul(moved.into());
                     assert!(step.force == force);
                     assert!(step.energy == sum.min(FULL));
@@ -87,8 +87,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1/P4, motion outward without enough stored energy: the force shrinks by no more than needed. The energy that is
-                /// left would not pay for one more step of the force over the displacement.
+                /// P1/P4, motion outward without enough stored energy: the force is reduced by no more than needed. The remaining
+                /// energy would not pay for one more step of the force over the displacement.
                 equation "f d > E  =>  f' <= f, E' < d"
                 over "energy, force, displacement"
                 by $products
@@ -127,7 +127,7 @@ macro_rules! heart {
             }
             property! {
                 /// P1 (energy): quotient times divisor is at most the energy, and the remainder is less than the divisor (the
-                /// displacement). The reduced force relies on this lemma; a second solver confirms it.
+                /// displacement). The reduced force relies on this lemma; a second solver confirms the lemma.
                 equation "q d <= E < q d + d"
                 over "energy and displacement"
                 by $bits fn p1_divide(s) {
@@ -142,7 +142,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 (energy) by the SAT solver: in a motion outward the stored energy never grows and never gets negative.
+                /// P1 (energy), by a SAT solver: in a motion outward the stored energy never grows and never gets negative.
                 equation "0 <= E' <= E"
                 over "energy, force, displacement"
                 by minisat fn p1_step_remainder(s) {
@@ -220,8 +220,8 @@ heart!(
     w8, u8, u16, products kissat, bits kissat
 );
 
-/// Property of the whole square root, at 8 bits. At 32 bits no solver finishes with 32 products in a row; there one digit and
-/// induction prove it.
+/// Property of the whole square root, at 8 bits. At 32 bits no solver finishes with 32 products in a row; there the proof of one
+/// digit and induction take its place.
 pub mod root8 {
     use super::*;
     property! {
@@ -343,8 +343,8 @@ pub mod reciprocal {
 pub mod algebra32 {
     use super::*;
     property! {
-        /// P1 (energy) for the enhanced law: the work of a smaller force and the work it saves sum to the work of the full force.
-        /// So with `p1_affordable`, the remainder plus the saved work is exactly the energy minus the work.
+        /// P1 (energy) for the enhanced law: the work of a smaller force and the saved work sum to the work of the full force. So
+        /// with `p1_affordable`, the remainder plus the saved work is exactly the energy minus the work done.
         equation "(f_w - f) m + f m = f_w m"
         over "pair of forces, retreat"
         by cvc5 fn p1_smaller_force(s) {

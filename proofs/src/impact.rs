@@ -1,5 +1,6 @@
-//! What is added at the touch of a wall at 32 bits, whatever law is before it. The pulse never pulls, stays within the force limit,
-//! and takes no more than the momentum that it was given. With the vibration too, the force stays within 0 and the limit.
+//! Properties at 32 bits of what is added to a law's force at the touch of a wall, for any law. The pulse never pulls, stays within
+//! the force limit, and takes no more than the momentum that was set. With the vibration too, the force stays between 0 and the
+//! limit.
 //!
 //! ```text
 //! f <= pulse(f) <= max(f, limit)                                   p4_pulse_limited
@@ -40,7 +41,7 @@ fn any_pulse32<S: Source>(s: &mut S) -> Impact<N> {
     )
 }
 
-/// Whether the settings were accepted and the memory is one of a tick: see `Impact::pulse_of`.
+/// Whether the settings could be accepted ones, and the memory could be that of a tick: see `Impact::pulse_of`.
 fn pulse_holds(it: &Impact<N>) -> bool {
     it.brake >= Stiffness::zero()
         && it.limit >= Force::zero()
@@ -73,8 +74,8 @@ fn any_sample32<S: Source>(s: &mut S) -> Sample<N> {
 }
 
 property! {
-    /// P4: with a force of the law within 0 and the limit, the pulse only adds to it, up to the limit, and leaves a memory within its
-    /// invariant. Outside the wall it changes nothing.
+    /// P4: if the law's force is between 0 and the limit, the pulse only adds to it, up to the limit, and keeps the invariant of
+    /// its memory. Outside the wall it changes nothing.
     equation "f <= pulse(f) <= limit; e <= 0: pulse(f) = f"
     over "momentum, limit, memory, sample, force of the law"
     fn p4_pulse_limited(s) {
@@ -92,8 +93,8 @@ property! {
         cover!(s, force == impact.limit && impact.left > Force::zero(), "a pulse that goes on");
     }
 }
-/// Replaces the product of a gain and a signal of `Fixed32`. The result depends on every digit of both factors and lies above the
-/// rounding by a gain's fractional bits.
+/// Replaces the product of a gain and a signal of `Fixed32`. The result depends on every digit of both factors and stays exact when
+/// it is rounded by a gain's fractional bits.
 #[cfg(kani)]
 pub fn impulse_product(k: <N as Number>::Gain, x: <N as Number>::Signal) -> i64 {
     (i64::from(k.to_bits()) ^ i64::from(x.to_bits())) << 12
@@ -101,8 +102,8 @@ pub fn impulse_product(k: <N as Number>::Gain, x: <N as Number>::Signal) -> i64 
 
 replaced_property! {
     [(<touchstone_control::Fixed32 as touchstone_control::Number>::product, crate::impact::impulse_product)]
-    /// P9: what is played of the pulse is taken from what is left of it, exactly. A new impulse comes with a touch only, and is the
-    /// brake's product with the displacement.
+    /// P9: the force that the pulse adds is subtracted exactly from the impulse that is left. A new impulse begins at a touch only;
+    /// it is the brake times the displacement.
     equation "l(n) + (pulse(f) - f) = l(n-1); at a touch brake v"
     over "momentum, limit, memory, sample, force of the law; under the checker something in the place of the brake's product"
     by minisat fn p9_pulse_impulse(s) {
@@ -129,7 +130,7 @@ replaced_property! {
     }
 }
 property! {
-    /// P9: after a control period inside the wall no touch is counted before the device was outside for `apart` control periods.
+    /// P9: after a control period inside the wall, a touch counts only when the device was outside for `apart` control periods.
     equation "inside: o = 0; outside: o(n) = min(o(n-1) + 1, apart)"
     over "momentum, limit, memory, sample, force of the law"
     fn p9_pulse_apart(s) {
@@ -148,8 +149,8 @@ property! {
     }
 }
 property! {
-    /// P4: with a force of the law within 0 and the limit, pulse and vibration leave it there, whatever the vibration's coefficients
-    /// and memory are. Outside the wall they change nothing.
+    /// P4: if the law's force is between 0 and the limit, it stays so with pulse and vibration, for any coefficients and memory of
+    /// the vibration. Outside the wall they change nothing.
     equation "0 <= vibration(pulse(f)) <= limit; e <= 0: vibration(pulse(f)) = f"
     over "momentum, limit, vibration, memories, sample, force of the law"
     fn p4_vibration_limited(s) {

@@ -1,24 +1,25 @@
-//! Properties that are proved about the control laws. Each has a body that the model checker Kani runs for all inputs, and that the
+//! Properties that are proved about the control laws. Each has a body, which the model checker Kani runs for all inputs and the
 //! tests run on random samples with a fixed seed.
 //!
-//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the random
+//! `cargo xtask prove` runs all of them and writes their table below `target/`. `cargo test -p touchstone-proofs` runs the random
 //! tests, and the 8-bit tests of all inputs, on stable Rust.
 //!
-//! To read the proofs from the bottom, begin with [`heart`] (unsigned absolute values) and [`edges`] (signed numbers built on
+//! To read the proofs from the bottom up, begin with [`heart`] (unsigned absolute values) and [`edges`] (signed numbers built on
 //! them). One file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.
-// Bodies name the checker's macros only under the checker.
+// Under the checker, items without documentation are allowed.
 #![cfg_attr(kani, allow(missing_docs))]
-// Samples of `bits` bits are narrowed by casts on purpose.
+// Bodies panic where a property fails; this needs no documentation of its own.
 #![allow(clippy::missing_panics_doc)]
 // The list of functions that a property replaces is long.
 #![recursion_limit = "1024"]
 
-/// An assertion for places that no cover follows in the same block. (A cover is a situation that the model checker must be able to
-/// reach.) It is a cover as well, as an assertion that is never reached proves nothing. If a cover follows, that cover shows that
+/// An assertion for places where no cover follows in the same block. (A cover is a situation that the model checker must be able to
+/// reach.) It is a cover too, because an assertion that is never reached proves nothing. If a cover follows, that cover shows that
 /// the assertion is reached, and `assert!` is enough.
 ///
-/// The proof gate checks that every assertion is of one of these two forms, except for those with a message, which replace parts of
-/// the code. So the gate switches off the checker's own reachability checks of assertions, which took a quarter of its time.
+/// The proof gate checks that every assertion has one of these two forms. Assertions with a message, which belong to replacements
+/// of the code, are exempt. So the gate switches off the checker's own reachability checks of assertions, which took a quarter of
+/// its time.
 macro_rules! assert_reached {
     ($condition:expr $(,)?) => {{
         #[cfg(kani)]

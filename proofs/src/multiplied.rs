@@ -1,10 +1,10 @@
 //! Multiplication at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
 //! arguments.
 //!
-//! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers,
-//! and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces
-//! the multiplications of code and specification by the functions of this file. A product is here any number that has the facts of
-//! [`facts`]. The specification's next call gets the code's result if its arguments are equal. What holds for every such
+//! Whether a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same
+//! numbers, and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!`
+//! replaces the multiplications of code and specification by the functions of this file. A product here is any number that has the
+//! facts of [`facts`]. The specification's next call gets the code's result if its arguments are equal. What holds for every such
 //! product holds for the real one.
 //!
 //! ```text
@@ -14,9 +14,9 @@
 //! the code's multiplications are exact products       p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
-//! Calls are matched by their order: first those of the settings, then those of the memory, the code and the specification. A call
-//! of the specification that comes in another order than the code's gets a result of which nothing is known. That proves less,
-//! never more.
+//! Calls are matched by their order: first those of the settings, then those of the memory, the code and the specification. If a
+//! call of the specification is not in the code's order, nothing is known of its result. The proof then assumes less, so it stays
+//! valid.
 
 use crate::{cover, property};
 use touchstone_control::magnitude::Word;
@@ -157,7 +157,7 @@ mod by_one_product {
     const MEMORY: usize = 5;
     /// First row of the code's products in the record.
     const CODE: usize = 6;
-    /// Number of rows in the record, which no property reaches.
+    /// Number of rows in the record. No property makes so many products.
     const END: usize = 13;
     /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
@@ -183,7 +183,7 @@ mod by_one_product {
         AT.store(CODE, Relaxed);
         SPECIFIES.store(1, Relaxed);
     }
-    /// Whether the specification multiplies now, and no longer the code.
+    /// Whether the specification multiplies now; before that, the code does.
     pub fn specifies() -> bool {
         SPECIFIES.load(Relaxed) == 1
     }

@@ -1,8 +1,8 @@
-//! Properties of virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by
-//! Pythagoras.
+//! Properties of virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the exact
+//! surface by Pythagoras.
 //!
-//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three
-//! axes. `R` is a radius, `h` a half length, `v` and `x` are places seen from the centre, `z` the part along the axis.
+//! All inputs of each object are tried (`cargo xtask prove --every objects`), because solvers cannot follow products and roots on
+//! three axes. `R` is a radius, `h` a half length, `v` and `x` are places relative to the centre, `z` the part along the axis.
 //!
 //! ```text
 //! ball       R - depth = floor |v|, normal along v          p4_ball_nearest
@@ -94,7 +94,7 @@ property! {
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {
-        // The place is relative to the centre; samples of places from the origin would hardly ever meet it.
+        // The place is drawn relative to the centre; places relative to the origin would hardly ever hit the ball.
         let (radius, v, side) = (s.bits(5).cast_signed(), place(s, 5), axis(s));
         let none = Direction([position(0).0; 3]);
         let side = if s.bool() { none } else { side };
@@ -197,7 +197,7 @@ property! {
     }
 }
 
-/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in steps of the number format.
+/// Largest sideways error, in steps of the number format, of the point to which a normal at a cylinder's rim leads.
 const RIM: f64 = 2.5;
 /// Step between the sizes of cylinders, in steps of the number format.
 const STEP: i64 = 3;
@@ -243,7 +243,7 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two steps of the
+            // The normal is compared with the exact way from the rim. Its components were shortened by up to two steps of the
             // format.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;

@@ -50,8 +50,8 @@ macro_rules! offset {
             }
             property! {
                 /// P2 (offset), second bound: the step of the offset is at most a coefficient times the force. The coefficient is a
-                /// fraction `b` over the soft stiffness. At least one step of the number format is allowed, as otherwise the offset
-                /// would stay at a force of 0.
+                /// fraction `b` over the soft stiffness. At least one step of the number format is allowed; otherwise the offset
+                /// could never change at a force of 0.
                 equation "ΔO <= b |f|, at least a quantum"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_force(s) {

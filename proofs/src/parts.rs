@@ -1,7 +1,7 @@
 //! Properties of small parts of laws, guard and settings, each proved alone.
 //!
 //! `x_f` is the virtual mass' position, `d` its displacement per tick, `M` its inertia, `N0` the force that drives it. `B` is the
-//! energy in the guard's account and `C` the most that it holds.
+//! energy in the guard's account and `C` its capacity.
 //!
 //! ```text
 //! x_f' = x_f + d', M d = N0 with no stretch   p6_mass_moves
@@ -27,8 +27,8 @@ use touchstone_control::{
 type N = Fixed8;
 
 property! {
-    /// P6 (virtual mass): the virtual mass moves by its step, up to the end of the range of positions. Uncoupled, the force that
-    /// drives it is that of a coupling without stretch and a hand at rest: its inertia alone.
+    /// P6 (virtual mass): the virtual mass moves by its step, up to the end of the range of positions. With a coupling without
+    /// stretch and a hand at rest, only its inertia drives it.
     equation "x_f' = x_f + d', d = d'; N0(x = x_f, Δx = 0) = M d"
     over "any virtual mass, its position and motion, a step"
     fn p6_mass_moves(s) {
@@ -57,7 +57,7 @@ property! {
     }
 }
 property! {
-    /// P11 (refinement): the first tick of a damped spring with a filtered velocity is that of the spring on a device at rest. The
+    /// P11 (refinement): the first tick of a damped spring with a filtered velocity is that of the spring for a device at rest. The
     /// reported values are the spring's.
     equation "f = spring(e, 0)"
     over "any spring, any share of the smoothing, position, displacement"

@@ -1,14 +1,14 @@
 //! Replacements for the parts of the enhanced law's tick when the model checker runs: any result, and the same result for equal
 //! arguments.
 //!
-//! That a tick puts its parts together as its specification does not depend on what they return. A `composed_property!` replaces
-//! these parts in code and specification: the new offset, the force that drives the virtual mass, the move that stored energy pays
-//! for, the thesis' passivity controller, and the coupling's force. The code gets any result. The specification gets the same if
-//! its arguments are equal, and any other if not.
+//! Whether a tick combines its parts as its specification does, does not depend on what the parts return. A `composed_property!`
+//! replaces these parts in code and specification: the new offset, the force that drives the virtual mass, the move that stored
+//! energy pays for, the thesis' passivity controller, and the coupling's force. The code gets any result. The specification gets
+//! the same one for equal arguments, and any result for others.
 //!
 //! `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and `refines::w32::p11_passive` prove that the real results
-//! are equal. What moves and passivity controller need is asserted in this file; what offset and energy bookkeeping need is assumed
-//! by the property.
+//! are equal. What moves and passivity controller require of their arguments is asserted in this file; what offset and energy
+//! bookkeeping require is assumed by the property.
 
 /// Defines a property of the enhanced law's tick. At 32 bits (`multiplied`) the parts of the tick are replaced by those of this
 /// file, at 8 bits (`plain`) they are the real ones.
@@ -49,8 +49,8 @@ macro_rules! booked_property {
     };
 }
 
-/// Defines a property of a tick of the enhanced law in which the virtual mass does not take over, so that the hand-over is
-/// replaced.
+/// Defines a property of a tick of the enhanced law in which the virtual mass does not take over. The hand-over cannot occur, so it
+/// is replaced.
 #[macro_export]
 macro_rules! first_property {
     ($products:ident $($property:tt)*) => {
@@ -340,7 +340,7 @@ mod by_one_answer {
     }
 
     /// Replaces [`Guard::booked`], the sum of the energy account, when the model checker runs. `refines::w32::p11_guard_booked`
-    /// proves that the sum is far from the format's end.
+    /// proves that the sum stays far from the ends of the format.
     pub fn booked<N: Format>(
         _: &Guard<N>,
         state: &GuardState<N>,

@@ -1,7 +1,7 @@
-//! P11 (refinement): the estimator of a place in space consists of one position estimator per axis, whatever these compute.
+//! P11 (refinement): the estimator of a place in space consists of one position estimator per axis, for any results of these.
 //!
 //! The model checker replaces the three estimators' functions by recorders. A recorder's result depends on its arguments, on its
-//! estimator and on the last command. That an estimator's tick equals its specification is shown in [`crate::estimated`].
+//! estimator and on the last command. [`crate::estimated`] proves that an estimator's tick equals its specification.
 
 use crate::cover;
 use crate::estimator::{any, ok};
@@ -29,8 +29,8 @@ macro_rules! placed_property {
     };
 }
 
-/// Replaces [`Estimator::tick`]. Returns the measured position as position. Returns as displacement the estimator's limit if that
-/// was the last command, otherwise the position before.
+/// Replaces [`Estimator::tick`]. As position it returns the measured position. As displacement it returns the estimator's limit if
+/// that was the last command, otherwise the position before.
 #[cfg(kani)]
 pub fn recorded<N: Number>(
     law: &Estimator<N>,

@@ -55,8 +55,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out through a plane along a direction is the depth divided by the cosine of the angle to the normal.
-    /// Along the plane or inwards there is no way out.
+    /// P4 (geometry): the way out through a plane along a direction is the depth divided by the cosine of the angle between
+    /// direction and normal. For a direction along the plane or inwards there is no way out.
     equation "t = depth / floor(n·u) towards zero, of a 1 of 127/128"
     over "normals and directions of 3 bits an axis, depths of 7 bits"
     by sampled fn p4_plane_exit(s) {
@@ -154,13 +154,14 @@ fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
 
-/// Largest error of the distance to an edge, and of its normal's sideways error times that distance, in steps of the number format.
+/// Two bounds, in steps of the number format: of the error of the distance to an edge, and of the sideways error of its normal
+/// times that distance.
 const EDGE: i64 = 7;
 
 property! {
     /// P4 (geometry): below both planes of an edge the higher plane counts. Above one plane that plane counts, if the foot of the
-    /// perpendicular is below the other. Otherwise the edge counts, with a normal between theirs. The depth is then right to seven
-    /// steps of the number format if the planes meet at more than 30 degrees.
+    /// perpendicular is below the other. Otherwise the edge counts, with a normal between those of the planes. The depth is then
+    /// right to seven steps of the number format if the planes meet at more than 30 degrees.
     equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else depth² = (a² + b² - 2 (n·m) a b)/(1 - (n·m)²), to 7 quanta"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_edge_nearest(s) {
@@ -217,8 +218,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the free space of a concave corner is an edge of both planes seen from below. A place inside is below either
-    /// plane, and its normal is the opposite of that edge's.
+    /// P4 (geometry): the free space of a concave corner is the edge of both planes seen from below. A place is inside the corner
+    /// if it is below one of the planes, and its normal is the opposite of that edge's.
     equation "nearest = -(nearest of the free space)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_corner_nearest(s) {
@@ -254,7 +255,7 @@ property! {
             let free = plane.normal.opposite();
             let below = along(&free, at) + bits(plane.height);
             if below > 0 {
-                // The cosine with the normal that was reversed twice.
+                // The cosine with the normal, which the code has reversed twice.
                 let out = slanted(below, along(&plane.normal, parts(&u)));
                 longest = longest.and_then(|longest| Some(out?.max(longest)));
             }

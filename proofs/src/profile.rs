@@ -27,8 +27,8 @@ fn profile_point<S: Source>(s: &mut S) -> i16 {
 }
 
 property! {
-    /// P4: between two points a torque profile pushes with at most its largest force, and in no direction in which neither point
-    /// pushes.
+    /// P4: between two points a torque profile pushes with at most its largest force, and never in a direction in which neither
+    /// point pushes.
     equation "|f| <= A; p, q >= 0 => f <= 0; p, q <= 0 => f >= 0"
     over "strength, two points, way between them"
     fn p4_profile_force(s) {
@@ -52,8 +52,8 @@ property! {
     }
 }
 property! {
-    /// P9: in every copy of a repeated torque profile a position is between the same two points. After the last point comes the
-    /// first of the next copy.
+    /// P9: in every copy of a repeated torque profile, a given part of the copy is between the same two points. The last point is
+    /// followed by the first of the next copy.
     equation "i = floor(part n / 2^32), way = part n - i 2^32, after = (i + 1) mod n"
     over "part of a copy, number of points"
     fn p9_profile_repeated(s) {
@@ -61,7 +61,7 @@ property! {
         let Between { before, after, way } = repeated_between(part, points);
         assert!(before < points && after < points);
         assert!(after == (before + 1) % points);
-        // Position and way are the part, exactly.
+        // Point index and way are the high and low word of part times number of points, exactly.
         assert!(u64::from(before) << 32 | u64::from(way) == u64::from(part) * u64::from(points));
         cover!(s, after == 0 && points > 1, "to the next copy");
         cover!(s, after > before, "within a copy");

@@ -2,9 +2,9 @@
 //! (`answers.rs`). Validation is replaced as well (`stand_ins.rs`).
 //!
 //! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces
-//! each by any number. Code or specification gets the same result if it calls with the same arguments again. For the estimator's
-//! 56-bit numbers, the specification's n-th call gets the result of the code's n-th, and nothing else is known of that result. Of a
-//! result in settings one fact is known:
+//! each by any number. Code and specification get the same result for the same arguments. For the estimator's 56-bit numbers, this
+//! holds only between the n-th call of the code and the n-th call of the specification. Of a result in the format of settings one
+//! fact is known:
 //!
 //! ```text
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
@@ -30,8 +30,7 @@ macro_rules! reckoned_property {
     };
 }
 
-/// Defines a property of the guard's coefficients in which validation is replaced, so that it holds for any settings that are
-/// accepted.
+/// Defines a property of the guard's coefficients in which validation accepts all settings.
 #[macro_export]
 macro_rules! validated_property {
     ($($property:tt)*) => {

@@ -225,7 +225,7 @@ macro_rules! refines {
                 $products
                 /// P11 (refinement), enhanced law: the force that drives the virtual mass, and the coupling's force on the hand,
                 /// equal their specification.
-                equation "N0 = M d + k_f (e - x) + C Δe, f = floor(k_f (e - x) + C (Δe - d))"
+                equation "N0 = M d + k_f (e - x) + C Δe, f = trunc(k_f (e - x) + C (Δe - d))"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_mass_forces(s) {
                     let (law, series) = such!(s, any_enhanced::<N, S>(s, ObserverForm::Exact), |it| enhanced_ok(&it), "validate");

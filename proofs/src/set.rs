@@ -1,6 +1,6 @@
 //! P11 (refinement): the coefficients of guard and estimator follow from settings as their specification says, at 32 bits.
 //!
-//! `V` and `X` are the displacements of a device over a time by a displacement of 1 per tick and by an acceleration of 1 per tick².
+//! `V` is how far a device with a displacement of 1 per tick moves in a time, `X` how far an acceleration of 1 per tick² moves it.
 //!
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
@@ -45,7 +45,7 @@ pub fn bits(x: Si) -> Int {
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
-    // Only for samples: the checker need not follow a division.
+    // For random tests only: the checker need not follow a division.
     let (rate_hz, tick) = if s.shortcut() {
         let rate_hz = 1 + rate_hz % 10_000;
         (rate_hz, ONE / i64::from(rate_hz))
@@ -169,8 +169,8 @@ fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
 }
 
 timed_property! {
-    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's, and they fit words
-    /// for the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's. Both refuse the
+    /// same devices, whose coefficients do not fit words.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
     over "loss, q, delay"
     by minisat fn p11_flow_tick32(s) {
@@ -185,7 +185,7 @@ timed_property! {
 }
 timed_property! {
     /// P11 (refinement): the coefficients that predict a device's motion from a sample to the next command's start equal the
-    /// specification's, and they fit words for the same devices.
+    /// specification's. Both refuse the same devices, whose coefficients do not fit words.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
     over "loss, q, delay"
     by minisat fn p11_flow_ahead32(s) {
@@ -199,7 +199,8 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11 (refinement): the estimator's correction gains equal the specification's, and they fit words for the same devices.
+    /// P11 (refinement): the estimator's correction gains equal the specification's. Both refuse the same devices, whose gains do
+    /// not fit words.
     equation "α = 1 - z³/ρ, V γ = (1 - z)³, V β = 2 + ρ - 3z - α - X γ"
     over "loss, angle of the poles"
     by minisat fn p11_correction32(s) {
@@ -271,8 +272,8 @@ property! {
     }
 }
 flow_property! {
-    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's; for an estimator that is
-    /// accepted no sum can overflow.
+    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's. In an accepted estimator
+    /// no sum can overflow.
     equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_settings32(s) {
@@ -291,7 +292,7 @@ flow_property! {
 }
 property! {
     /// P11 (refinement): how far a device moves in a time by its displacement per tick (`V`) and by a push (`X`) equals the
-    /// specification's sums to the last digit, for two devices and times.
+    /// specification's sums to the last digit. Proved for two devices, each with one time.
     equation "V = Σ (-β)^k t^(k+1)/(k+1)!, X = Σ (-β)^k t^(k+2)/(k+2)!"
     over "loss 5/4 over one tick, 1/8 over two"
     by minisat fn p11_integrals64(s) {

@@ -171,7 +171,7 @@ lawful_property! {
 lawful_property! {
     not_plain
     /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. The factor of the
-    /// force bound belongs to the damping as it is stored.
+    /// force bound is calculated from the damping as stored.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, sqrt(4 c_i/T), limit"
     over "settings of the law"
     by minisat fn p11_fba_settings32(s) {
@@ -239,8 +239,8 @@ lawful_property! {
 
 lawful_property! {
     not_plain
-    /// P11 (refinement): the enhanced law that the code makes of the settings, or its refusal, equals the specification's. That
-    /// includes the target stiffness that its offset regulates to (thesis 3.5) and its prepared divisors.
+    /// P11 (refinement): the enhanced law that the code makes of the settings, or its refusal, equals the specification's. This
+    /// includes the target stiffness of its offset (thesis 3.5) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

@@ -75,8 +75,8 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11 (refinement): if a law's settings are converted to another unit of length, quantities per length and the lent energy are
-    /// converted. Guard, estimator and velocity filter are off.
+    /// P11 (refinement): converting a law's settings to another unit of length converts the quantities per length and the lent
+    /// energy. Guard, estimator and velocity filter are off.
     equation "k, b, m per u; E u"
     over "settings of any law, unit"
     by minisat fn p11_law_in_unit64(s) {
@@ -110,8 +110,8 @@ reckoned_property! {
     }
 }
 guarded_property! {
-    /// P11 (refinement): the guard on three axes is that of one axis with √3 of an encoder count, and one step of the number format
-    /// more where a position is rounded. A change of force is charged as along one axis.
+    /// P11 (refinement): the guard on three axes is that of one axis with √3 of an encoder count, and with one more step of the
+    /// number format where a position is rounded. A change of force is charged as on one axis.
     equation "VectorGuard::new = (Guard::new(√3 δ), δ + q, i + q, slack of δ)"
     over "settings of the guard, rate, force limit, count; under the checker a guard of which each word is one that it was told"
     by minisat fn p11_vector_guard_settings32(s) {

@@ -13,8 +13,8 @@ use touchstone_control::law::{EnhancedState, FbaState, SfaState, SpringState, Td
 use touchstone_control::{AnyLaw, Controller, Fixed32, Force, Number, Si, Stiffness};
 
 property! {
-    /// P8 (settings): the absolute value of a setting's bits is shifted to the format, which rounds towards zero, and its sign is kept. A
-    /// setting that must not be negative, or that does not fit, is refused.
+    /// P8 (settings): a setting keeps its sign, and the absolute value of its bits is shifted to the format, which rounds towards
+    /// zero. A setting that must not be negative but is, or that does not fit, is refused.
     equation "bits' = bits >> shift, or refused"
     over "setting of 64 bits"
     by minisat fn p8_conversions32(s) {

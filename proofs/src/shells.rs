@@ -115,7 +115,7 @@ property! {
             let size = N::of_signal(size.0);
             assert_reached!(force_bits(told)[i] == if part < 0 { -size } else { size });
         }
-        // A component of 0 counts as positive, whatever force its law gives there.
+        // A component of 0 counts as positive, for any force that its law gives there.
         let pushing = PerAxis::new([Pushes; 3], leaving).tick(&touched);
         for (i, part) in parts(&normal).into_iter().enumerate() {
             assert_reached!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
@@ -126,7 +126,7 @@ property! {
 
 property! {
     /// P4 (geometry): each of the three laws of a shell gets its part of the displacement along the normal of the last tick. On a
-    /// surface that does not turn it is the change of the law's own penetration, bit for bit.
+    /// surface that did not turn, that part is the change of the law's own penetration, bit for bit.
     equation "m_i = e_i - e_i'; |n_i'| m where the surface turned or the closest point jumped"
     over "normals of 3 bits along two axes, depths of 4 bits, places of 3 bits along two axes; turned or not"
     by sampled fn p4_per_axis_is_told_its_part(s) {
@@ -154,7 +154,7 @@ property! {
             let moved = if straight { e - part(before, was) } else { part(before, inwards) };
             let size = damped(i).tick(Sample { e: position(e), moved: position(moved) });
             let size = N::of_signal(size.0);
-            // A component of 0 keeps the sign that it had.
+            // If the new component is 0, the sign of the last tick stays.
             let negative = if after == 0 { before < 0 } else { after < 0 };
             assert_reached!(force_bits(told)[i] == if negative { -size } else { size });
         }
@@ -164,8 +164,8 @@ property! {
 }
 property! {
     /// P1 (energy): the energy of force bounding on three axes is the exact sum of the force's work along the displacement and of
-    /// what the damping dissipated. The force is the spring's along the normal, as far as limit and energy allow. Outside the
-    /// object the law restarts.
+    /// the energy that damping dissipated. The force is the spring's along the normal, as far as limit and energy allow. Outside
+    /// the object the law restarts.
     equation "E' = min(E - F·Δ + c Σ Δ_i², cap); |F| = min(k e, limit, bound sqrt E')"
     over "three places of 2 bits along two axes and of 1 along the third, depths of 2 bits, normals of 2 bits along two axes, two dampings"
     by sampled fn p1_bounding_is_the_sum(s) {
@@ -214,7 +214,7 @@ property! {
 
 property! {
     /// P4 (geometry): a wall on three axes runs its parts in this order: surface point, law, friction under the force along the
-    /// normal, limit, and guard. The guard gets the hand's motion and the force that was commanded in the end.
+    /// normal, limit, guard. The guard gets the hand's motion and the force that was finally commanded.
     equation "F = guard(limit(shell(touch) + friction(touch, n·F)))"
     over "a box; two places of 4 and 3 bits along two axes, limits of 3 bits; with and without friction, guard, a later change"
     by sampled fn p4_wall_is_its_parts(s) {

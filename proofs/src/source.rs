@@ -1,9 +1,9 @@
 //! Sources of the inputs of a property (a statement about the code): the model checker, which takes all inputs at once, or a seeded
-//! generator (many inputs, extreme values preferred). The body of a property does not depend on which.
+//! generator (many inputs, extreme values preferred). The body of a property is the same for both.
 //!
-//! The crate bolero offers the common interface as well. But its engine for the model checker Kani accepts a generator that can
-//! give no value, and it cannot report whether a cover (a situation) was reached. These proofs need both, and this file adds them
-//! in few lines.
+//! The crate bolero offers such a common interface too. But its engine for the model checker Kani accepts a generator that has no
+//! value to give, and it cannot report whether a cover (a situation) was reached. These proofs need both checks, which this file
+//! has in few lines.
 
 /// A source of a property's inputs; it also takes the property's assumptions and covers (situations to be reached).
 pub trait Source {
@@ -77,7 +77,7 @@ impl Source for Symbolic {
         false
     }
     fn cover(&mut self, _: bool, _: &'static str) {}
-    // Each width is drawn as such, not as a part of 64 bits: the integer solver does not know bit masks.
+    // Each width has its own draw, instead of a part of 64 bits, because the integer solver does not know bit masks.
     fn bool(&mut self) -> bool {
         kani::any()
     }
@@ -252,12 +252,12 @@ macro_rules! cover {
 /// Defines a property (a statement about the code): its body, its proof with the model checker Kani, and its test on random samples
 /// without Kani.
 ///
-/// `equation` and `over` are texts for the proofs' table; `over` names the configurations, memories and inputs, all of which the
-/// proof covers.
+/// `equation` and `over` are texts for the proofs' table. `over` names the configurations, memories and inputs; the proof covers
+/// all of them.
 #[macro_export]
 macro_rules! property {
-    // Only tested on random samples here: no solver finishes at this width, or the statement follows over the integers, or another
-    // test tries all inputs.
+    // This form is tested on random samples only: no solver finishes at this width, or two solvers show the statement over the
+    // integers, or another test tries all inputs.
     ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {

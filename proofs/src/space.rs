@@ -40,8 +40,8 @@ pub(crate) fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64
     v.0.map(|x| N::of_signal(x.0))
 }
 
-/// Whether a vector is at most a quarter of the format's range long. The guard's constructor guarantees it for forces, and its
-/// check for overspeed for displacements.
+/// Whether a vector is at most a quarter of the format's range long. The guard's constructor guarantees this for forces, its check
+/// for overspeed for displacements.
 fn short<N: Format>(bits: [i64; 3], quarter: i64) -> bool {
     squares::<N>(bits) <= N::exact(quarter) * N::exact(quarter)
 }
@@ -150,7 +150,7 @@ macro_rules! space {
                     let stays = limited == v;
                     let after = force_bits(limited);
                     assert!(squares::<N>(after) <= most * most);
-                    // For a vector that is unchanged, nothing else is claimed.
+                    // Nothing else is claimed of a vector that is unchanged.
                     if !stays {
                         let bits = force_bits(v);
                         assert_reached!(squares::<N>(bits) > most * most);
@@ -163,7 +163,7 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 (limits): the code reports a vector as longer than a limit exactly if it is longer.
+                /// P4 (limits): the code reports a vector as longer than a limit if and only if it is longer.
                 equation "|v| > l  <=>  Σ v_i² > l²"
                 over "every vector, every limit that is not negative"
                 by $longer fn p4_longer(s) {
@@ -225,9 +225,9 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P7 (end of contact): outside the object, a contact with the rule "projection" ends exactly if the distance is
-                /// longer than the offset's part along it. With the rule "decoupled" it never ends that way. If no axis has left,
-                /// no rule ends the contact.
+                /// P7 (end of contact): outside the object, a contact with the rule "projection" ends if and only if the distance
+                /// is longer than the offset's part along it. With the rule "decoupled" it never ends in this way. If no axis has
+                /// left, no rule ends the contact.
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
                 by $leaving fn p7_leaving(s) {

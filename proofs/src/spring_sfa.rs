@@ -109,7 +109,7 @@ macro_rules! spring_sfa {
                         let cleared = SfaState { last: e, before_last: before.last, ..SfaState::default() };
                         assert_reached!(state == cleared);
                     }
-                    // In first contact the surface is the undeformed wall's.
+                    // In the first contact phase the surface is that of the undeformed wall.
                     let first = before.contact != Contact::Augmenting && state.contact != Contact::Augmenting;
                     assert!(!(first && e <= Position::zero()) || force == Force::zero());
                     cover!(s, before.contact == Contact::Augmenting && force == Force::zero(), "leaves");

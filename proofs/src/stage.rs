@@ -1,9 +1,8 @@
-//! Properties of the guard as a stage of the controller (`control/src/guard/guarded.rs`). They are about four subjects: what the
-//! stage measures, that no motion under a force goes uncounted at the end of positions, that overspeed stays until the stage
-//! resumes, and what memory remains then.
+//! Properties of the guard as a stage of the controller (`control/src/guard/guarded.rs`). Their subjects are: the displacement that
+//! the stage measures; that no motion under a force goes uncounted at the end of positions; that overspeed stays until the stage
+//! resumes; and the memory after resuming.
 //!
-//! `Δ` is the displacement, `e` the measured and `x` the true position, `B` the energy in the account and `C` the most that it
-//! holds.
+//! `Δ` is the displacement, `e` the measured and `x` the true position, `B` the energy in the account and `C` its capacity.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
@@ -32,7 +31,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// Defines a property of the guard's stage that holds whatever its guard returns; equal arguments give equal results.
+/// Defines a property of the guard's stage that holds for any results of its guard; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -43,8 +42,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Replaces [`Guard::tick_with_change`]: any memory and any force or overspeed, and the same for equal arguments. The guard is not
-/// among the arguments compared, as there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or overspeed, and the same for equal arguments. The guard itself
+/// is not compared, because there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -122,7 +121,7 @@ fn is_beyond_edge<N: Format>(stage: &Guarded<N>, e: Position<N>) -> bool {
 }
 
 /// Whether a guard's stage is as `Guard::new` makes it, its memory satisfies the guard's invariant, and every force that acts can
-/// end.
+/// end before the end of positions.
 pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
     stage.guard.valid()
@@ -201,7 +200,7 @@ pub mod w8 {
     }
 }
 
-/// Properties of the guard's stage at 32 bits, whatever its guard returns.
+/// Properties of the guard's stage at 32 bits, for any results of its guard.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
@@ -264,9 +263,9 @@ pub mod w32 {
     }
 
     staged_property! {
-        /// P9 (end of positions): the books of an environment, whose positions go on where those of the format end. They are those
-        /// of the stage by displacements, for the displacement between the two positions. The axis is reversed where the force that
-        /// acted was negative. Where angles end, the force is 0.
+        /// P9 (end of positions): an environment has positions beyond the ends of the format. A tick of its stage is the stage's
+        /// tick by displacement, for the difference of the two positions. If the force that acted was negative, the axis is
+        /// reversed. At the end of the range of angles, the force is 0.
         equation "(memory, f) = moved(memory, e - e(n-1), e - e(n-1) - since, f_wanted), no e(n-1): 0, none of since: 0; f(n-1) < 0: all with the other sign; |e| at the end => f = 0"
         over "furthest displacement, memory, two positions of 64 bits in whole steps, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
         by minisat fn p9_stage_without_end(s) {

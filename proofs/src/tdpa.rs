@@ -48,8 +48,8 @@ macro_rules! tdpa {
             }
             property! {
                 /// P1 (energy), TDPA with the thesis' observer: a tick inside the wall is the passivity step of the stored energy
-                /// plus what the counted damper dissipated, at most the cap. With the properties of `heart` follows that the energy
-                /// is not negative and grows by at most that loss and the work of the new force.
+                /// plus what the counted damper dissipated, at most the cap. With the properties of `heart` it follows that the
+                /// energy is not negative and grows by at most that loss and the work of the new force.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {
@@ -91,8 +91,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), TDPA with the exact observer: the energy is the port's plus that of the counted damping, limited
-                /// from above only.
+                /// P1 (energy), TDPA with the exact observer: the energy is that at the port plus that of the counted damping. It
+                /// is limited from above only.
                 equation "E' = min(E + f Δe + loss, cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {
@@ -116,7 +116,7 @@ macro_rules! tdpa {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be limited.
+                    // The sum is limited only below a deficit of the whole format, 32 kJ.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
@@ -124,9 +124,9 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), TDPA with the exact observer: a corrected force is the quotient of energy and displacement, with
-                /// the sign that pays the deficit back over a displacement like the last one. Without a deficit it is the wall's
-                /// own force.
+                /// P1 (energy), TDPA with the exact observer: a corrected force is the quotient of energy and displacement. Its
+                /// sign is such that a displacement like the last one pays the deficit back. Without a deficit it is the wall's own
+                /// force.
                 equation "f = ± |E| / |Δe|, or f_wanted without need"
                 over "valid configuration, energy, wanted force, displacement"
                 by $sums fn p1_exact_correction(s) {
@@ -140,7 +140,7 @@ macro_rules! tdpa {
                     } else {
                         let enough = energy.per_displacement(moved);
                         assert!(enough >= Force::zero() && (force == enough || force == -enough));
-                        // A surplus is given outward; a deficit is worked off against the motion.
+                        // A surplus is given out in an outward motion; a deficit is worked off by a force against the motion.
                         let absorbs = (force.0 > 0) == (moved.0 > 0);
                         assert!(enough == Force::zero() || absorbs == (energy < Energy::zero()));
                         assert_reached!(energy < Energy::zero() || moved < Position::zero());

@@ -1,8 +1,8 @@
 //! What every accepted configuration of a law or guard satisfies (`Valid`), and the invariant of the memory (`holds`). The
 //! properties start from any configuration and any memory that satisfy these conditions, and show that a tick keeps the invariant.
 //!
-//! `settings.rs` proves and tests that every configuration that `Controller::new` accepts is valid. The first memory satisfies the
-//! invariant (`p8_initial32`).
+//! `settings.rs` proves and tests that every configuration that `Controller::new` accepts is valid. `p8_initial32` proves that the
+//! first memory satisfies the invariant.
 
 use crate::format::Format;
 use crate::source::{Source, one_with};

@@ -48,7 +48,7 @@ fn root_up(square: i128) -> i128 {
     let root = square.isqrt();
     root + i128::from(root * root < square)
 }
-/// Energy that the trusted damping dissipated over a displacement. Its length is uncertain by an encoder count and a step of the
+/// Energy that the trusted damping dissipated over a displacement, whose length is uncertain by an encoder count and a step of the
 /// number format.
 fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
@@ -182,7 +182,7 @@ pub mod w32 {
 
     property! {
         /// P1 (energy): the account of the guard on three axes is the exact sum over the axes, with the damping of the
-        /// displacement's length. The account covers the force, which is never longer than the requested force and keeps its
+        /// displacement's length. The account covers the force. The force is never longer than the requested one and has its
         /// direction.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "valid configuration, memory in the invariant, displacement, wanted force"
@@ -271,8 +271,8 @@ pub mod w8 {
 
     property! {
         /// P1 (energy): the account of the guard on three axes is the exact sum over the axes, with the damping of the
-        /// displacement's length. The account covers the force, which is never longer and keeps its direction. Overspeed costs what
-        /// the forces that acted can have lost; with a deficit the force is 0.
+        /// displacement's length. The account covers the force, which is never longer than the requested one and has its direction.
+        /// Overspeed is charged with what the acting forces can have lost. With a deficit the force is 0.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, displacements of 4 and 3 bits, wanted forces of 2 bits"
         by sampled fn p1_vector_account(s) {
@@ -313,8 +313,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9 (end of positions): within two largest displacements of the end of positions, in any coordinate, the guard's force is
-        /// 0, and a requested force is refused. Elsewhere the tick is that of any other place.
+        /// P9 (end of positions): if any coordinate is within two largest displacements of the end of positions, the guard's force
+        /// is 0, and a requested force is refused. Elsewhere the place has no effect on the tick.
         equation "|x_i| >= end - 2 d: 0, and Err where F ≠ 0"
         over "one configuration; every coordinate of 8 bits, along each axis, displacements of 2 bits along two axes, wanted forces of 2 bits"
         by sampled fn p9_no_force_at_the_end(s) {
@@ -335,7 +335,7 @@ pub mod w8 {
         }
     }
     property! {
-        /// P4 (limits): a reported force that is smaller than the guard's is the force that the account counts; a larger one counts
+        /// P4 (limits): a reported force that is at most the guard's becomes the force that the account counts; a larger one counts
         /// as the guard's.
         equation "|F| <= s: against = -F, s' = |F| up"
         over "forces of 4 bits along two axes, sizes of 4 bits"

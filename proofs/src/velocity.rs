@@ -1,10 +1,12 @@
 //! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
 //! states leaves its range.
 //!
-//! A product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
-//! where they are compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that
-//! range. The window, which multiplies by whole ticks, is compared in random tests, with everything else
-//! (`proofs/tests/spec_velocity.rs`). `v` is the filtered displacement per tick, `x` the position, `a` the gain.
+//! A product of a weight (coefficient) and a part (leading digits of a state) is replaced, as for the estimator
+//! ([`crate::weighed`]). Where code and specification are compared, it is one unknown number for both; where only its range
+//! matters, it is any number in that range. The window multiplies by whole ticks. It is compared in random tests, like everything
+//! else (`proofs/tests/spec_velocity.rs`).
+//!
+//! `v` is the filtered displacement per tick, `x` the position, `a` the gain.
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -129,8 +131,8 @@ fn place(bits: i32) -> Position<N> {
 }
 
 property! {
-    /// P11 (refinement): adaptive windowing equals the specification's: the slope over the longest window that a line fits, and the
-    /// remembered positions.
+    /// P11 (refinement): adaptive windowing equals the specification's, in its result and in the remembered positions. The result
+    /// is the slope over the longest window that a line fits.
     equation "v = (e - e(n-k))/k, the largest k <= K that a line within d fits; e, e(n-1), ... remembered"
     over "positions remembered, position, longest window, margin"
     by sampled fn p11_window(s) {

@@ -29,8 +29,8 @@ const fn contact(inside: bool) -> Contact {
 }
 
 property! {
-    /// P11 (refinement): the view (values for telemetry) of a law without an offset says whether it is in contact, and its energy
-    /// if it observes one.
+    /// P11 (refinement): the view (values for telemetry) of a law without an offset tells whether it is in contact, and the energy
+    /// if the law observes one.
     equation "view = (inside, E)"
     over "law, memory"
     fn p11_view_without_offset(s) {
@@ -135,7 +135,7 @@ property! {
     }
 }
 staged_property! {
-    /// P11 (refinement): on the mirrored axis, with displacements and forces of the opposite sign, the guard acts the same.
+    /// P11 (refinement): the guard on the mirrored axis gives the mirrored result: displacements and forces have the opposite sign.
     equation "f = -guard(-Δ, -f_wanted | -f(n-1))"
     over "memory, displacement, the part before the change, wanted force; under the checker whatever the guard answers"
     by minisat fn p11_guard_mirrored(s) {

@@ -1,9 +1,9 @@
 //! Products of the estimator when the model checker runs: any result, and the same result for equal arguments, as in
 //! [`crate::multiplied`]. The factors are a weight (coefficient) and a part (leading digits of a state).
 //!
-//! That a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by
-//! any number, and the specification's next call gets the code's result if its arguments are equal. Other properties prove that
-//! no sum overflows; here each sum assumes it.
+//! Whether a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by
+//! any number, and the specification's next call gets the code's result if its arguments are equal. Here each sum is assumed not to
+//! overflow; other properties prove that.
 //!
 //! ```text
 //! no sum of the code overflows                            estimator::p3_flow_fits32, p3_motion_stays32
@@ -130,14 +130,14 @@ mod by_one_product {
     use touchstone_control::number::{Wide, Wide64};
     use touchstone_control::{Estimator, Number, Position};
 
-    /// Largest number of products in the record, which no property reaches.
+    /// Number of rows in the record. No property makes so many products.
     const END: usize = 10;
     /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
     /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// Number of multiplications that the code under proof has called so far. Row `i` below belongs to call `i`: weight times part is
-    /// the product.
+    /// Number of multiplications by the code. Row `i` of the record belongs to the code's call `i`: weight, part, and their
+    /// product.
     static ASKED: AtomicUsize = AtomicUsize::new(0);
     /// The weight (a coefficient of the estimator) in each row.
     static WEIGHT: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
@@ -230,7 +230,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// Record of the code's one call of a replaced step of the tick: arguments and result.
+    /// Record of the code's only call of a replaced step of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -247,8 +247,8 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// The result of a replaced step: any at the first call, then the same one for equal arguments, and any other for different
-        /// ones.
+        /// The result of a replaced step: any result at the first call. Later calls get the same result for equal arguments, and
+        /// any result for others.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;

@@ -33,7 +33,7 @@ property! {
 }
 property! {
     /// P3 (arithmetic): the part of an estimator's state that is multiplied is its leading digits: of a motion the first 28
-    /// fractional bits, of a torque the first 24. Both are rounded down and exact if they fit words.
+    /// fractional bits, of a torque the first 24. Both are rounded down, and are exact if they fit words.
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
@@ -75,7 +75,7 @@ property! {
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // In tests on random samples the state is mostly near one of the two ends, as otherwise none would be.
+        // In random tests the state is mostly near one of the two ends; otherwise hardly any would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);
@@ -91,7 +91,7 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a weight (coefficient) is the nearest one to the calculated number, halves rounded up. There is none if the
+    /// P3 (arithmetic): a weight (coefficient) is the number nearest to the calculated one, halves rounded up. There is none if the
     /// number is beyond ±32, or ±2 for a torque.
     equation "w = floor(v 2^-30 + 1/2), of a torque floor(v 2^-26 + 1/2); none beyond a word"
     over "value with 56 fractional digits"

@@ -1,5 +1,5 @@
 //! Tests both sides of bounds that several settings share, and which setting a refusal names. The comparison with the specification
-//! does not cover these, as it only compares whether settings are accepted.
+//! does not cover these: it only compares whether settings are accepted.
 
 use touchstone_control::space::{FrictionError, FrictionSettings, LengthUnit};
 use touchstone_control::{
@@ -82,7 +82,7 @@ fn estimator(bandwidth_hz: Si, inertia: Si) -> EstimatorSettings {
 
 #[test]
 fn the_estimator_s_bounds_are_where_they_are_said_to_be() {
-    // Columns: rate in Hz, lowest and highest bandwidth, smallest and largest inertia for a force limit of 1 N·m.
+    // Columns: rate in Hz; lowest and highest bandwidth; smallest and largest inertia, for a force limit of 1 N·m.
     for (rate, bandwidths, inertias) in [
         (1000, ["2", "200"], [None, Some("60")]),
         (1, ["0.002", "0.2"], [Some("1"), None]),
@@ -166,7 +166,7 @@ fn a_coefficient_of_friction_is_at_most_ten() {
         refused(Si::ZERO, LengthUnit::Metre),
         Some(FrictionError::Stiffness { .. })
     ));
-    // With a stiffness of 0 per millimetre after rounding, friction would stretch beyond every format.
+    // The stiffness per millimetre is rounded to 0, so friction would stretch beyond every format.
     let Some(FrictionError::OutOfFormat { value, .. }) = refused(Si::DELTA, LengthUnit::Millimetre)
     else {
         panic!("it has no reach");

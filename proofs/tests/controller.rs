@@ -105,7 +105,8 @@ fn a_tick_is_the_law_and_then_the_guard() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// Checks that the configured damping of the device is a coefficient of the TDPA law only if the law is set to count it.
+/// Checks that the configured damping of the device becomes a coefficient of the TDPA law only if the law is configured to count
+/// it.
 #[test]
 fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     let settings = |count_device_damping| Settings {

@@ -94,7 +94,7 @@ fn what_no_device_does_starts_the_estimator_anew() {
     for jump in [8.0, 9.0, 20.0, 100.0, -8.1, -20.0, -100.0] {
         assert_eq!(after(jump), None, "{jump}");
     }
-    // The same motion from another place: only the difference counts.
+    // The same motion starts at another place: only the difference of positions counts.
     let before = EstimatedMotion::standing(at(100.0));
     let moved = estimator.corrected(&before, &[0; 3], at(100.001));
     assert!(moved.is_some_and(|it| it.moved != Wide64::default()));
@@ -107,8 +107,8 @@ fn what_brakes_harder_than_an_estimator_sees_is_left_to_the_push() {
             .estimator::<N>(1000, si("0.5"))
             .expect("accepted")
     };
-    // 2π times 60 Hz times a tick is 0.377. For an inertia of 1 N·m per tick² that is a damping of 0.000377 N·m·s/rad. The last two
-    // are 200 and 1000 ticks.
+    // 2π times 60 Hz times a tick is 0.377. With an inertia of 1 N·m per tick² this is a damping of 0.000377 N·m·s/rad, the largest
+    // that the estimator uses. The last two dampings would take 200 and 1000 times the velocity per tick.
     let clipped = made("0.0004");
     for damping in ["0.001", "0.1", "0.2", "1"] {
         assert_eq!(made(damping), clipped, "{damping}");
@@ -148,7 +148,7 @@ fn an_estimator_takes_the_lightest_inertia_and_no_lighter_one() {
         );
         assert!(is_inertia, "{inertia}: {refused:?}");
     }
-    // A torque of a hundredth at a rate of 1 Hz is accepted at no higher rate.
+    // At 1 Hz and a force limit of 1 N·m the smallest accepted inertia is 1 kg·m².
     assert!(accepts(1, si("0.5"), "1").is_err());
 }
 

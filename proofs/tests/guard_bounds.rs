@@ -1,5 +1,5 @@
-//! Tests that the guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by
-//! its last digit, or settings begin to be refused. The test finds the steps by bisection.
+//! Tests that the guard's coefficients equal the specification's on both sides of every step: where a coefficient changes by its
+//! last digit, or where settings begin to be refused. The tests find the steps by bisection.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{
@@ -61,8 +61,8 @@ fn is_the_specification_around(
     }
 }
 
-/// The largest setting at which a function still has the value that it has at the lower end, found by bisection. `None` if both
-/// ends have the same value.
+/// The largest setting at which a function still has the value of the lower end, found by bisection. `None` if both ends have the
+/// same value.
 fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) -> Option<i64> {
     if of(Si::from_bits(low)) == of(Si::from_bits(high)) {
         return None;
@@ -81,8 +81,8 @@ fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) ->
 #[test]
 fn where_a_coefficient_steps_it_is_the_specification_s() {
     type With = fn(Si) -> (GuardSettings, GuardedDevice);
-    // A large displacement per tick, so that a step of the capacity changes the largest change of force by a few steps of its
-    // format.
+    // The displacement per tick is large, so that a step of the capacity changes the largest change of force by only a few steps of
+    // its format.
     fn slow() -> (GuardSettings, GuardedDevice) {
         let (settings, device) = usual();
         (

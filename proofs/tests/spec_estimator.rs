@@ -1,6 +1,6 @@
 //! Tests that the shipped estimator and its specification give the same results and memory bit for bit, over millions of ticks,
-//! with estimators from settings of every size. Their coefficients are also compared with closed forms, which the code does not
-//! use. These are samples, not proofs.
+//! with estimators from settings of every size. Also compares their coefficients with closed forms, which the code does not use.
+//! These are samples, not proofs.
 
 use fixed::types::I8F24;
 use touchstone_control::estimator::{EstimatorState, Flow};
@@ -50,7 +50,7 @@ fn every_tick_of_the_estimator_is_its_specification() {
         let (mut e, mut moved) = (0_i64, 0_i64);
         for _ in 0..500 {
             ticks += 1;
-            // A hand of any speed that jumps now and then.
+            // The hand moves at any speed and sometimes jumps.
             if random.below(8) == 0 {
                 moved = random.signed(26);
             }
@@ -90,8 +90,8 @@ fn every_tick_of_the_estimator_is_its_specification() {
 }
 
 /// How far a device moves in a time by a displacement per tick (`V`) and by a push (`X`), in closed form. `loss` is the fraction of
-/// the velocity that damping takes per tick. If `loss` times the time is below 1/64, the first terms are used, of which the next is
-/// less than `2^-50`.
+/// the velocity that damping takes per tick. If `loss` times the time is below 1/64, the first terms of the series are used
+/// instead; the next term is less than `2^-50`.
 fn integrals(loss: f64, time: f64) -> [f64; 2] {
     let a = loss * time;
     if a < 1.0 / 64.0 {

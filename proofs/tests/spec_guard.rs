@@ -1,5 +1,5 @@
-//! Tests that the shipped energy guard and its specification agree bit for bit over millions of ticks, also with hostile hands. For
-//! every guard that `Guard::new` accepts, the coefficients satisfy the conditions of the energy theorem.
+//! Tests that the shipped energy guard and its specification agree bit for bit over millions of ticks, also with hostile hands.
+//! Also tests that the coefficients of every guard that `Guard::new` accepts satisfy the conditions of the energy theorem.
 
 use fixed::types::I8F24;
 use touchstone_control::{
@@ -102,8 +102,8 @@ fn every_tick_of_the_guard_is_its_specification() {
     );
 }
 
-/// The device that the settings describe, without rounding. Its positions are wrong by half an encoder count, and by `rounded`
-/// steps of the position format more. `None` if the settings trust no damping although a force acts late.
+/// The device that the settings describe, without rounding. Its positions are wrong by half an encoder count plus `rounded` steps
+/// of the position format. `None` if the settings trust no damping although a force acts late.
 fn described(settings: &GuardSettings, device: &GuardedDevice, rounded: i128) -> Option<Device> {
     let bits = |x: Si| i128::from(x.to_bits());
     let rate = i128::from(device.rate_hz);
@@ -154,7 +154,7 @@ fn accepted_guards_cover_the_device_that_they_are_told() {
         };
         accepted += 1;
         for (index, (name, room)) in specified.room(&told).into_iter().enumerate() {
-            // The room in steps of the signal's format; for `reach`, in steps of its reciprocal.
+            // The margin in steps of the signal's format; for `reach`, in steps of its reciprocal.
             let scale = if name == "reach" {
                 specified.per_reach.max(1) << FINE
             } else {
@@ -218,7 +218,7 @@ fn the_theorem_is_about_the_shipped_guards() {
 }
 
 /// Checks that `Guard::new` refuses a displacement in flight (under a force after the sample that ends it) of more than a quarter
-/// of the format. It is a little more at a delay of a whole tick and a largest displacement of a quarter of the format.
+/// of the format. It is slightly more if the delay is a whole tick and the largest displacement is a quarter of the format.
 #[test]
 fn a_way_in_flight_beyond_a_quarter_is_refused() {
     let device = GuardedDevice {

@@ -1,5 +1,5 @@
-//! Tests that the guard as a stage of the controller equals its specification, which knows the true position: the displacement that
-//! the stage measures, the end of positions, and the mirrored axis.
+//! Tests that the guard as a stage of the controller equals its specification, which knows the true position. Subjects are the
+//! displacement that the stage measures, the end of positions, and the mirrored axis.
 
 use touchstone_control::{Fixed32, Force, Guard, Guarded, Position};
 use touchstone_proofs::spec::guard as spec;
@@ -28,7 +28,7 @@ impl Stage {
         let edge = (HIGHEST - furthest).max(-HIGHEST - 1) - furthest;
         let edge = edge.max(-HIGHEST - 1);
         let since = |x: i64| i128::from((x - last).clamp(-HIGHEST - 1, HIGHEST));
-        // The lowest number has no negative.
+        // The negative of the lowest number does not fit the format.
         let other = (-edge).min(HIGHEST);
         self.tripped |= wanted != 0 && (e >= edge || e <= other);
         let before_change = at_change.map_or(0, since);

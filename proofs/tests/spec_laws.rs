@@ -1,4 +1,4 @@
-//! Tests that every shipped law and its specification agree bit for bit, in force and whole memory. The test runs millions of ticks
+//! Tests that every shipped law and its specification agree bit for bit, in force and whole memory. The tests run millions of ticks
 //! of random and hostile motions, for settings of every size that `AnyLaw::new` accepts.
 
 use fixed::types::{I8F24, I16F48};
@@ -17,8 +17,8 @@ fn wide(x: I8F24) -> i128 {
     i128::from(x.to_bits())
 }
 
-/// Runs laws of one type; `compare` makes one tick of code and specification and reports a difference. It also counts situations
-/// that must occur in the run.
+/// Runs laws of one type. `compare` makes one tick of code and specification, reports a difference, and returns which situations
+/// occurred. Each situation must occur more than 50 times in the run.
 fn every_tick<const N: usize>(
     kind: LawKind,
     seed: u64,
@@ -168,7 +168,7 @@ fn every_tick_of_sfa_is_its_specification() {
 fn every_tick_of_the_enhanced_law_is_its_specification() {
     every_tick(LawKind::EnhancedSfa, 6, |settings, law, e, moved| {
         let AnyLaw::Enhanced(law, state) = law else {
-            // Below `k_v` the enhanced law is a plain spring.
+            // With a desired stiffness up to `k_v`, the enhanced law is a plain spring.
             return [false; 8];
         };
         // The code's divisors are calculated from the settings, rounded towards zero to a gain's digits.
@@ -203,8 +203,8 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
     });
 }
 
-/// Checks the virtual mass that the hand's point (HIP) leaves behind: it moves on while the stored energy just covers the motion,
-/// to the last step of the energy format; otherwise it stands still.
+/// Checks a virtual mass from which the hand's point (HIP) moves away. The mass moves on if its energy covers the motion, exact to
+/// the last step of the energy format; otherwise it stands still.
 #[test]
 fn a_mass_that_is_left_behind_moves_where_its_energy_just_pays() {
     let mut random = Random(7);

@@ -1,5 +1,5 @@
-//! Tests that extreme numbers and the operations of vectors equal exact calculations with integers. Comparisons with an error bound
-//! would not notice a wrong last digit.
+//! Tests that extreme numbers and the operations of vectors equal exact calculations with integers. A comparison within an error
+//! bound would not detect a wrong last digit.
 
 use touchstone_control::fixed::types::{I8F24, I16F48};
 use touchstone_control::magnitude::Word as _;
@@ -293,7 +293,8 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
     assert_eq!(lowest.modulus(), Position(I8F24::MAX));
     assert_eq!(Fixed32::energy_per(I16F48::ONE, I8F24::ZERO), I8F24::MAX);
     assert_eq!(Fixed32::energy_per(I16F48::ZERO, I8F24::ZERO), I8F24::MAX);
-    // No word is divided by 0, and none divides itself more than once.
+    // A division by 0 gives (0, 0). Otherwise the result is the quotient, and quotient times divisor; `None` if the quotient
+    // exceeds 31 bits.
     for (divisor, wide) in [(0, 0), (0, 1), (0, u64::MAX)] {
         assert_eq!(u32::divides_within(divisor, wide), Some((0, 0)));
     }

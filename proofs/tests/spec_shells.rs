@@ -1,5 +1,5 @@
-//! Tests decisions of the laws on three axes (shells), with test laws and test objects that give fixed answers: when a contact
-//! ends, which way out is taken, and the inputs of estimator and guard.
+//! Tests decisions of the laws on three axes (shells): when a contact ends, which way out is taken, and the inputs of estimator and
+//! guard. Test laws and test objects give fixed answers.
 
 use touchstone_control::fixed::types::{I1F7, I5F3, I8F24, I20F12};
 use touchstone_control::law::{Contact, Sample, View};
@@ -109,8 +109,7 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
             assert_eq!(ends(leaving, -16, [2, 2], contacts), left);
         }
     }
-    // A single step of the format outside counts as outside. In the rule that looks at each axis, half of that step is compared,
-    // which is rounded to 0.
+    // One step of the format outside counts as outside. The rule for each axis compares half of that step, which is rounded to 0.
     assert!(!ends(Leaving::AnyAxis, -1, [0, 0], touching));
     assert!(ends(Leaving::AnyAxis, -2, [0, 0], touching));
     // One axis has left: 8² + 8² against 8 (20 + 2).
@@ -185,7 +184,7 @@ fn of_all_ways_out_in_the_cone_the_shortest_is_taken() {
     assert!(Position::<N>(x.cosine(&inside)) > Position(turn.cosine));
     let edge = [turn.cosine.to_bits().into(), 0, turn.sine.to_bits().into()];
     let mut edge = direction(edge);
-    // The cosine of two directions is rounded down. Searched is the direction whose cosine is just that of the cone.
+    // The cosine of two directions is rounded down. The loop searches the direction whose cosine just equals that of the cone.
     while Position::<N>(x.cosine(&edge)) < Position(turn.cosine) {
         edge.0[0] += I1F7::DELTA;
     }
@@ -223,7 +222,7 @@ fn of_all_ways_out_in_the_cone_the_shortest_is_taken() {
     for never in [outside, y, turned_edge] {
         assert_eq!(taken(false, &[(never, 1), (inside, 7)]), (inside, 7));
     }
-    // Out of a round object only one way is tried.
+    // Out of a round object only one direction is tried.
     for way in [x, inside, edge, turned_outside] {
         assert_eq!(
             taken(true, &[(way, 1), (towards_closest, 7)]),

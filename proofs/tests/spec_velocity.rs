@@ -1,5 +1,5 @@
-//! Tests that the spring-damper with a velocity filter and its specification agree bit for bit, in force and whole memory. The test
-//! runs every filter under random and hostile motions, for accepted settings of every size.
+//! Tests that the spring-damper with a velocity filter and its specification agree bit for bit, in force and whole memory. The
+//! tests run every filter under random and hostile motions, for accepted settings of every size.
 
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::law::{Law as _, Sample};
@@ -147,7 +147,7 @@ fn every_tick_of_a_damped_spring_is_its_specification() {
                 let (e, told) = hand.moves(&mut random, tick, force);
                 let v = specified.tick(wide(e));
                 force = sfa::spring_tick(stiffness, damping, limit, wide(e), v);
-                // A law with its own velocity does not use the displacement of its sample.
+                // A law with a velocity filter does not use the displacement of its sample.
                 let sample = Sample {
                     e: Position(e),
                     moved: Position(told),

@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// The boards of which it consists, as they are sold.
+    /// Names of the products of which the board consists.
     #[must_use]
     pub const fn parts(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ impl Board {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether the board's flash has room for the program that renders more than one wall. The STM32G431's flash has not.
+    /// Whether the board's flash has room for the program that renders more than one wall. The STM32G431's flash does not.
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)
@@ -77,7 +77,7 @@ impl Board {
     /// Whether the board measures its motor's currents.
     ///
     /// A board without current sensors controls the motor's voltage. The voltage makes a known torque only if the motor's settings
-    /// are right. Such a board can measure no motor.
+    /// are right. Such a board cannot measure a motor.
     #[must_use]
     pub const fn senses_current(self) -> bool {
         !matches!(self, Self::NucleoG474reSimplefocMini)

@@ -9,7 +9,8 @@
 //! that page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
 //!
 //! The crate sequential-storage is not used: its pages have a state in a byte at each end, and an interrupted erase leaves any
-//! pattern of bits. In a simulation of power failures (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
+//! pattern of bits. In a simulation of power failures (`tests/src/flash.rs`), some 2 of 100 failures during an erase lost all
+//! settings.
 //!
 //! If the power fails while an STM32G4 programs a double word, reading that double word later may give an ECC error. The read then
 //! raises the NMI, whose handler has to clear the flag and return. The slot's CRC then rejects the data that were read.

@@ -1,8 +1,8 @@
 //! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a message, encoded by the serialiser postcard, and
 //! its CRC-32.
 //!
-//! COBS leaves no zero byte inside a frame. So after any noise the next zero byte marks the end of a frame, and the receiver is in
-//! step again. The CRC is that of Ethernet and zip (ISO-HDLC), least significant byte first.
+//! COBS leaves no zero byte inside a frame. So after any noise the receiver finds the start of a frame behind the next zero byte.
+//! The CRC is that of Ethernet and zip (ISO-HDLC), least significant byte first.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -135,7 +135,7 @@ fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
     Ok(payload.len())
 }
 
-/// Decodes the message in a payload. `None` if the payload is no valid message or has bytes left after the message.
+/// Decodes the message in a payload. `None` if the payload is not a valid message, or has bytes left after the message.
 // A separate function, so that its stack is free again before the message is handled.
 #[inline(never)]
 #[must_use]

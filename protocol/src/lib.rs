@@ -1,6 +1,6 @@
-//! Code that firmware and desktop share. [`unwrap`] makes an unbroken encoder count from a counter that wraps, [`machine`] has the
-//! states that decide whether the outputs may be on, [`settings`] has a device's settings. The feature `wire` adds the
-//! communication: the encoding of settings on the wire and in flash, requests and replies, telemetry, and the frames around them.
+//! Code that firmware and desktop share: [`unwrap`] for an unbroken encoder count, [`machine`] for the states that decide whether
+//! the outputs may be on, [`settings`] for a device's settings. The feature `wire` adds the communication: the encoding of settings
+//! on the wire and in flash, requests and replies, telemetry, and the frames around them.
 //!
 //! All functions are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
 #![cfg_attr(not(test), no_std)]

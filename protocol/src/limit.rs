@@ -1,10 +1,10 @@
-//! Limits that reduce the force but are no fault. The device reports them beside the faults, with codes of their own.
+//! Limits that act on the force but are no fault. The device reports them beside the faults, with codes of their own.
 
 /// A limit that acts in a control tick. The number is the limit's bit position on the wire and never changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Limit {
-    /// The power stage is warm, so the device reduces the current limit.
+    /// The power stage or the motor is warm, so the device reduces the current limit.
     Temperature = 0,
     /// The requested torque needs more current than is allowed.
     Current = 1,

@@ -29,8 +29,8 @@ pub enum FaultCode {
     EncoderSilent = 5,
     /// The encoder's count moved further in one tick than the shaft can turn. Value: counts.
     EncoderJump = 6,
-    /// A control tick began too late, took too long, or was left out. Value: processor cycles of lateness, processor cycles of the
-    /// tick, or number of ticks left out.
+    /// A control tick began too late, took too long, or was left out, or the current loop was late in several PWM periods in a row.
+    /// Value: processor cycles of lateness or of the tick, or the number of missed ticks or late PWM periods.
     DeadlineMiss = 7,
     /// The hardware break input of the PWM timer was active. Value: 0.
     HardwareBreak = 8,
@@ -62,8 +62,8 @@ pub enum FaultCode {
     /// The current sensors' readings at zero current are implausible. Value: the worst reading, counts of the analogue-to-digital
     /// converter.
     CurrentSensor = 20,
-    /// The motor is too hot by the model of its windings. Value: mean square of its current, in thousandths of the square of the
-    /// current that it bears for ever.
+    /// The motor is too hot by the model of its windings. Value: mean square of its current, in thousandths of the square of its
+    /// continuous current.
     MotorHot = 21,
     /// The desktop sent no message for longer than allowed while the outputs may be on. Value: ms.
     HostSilent = 22,
@@ -167,7 +167,7 @@ pub enum Outputs {
 /// Commands that a person or the desktop sends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
-    /// Starts a calibration, from `Boot` (after the self-test) or `Stopped`.
+    /// Starts a calibration, from `Boot` or `Stopped`.
     Calibrate,
     /// Switches the outputs on, from `Ready`.
     Arm,

@@ -54,7 +54,8 @@ pub enum Request<'a> {
         /// Index of the first requested record; 0 is the oldest.
         first: u16,
     },
-    /// Starts telemetry with one record every `decimation` control ticks; 0 stops it. This is no setting: a reset stops telemetry.
+    /// Starts telemetry with one record every `decimation` control ticks; 0 stops it. This is not a setting: a reset stops
+    /// telemetry.
     Telemetry {
         /// Control ticks between two records.
         decimation: u16,
@@ -102,7 +103,7 @@ pub enum Request<'a> {
 /// Commands that a person gives to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceCommand {
-    /// Finds the encoder's direction, the pole pairs and the electrical offset; the shaft moves.
+    /// Finds the encoder's direction and the electrical offset, and checks the pole pairs; the shaft moves.
     Calibrate,
     /// Switches the outputs on.
     Arm,
@@ -110,7 +111,7 @@ pub enum DeviceCommand {
     Disarm,
     /// Switches the outputs off and discards the calibration; clears a fault.
     Stop,
-    /// Makes the present position the zero of the encoder count. Not while armed.
+    /// Makes the present position the zero of the encoder count. Not while calibrating or armed.
     Zero,
     /// Switches the outputs off and resets the processor.
     Reboot,

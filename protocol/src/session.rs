@@ -191,7 +191,7 @@ impl Session {
         &self.settings
     }
 
-    /// Answers the payload of a frame whose CRC was right. A payload that is no request of this version is answered with
+    /// Answers the payload of a frame whose CRC was right. A payload that is not a request of this version is answered with
     /// [`Refusal::NotUnderstood`] and its first byte as request number.
     #[inline(never)]
     pub fn answer_payload(
@@ -398,8 +398,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the settings into flash. Refused in `Ready`, where a command to arm may come: erasing a page stalls the processor for
-    /// longer than that command takes.
+    /// Writes the settings into flash. Refused while calibrating or armed, and in `Ready`, where a command to arm may come: erasing
+    /// a page stalls the processor for longer than that command takes.
     #[inline(never)]
     fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {

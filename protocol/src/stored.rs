@@ -5,10 +5,10 @@
 //! layout version u16 | postcard of DeviceSettings, Surround, KeptStart and the cogging map, if one is stored | CRC-32 of all before
 //! ```
 //!
-//! Boards with room for an environment (more walls, end stops, detents) write the second form. They also read the first; what it
-//! leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
+//! Boards with room for an environment (more walls, end stops, detents) write the second form. They also read the first. Its
+//! missing parts get their defaults: the settings' wall alone, no data for the start, no cogging map.
 //!
-//! `flash.rs` decides where the image lies and how it survives a cut of power. An image is refused if it is incomplete, of an
+//! `flash.rs` decides where the image is stored and how it survives a power failure. An image is refused if it is incomplete, of an
 //! unknown layout, or not valid. The device then uses the defaults and latches `SettingsInvalid`. An image is never used in part.
 //! An image of another layout stays in flash until its page is needed, so the previous firmware finds its settings again.
 

@@ -29,7 +29,7 @@ pub struct Telemetry {
     /// Offset of the spring in the control law (successive force augmentation), rad; 0 for laws without an offset.
     #[serde(with = "bits")]
     pub offset_rad: I8F24,
-    /// Energy in joules that the control law's energy observer has summed.
+    /// Energy in joules that the control law's energy observer has summed; 0 for a law without an observer.
     pub energy_j: Decimal,
     /// State of the device in this tick.
     pub phase: Phase,

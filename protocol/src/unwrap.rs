@@ -21,7 +21,7 @@ macro_rules! unwrap {
 
             /// Takes the next reading of the counter and returns the unbroken count, which saturates at the ends of `i64`.
             ///
-            /// The result is right if the encoder moved by at most half the counter's range since the last reading.
+            /// The result is right if the encoder moved by less than half the counter's range since the last reading.
             #[inline]
             pub fn update(&mut self, reading: $counter) -> i64 {
                 let moved = reading.wrapping_sub(self.last).cast_signed();

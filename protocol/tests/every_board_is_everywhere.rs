@@ -1,9 +1,9 @@
-//! Checks that every board stands in each place that the compiler does not ask for.
+//! Checks that every board is named in each file where the compiler does not report a missing board.
 
 use std::path::{Path, PathBuf};
 use touchstone_protocol::Board;
 
-/// Files in which the name of every board stands.
+/// Files that must contain the name of every board.
 const PLACES: [&str; 6] = [
     "firmware/Cargo.toml",
     "firmware/src/lib.rs",
@@ -21,7 +21,7 @@ fn root() -> PathBuf {
 fn every_board_stands_in_each_place() {
     for place in PLACES {
         let text = std::fs::read_to_string(root().join(place)).expect(place);
-        // A name may begin as another one does.
+        // One board's name can be the beginning of another board's name.
         let is_inside = |letter: char| letter.is_ascii_alphanumeric() || letter == '-';
         let words: Vec<&str> = text.split(|letter| !is_inside(letter)).collect();
         for board in Board::ALL {

@@ -67,7 +67,7 @@ fn one(
         |port: &Port, seconds: u32| port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);
     port.guard = Some(settings);
     let outcome = play(&port, seconds);
-    // With a capacity so large that the account never meets its ends.
+    // The capacity is so large that the account is never full or empty.
     port.guard = Some(GuardSettings {
         capacity: Si::ONE,
         refill: Si::ZERO,

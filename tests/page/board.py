@@ -167,7 +167,7 @@ def board(browser, program, pictures, check):
         page.until("document.getElementById('error').textContent.includes('no connection')")
         knob.happens("plug")
         phase(page, "ready")
-        check("is disarmed" in text(page, "error"), f"plugged in again: {text(page, 'error')}")
+        check("was disarmed" in text(page, "error"), f"plugged in again: {text(page, 'error')}")
         for width in (400, 800, 1600):
             page.size(width, 900)
             page.wait(0.4)

@@ -165,7 +165,7 @@ def emulated(browser, program, emulator_program, firmware, pictures, folder, che
             check(text(page, "phase") == "not connected", f"a pulled cable: {text(page, 'lost')[:80]}")
             terminal.plug()
             phase(page, "ready", 30)
-            check("is disarmed" in text(page, "error"), f"plugged in again: {text(page, 'error')}")
+            check("was disarmed" in text(page, "error"), f"plugged in again: {text(page, 'error')}")
         terminal.pull()
     finally:
         emulator.close()

@@ -205,7 +205,7 @@ impl Hand for Policy {
         0.0
     }
     fn go(&mut self, tick: u32, late: bool, force: f64, seconds: f64) -> (f64, f64) {
-        // Once per tick, however many parts the tick has.
+        // Updated once per tick, however many parts the tick has.
         if late && !self.was_late {
             self.change = force - self.force;
             self.force = force;

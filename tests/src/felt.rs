@@ -1,4 +1,5 @@
-//! Simulates the port between hand and device with a torque profile behind the guard of its environment, and makes hostile profiles.
+//! Simulates the port between hand and device with a torque profile behind the guard of its environment, and makes hostile
+//! profiles.
 
 use crate::environment::{COUNT_RAD, at, built};
 use crate::port::{Hand, Outcome, Port, TICK_S};
@@ -121,7 +122,7 @@ impl Hostile {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Random, Self::Cliffs, Self::Saw, Self::Drive];
 
-    /// A profile of this kind. Its copies are up to 200 in a turn, or it exists once around the hand's start.
+    /// A profile of this kind. It has up to 200 copies per turn, or exists once around the hand's start.
     ///
     /// # Panics
     /// Never.

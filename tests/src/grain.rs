@@ -30,7 +30,7 @@ impl Grain for Fixed32 {
 }
 
 impl Grain for f32 {
-    // Half the distance of two numbers below 0.5, and as much again for the product that is rounded before a sum.
+    // Half the distance of neighbouring numbers below 0.5, and as much again for the product, which is rounded before the sum.
     const FORCE_N_M: f64 = 1.0 / 33_554_432.0;
     const GAIN_N_M_PER_RAD: f64 = f32::EPSILON as f64;
     const ENERGY: f64 = f32::EPSILON as f64;

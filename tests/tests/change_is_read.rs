@@ -48,7 +48,7 @@ fn leaning() -> Knob<Spoilt> {
 
 #[test]
 fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
-    // Three bad readings: none made, one that fails its check, and one half a turn away after a part of a tick.
+    // Three bad readings: a missing one, one that fails its check, and one half a turn away after a part of a tick.
     let far = Frames::alone(as5047p_frame(8_192));
     for reading in [
         None,
@@ -63,8 +63,8 @@ fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
                 until: next + ticks,
                 reading,
             };
-            // A tick after one with a force needs the reading; a tick after one without does not. So the result is as if every
-            // second reading had come.
+            // The reading is needed only in a tick that follows a tick with a force. A bad reading removes the force, so only every
+            // second bad reading has an effect.
             for tick in 0..2 * ticks {
                 let record = knob.tick();
                 let is_off = tick % 2 == 0 && tick < ticks;
@@ -100,7 +100,9 @@ fn a_board_that_cannot_measure_says_so() {
     ] {
         let said = change(refused).unwrap_err();
         assert!(
-            said.starts_with("law.guard.change: the board's current loop has to be done"),
+            said.starts_with(
+                "law.guard.change: the board's current loop must complete a change of force"
+            ),
             "{said}"
         );
     }

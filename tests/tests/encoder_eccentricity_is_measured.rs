@@ -276,8 +276,8 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
         weight: true,
         ..Case::of([0.3, 0.0], [1.0, 0.0])
     };
-    // After a short coast the torque of the field is trusted. It is wrong by the weight's torque over the field's stiffness, seven
-    // times 0.25 N·m/A times 1 A.
+    // After a short coast, the torque of the calibration's field is trusted. The result is then wrong by the weight's torque over
+    // the field's stiffness, seven times 0.25 N·m/A times 1 A.
     let (found, truth) = measured(&heavy, 40);
     assert_eq!(found.apart_rad, None);
     let [[once, _], [twice, _]] = off(&found, &truth);
@@ -345,7 +345,7 @@ fn what_it_costs_is_that_of_its_largest_error() {
         let (ticks, known, _) = told(&Case::of(degrees, [0.3, 1.0]), 60);
         Eccentricity::new(&ticks, &known).unwrap().cost(7.0)
     };
-    // With one order alone: A, cos(7 A), n A.
+    // With one order of amplitude A alone: place A, lost torque 1 - cos(7 A), stiffness n A.
     let within = |found: f64, truth: f64, most: f64| {
         assert!((found - truth).abs() < most, "{found} for {truth}");
     };

@@ -227,8 +227,8 @@ fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> 
     port.play(&mut Imposed::new(path), 18_000)
 }
 
-/// Checks motions beyond 128 rad, where the 32-bit format of positions ends. With measured positions that stand still at that end,
-/// the hand got 1.5 J out.
+/// Checks motions beyond 128 rad, where the 32-bit format of positions ends. Measured positions stand still there. Without the
+/// guard's check a hand would get 1.5 J out.
 #[test]
 fn no_motion_goes_uncounted_where_positions_end() {
     let mut worst = 0.0_f64;

@@ -251,8 +251,8 @@ fn many_changes_have_one_account() {
     );
 }
 
-/// Checks that a wall that appears around a moving hand gives it no pulse at the touch: the forces are those of the same wall without
-/// a pulse. The estimator of a new wall starts at rest, and the hand has to leave the wall before its next touch.
+/// Checks that a wall that appears around a moving hand gives it no pulse at the touch: the forces are those of the same wall
+/// without a pulse. The estimator of a new wall starts at rest, and the hand has to leave the wall before its next touch.
 #[test]
 fn a_wall_that_appears_around_a_moving_hand_gives_no_pulse() {
     let mut without = Settings::default();

@@ -226,7 +226,8 @@ fn a_knob_turns_on_without_end() {
     assert!(!environment.tripped() && pushes > 200_000);
 }
 
-/// Every other seed: spring, damper, dry friction, clicks and inertia at their strongest.
+/// The further parts of a feel at their strongest (spring, damper, dry friction, clicks, inertia) for odd seeds; none for even
+/// seeds.
 fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
     if seed.is_multiple_of(2) {
         return FeelSettings::default();
@@ -268,8 +269,8 @@ fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
     }
 }
 
-/// Checks that an environment keeps the books of the proved stage [`Guarded::tick`]: for a force of one sign, force, account and
-/// overspeed are those of the stage at the same positions, bit for bit, and for the other sign those of the mirrored motion.
+/// Checks that an environment computes the same as the proved stage [`Guarded::tick`]. For a force of one sign, force, account and
+/// over-speed are those of the stage at the same positions, bit for bit. For the other sign they are those of the mirrored motion.
 ///
 /// [`Guarded::tick`]: touchstone_control::Guarded::tick
 #[test]
@@ -341,10 +342,9 @@ fn the_books_are_those_of_the_proved_stage() {
     );
 }
 
-/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls, half of them with the further
-/// parts of a feel at their strongest. A random hand moves as fast
-/// as the guard counts, 0.06 rad per control period. Such a profile changes its force between any two positions, as a hostile force
-/// field would.
+/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls, half of them with the
+/// further parts of a feel at their strongest. A random hand moves as fast as the guard counts, 0.06 rad per control period. Such a
+/// profile changes its force between any two positions, as a hostile force field would.
 #[test]
 fn one_account_answers_for_hostile_profiles() {
     let settings = guarded_spring();

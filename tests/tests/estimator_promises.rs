@@ -41,8 +41,9 @@ fn a_wrong_inertia_costs_what_the_force_changes_by_and_no_more() {
         });
         worst
     });
-    // A change of force by 0.05 N·m pushes by that times the difference of T²/J in every later tick; `X` is 1/2 and `V` 1. The
-    // grip's own pushes are added; they are those of a device half or twice as quick.
+    // With a wrong inertia the estimator expects a wrong response to a change of force of 0.05 N·m. The error per tick is that
+    // force times the error of T²/J: half of it in the position, all of it in the displacement. The response to the grip's forces
+    // is added; it is that of a device half or twice as quick.
     let sums = amplification(&reference(&device), 0.0)[1];
     let bound = |inertia: f64| {
         let push = 0.05 * 1e-6 * (1.0 / inertia - 1e4_f64).abs();

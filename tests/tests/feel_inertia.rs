@@ -17,8 +17,8 @@ fn dragging() -> FeelSettings {
     }
 }
 
-/// Swings a knob with this amplitude, rad, and frequency, Hz. Returns the feel's inertia, kg·m², and damping, N·m·s/rad: the parts of
-/// its torque in phase with acceleration and velocity.
+/// Swings a knob with this amplitude, rad, and frequency, Hz. Returns the feel's inertia, kg·m², and damping, N·m·s/rad: the parts
+/// of its torque in phase with acceleration and velocity.
 fn swung(feel: &FeelSettings, amplitude: f64, hz: f64) -> (f64, f64) {
     let mut environment = feeling::<Fixed32>(feel);
     let omega = std::f64::consts::TAU * hz;
@@ -41,8 +41,8 @@ fn swung(feel: &FeelSettings, amplitude: f64, hz: f64) -> (f64, f64) {
     )
 }
 
-/// At 1 to 3 Hz the knob is heavier by the set inertia to within 10 %, and at constant speed nothing holds it. Above its bandwidth
-/// the mass is a damper.
+/// Checks that at 1 to 3 Hz the knob is heavier by the set inertia to within 10 %, and that at constant speed nothing holds it.
+/// Above its bandwidth the mass is a damper.
 #[test]
 fn an_inertia_is_felt_in_the_acceleration_alone() {
     let feel = dragging();
@@ -82,8 +82,8 @@ fn an_inertia_is_felt_in_the_acceleration_alone() {
     }
 }
 
-/// A free knob of inertia `J` whose mass is the heaviest that is accepted: turned by a torque that swings, it moves as a knob of
-/// the inertia `J + m` does. At rest it stays within two counts, and the hand gets no more than the guard allows.
+/// Checks a free knob of inertia `J` with the heaviest mass `m` that is accepted. Turned by a swinging torque, it moves as a knob
+/// of the inertia `J + m`. At rest it stays within two counts, and the hand gets no more than the guard allows.
 #[test]
 fn a_free_knob_is_heavier_and_rests() {
     const STEPS: u32 = 20;
@@ -129,7 +129,7 @@ fn a_free_knob_is_heavier_and_rests() {
                 angle += velocity * step_s;
                 work += hand * velocity * step_s;
                 if (swings / 2..swings).contains(&tick) {
-                    // What the knob's velocity has of the torque's phase, and of the phase a quarter later.
+                    // Components of the knob's velocity: in phase with the torque, and a quarter of a period later.
                     sums[0] += velocity * (omega * time).sin() * step_s;
                     sums[1] -= velocity * (omega * time).cos() * step_s;
                 }

@@ -40,7 +40,7 @@ fn all() -> FeelSettings {
     }
 }
 
-/// Every part alone, and the name of its table.
+/// Each part alone, with its name.
 fn each() -> [(&'static str, FeelSettings); 5] {
     let all = all();
     let none = FeelSettings::default();
@@ -158,7 +158,7 @@ fn dry_friction_is_a_spring_until_the_knob_slides() {
     for count in 128..5_000 {
         assert!((friction(count) - 0.01).abs() <= slack);
     }
-    // Turned back, the spring lets go first, over twice the stretch.
+    // When the knob turns back, the spring of the friction relaxes first; the force reverses within twice the stretch.
     assert!(friction(4_999 - 127).abs() < 1e-4);
     assert!((friction(4_999 - 255) + 0.01).abs() <= slack);
     // And a knob at rest is held by the same force.
@@ -353,7 +353,7 @@ fn settings_out_of_range_are_refused_with_their_path() {
     });
     feel.inertia.as_mut().unwrap().inertia = heaviest;
     assert!(feel.feel::<Fixed32>(&settings).is_ok());
-    // All of the damping beside leaves none for the mass.
+    // If the viscous friction has all the damping that is accepted, none is left for the mass.
     feel.viscous.as_mut().unwrap().damping = most;
     feel.inertia = None;
     feel.dry.as_mut().unwrap().stretch = Si::ONE;

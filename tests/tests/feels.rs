@@ -112,7 +112,7 @@ fn detents_have_their_torque_and_hold() {
             );
             let last = *trace.angle_rad.last().unwrap();
             let beyond = (last / pitch - (last / pitch).round()) * pitch;
-            // The triangle's slope is 4 A/P.
+            // The slope of a triangle wave of amplitude A and pitch P is 4 A/P.
             let held =
                 scene.device.friction.unwrap().kinetic_n_m / (4.0 * ring.strength_n_m / pitch);
             let hand = scene.operator.hand().unwrap().compliance_rad_per_n_m();
@@ -165,7 +165,8 @@ fn a_profile_is_felt_as_it_is_drawn() {
     assert!(felt > 12 * 1000, "{felt}");
 }
 
-/// Checks that a hand feels listed detents as they are listed, to within 5 % of the strongest, and that the knob passes all of them.
+/// Checks that a hand feels listed detents as they are listed, to within 5 % of the strongest, and that the knob passes all of
+/// them.
 #[test]
 fn a_list_is_felt_as_it_is_listed() {
     for grip in ["medium", "firm"] {
@@ -310,8 +311,8 @@ fn a_base_that_is_none_is_named_with_its_line() {
     );
 }
 
-/// Checks every shipped haptic effect with the scorecard of a feel: quiet at rest, the drawn torque within 5 %, every position counted
-/// once, and no more energy for the hand than the energy guard allows.
+/// Checks every shipped haptic effect with the scorecard of a feel: quiet at rest, the drawn torque within 5 %, every position
+/// counted once, and no more energy for the hand than the energy guard allows.
 #[test]
 fn every_feel_has_a_clean_scorecard() {
     let (mut crossings, mut with_positions) = (0, 0);
@@ -356,8 +357,8 @@ fn a_scorecard_finds_what_is_wrong() {
     );
 }
 
-/// Checks feels that are hard to render: detents narrower than ten encoder counts, a profile whose torque falls from one limit to the
-/// other within a hundredth of a turn, and a knob after 10,000 turns. The hand never gets more than the energy guard allows, no
+/// Checks feels that are hard to render: detents narrower than ten encoder counts, a profile whose torque falls from one limit to
+/// the other within a hundredth of a turn, and a knob after 10,000 turns. The hand never gets more than the energy guard allows, no
 /// position is lost, and the torque is the drawn one. Steep torques may buzz, so that is demanded of the turned knob only.
 #[test]
 fn hard_feels_stay_within_their_bounds() {

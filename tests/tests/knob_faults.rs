@@ -307,7 +307,7 @@ fn a_bad_reading_or_two_switch_off_and_are_forgiven() {
 
 #[test]
 fn an_encoder_that_stops_while_the_shaft_turns() {
-    // The encoder repeats its last good frame for ever.
+    // The encoder repeats its last good frame from then on.
     struct Stuck {
         from: u32,
         frame: Option<EncoderReading>,
@@ -320,7 +320,7 @@ fn an_encoder_that_stops_while_the_shaft_turns() {
             true
         }
     }
-    // Outside the wall, where nothing else would show the fault.
+    // The knob is outside the wall, where nothing else would show the fault.
     let mut settings = settings();
     settings.wall.surface_rad = Si::lit("50");
     let mut knob = Knob::new(

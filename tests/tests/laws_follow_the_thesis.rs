@@ -158,7 +158,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
                 let work = state.augmented.at_mass * state.augmented.mass.moved;
                 let mut books = (before.energy + work).min(law.energy_cap);
                 if work < touchstone_control::Energy::zero() && books != state.energy {
-                    // Energy that a shortened retreat leaves is kept, but never more than there was.
+                    // If the mass retreats less than the law wanted, energy may be left over, but never more than before.
                     books = books.max(state.energy).min(before.energy);
                 }
                 assert!(state.energy <= books, "{n}: {:?} {books:?}", state.energy);

@@ -1,6 +1,6 @@
-//! Boards without a broken part raise no fault in hard use: fast hands, motors and knobs 30 % off their settings, noise, a bad
-//! reading in a thousand, dead time, and cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40 cases; 900,000 are
-//! ten hours a board.
+//! Tests that boards without a broken part raise no fault in hard use: fast hands, motors and knobs 30 % off their settings, noise,
+//! a bad reading in a thousand, dead time, and cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40
+//! cases; 900,000 are ten hours a board.
 
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -10,7 +10,7 @@ use touchstone_tests::single_faults::good;
 use touchstone_world::plant::train::Harmonic;
 use touchstone_world::plant::{FIRM, LIGHT};
 
-/// Resistance, torque constant and inductance of the motor, and inertia of the knob, as shares of what the settings say.
+/// Resistance, torque constant and inductance of the motor, and inertia of the knob, as multiples of the values in the settings.
 const PARTS: [[f64; 4]; 5] = [
     [1.0, 1.0, 1.0, 1.0],
     [1.3, 0.7, 1.3, 1.3],
@@ -19,11 +19,11 @@ const PARTS: [[f64; 4]; 5] = [
     [0.7, 0.7, 0.7, 1.3],
 ];
 
-/// Cogging torque of a motor with 12 slots and 14 poles whose windings are perfect, and of its slots alone, as shares of the largest
-/// torque.
+/// Cogging torque of a motor with 12 slots and 14 poles: amplitude as a fraction of the largest torque, and periods per turn. A
+/// perfect motor has 84 periods; unequal magnets add 12.
 const COGGING: [(f64, f64); 2] = [(0.01, 84.0), (0.003, 12.0)];
 
-/// How a hand moves: where it wants to be, rad from the wall's surface, after some ms.
+/// How a hand moves. Its rest point is given in rad from the wall's surface, as a function of the time in ms.
 #[derive(Debug, Clone, Copy)]
 enum Stroke {
     /// To and fro with this frequency in Hz. No two strokes are alike, and now and then there is a rest deep in the wall.

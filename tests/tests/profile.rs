@@ -115,7 +115,7 @@ fn a_profile_never_pushes_harder_than_its_strength() {
                 );
             }
             assert!(most <= strength && least >= -strength, "{most:?} {least:?}");
-            // And a level profile reaches it, but for two roundings towards zero.
+            // And a level profile reaches the strength, except for roundings towards zero.
             profile.shape = Shape::new(&[WHOLE; 3]).unwrap();
             let level = drawn::<N>(&profile).tick(&at(17), None);
             let quanta = Force(N::QUANTUM) + Force(N::QUANTUM) + Force(N::QUANTUM);
@@ -193,7 +193,7 @@ fn the_guard_pays_for_a_profile_that_is_a_motor() {
         .with_profile(&motor, settings.force_limit)
         .unwrap();
     let (mut given, mut most, mut bare) = (0.0_f64, 0.0_f64, 0.0);
-    // What the device's own damping takes does not reach the hand.
+    // The device's own damping dissipates this energy, so that it does not reach the hand.
     let speed = std::f64::consts::TAU;
     let damped = settings.device_damping.to_num::<f64>() * speed * speed * 1e-3;
     let mut force = 0.0;

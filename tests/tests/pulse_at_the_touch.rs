@@ -1,5 +1,5 @@
-//! Taps of the shipped wall with and without the pulse at the touch (`law.impact`), beside an ideal damped wall. The test prints the
-//! table of docs/tuning.md: `cargo test -p touchstone-tests --test pulse_at_the_touch -- --nocapture`.
+//! Taps of the shipped wall with and without the pulse at the touch (`law.impact`), beside an ideal damped wall. The test prints
+//! the table of docs/tuning.md: `cargo test -p touchstone-tests --test pulse_at_the_touch -- --nocapture`.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::Scene;
@@ -97,8 +97,8 @@ fn a_tap_is_shallow_and_bounces_less_than_from_an_ideal_wall() {
     assert_eq!(judged, 8, "a light hand at 1 rad/s does not reach the wall");
 }
 
-/// A pulse for a known inertia is too strong for half of it and too weak for double: the wall stays as shallow as without the pulse,
-/// but a firm hand bounces off.
+/// Checks a pulse for a wrong inertia: too strong for half of it, too weak for double. The wall stays as shallow as without the
+/// pulse, but a firm hand bounces off.
 #[test]
 fn an_unknown_inertia_costs_bounce_but_no_depth() {
     let mut bounce: f64 = 0.0;

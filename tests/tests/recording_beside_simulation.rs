@@ -229,7 +229,7 @@ fn what_does_not_fit_the_scene_is_refused() {
         let refused = beside(scene, &told, HandWas::Gone, file.parent().unwrap());
         refused.expect_err("it does not fit").to_string()
     };
-    assert!(why(&said()).contains("never came to the wall"));
+    assert!(why(&said()).contains("never reached the wall"));
     let slow = said().with(|scene| scene.timing.rate_hz = 500).unwrap();
     assert!(why(&slow).contains("recorded at 1000.0 Hz, the scene runs at 500 Hz"));
     let coarse = said().with(|scene| {
@@ -237,7 +237,12 @@ fn what_does_not_fit_the_scene_is_refused() {
             counts_per_rev: 4000.0,
         })
     });
-    assert!(why(&coarse.unwrap()).contains("not those of an encoder with 4000 a turn"));
+    assert!(
+        why(&coarse.unwrap()).contains("not whole counts of an encoder with 4000 counts a turn")
+    );
     let short = Told::read(&file, 0.0, 0.05).expect_err("too short");
-    assert!(short.to_string().contains("never on for 0.1 s"), "{short}");
+    assert!(
+        short.to_string().contains("no 0.1 s with the wall on"),
+        "{short}"
+    );
 }

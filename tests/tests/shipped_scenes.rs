@@ -117,7 +117,7 @@ fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
 #[test]
 fn a_knob_released_inside_gets_no_more_than_the_wall_held_there() {
     let run = summary("free-release");
-    // It starts 0.02 rad inside: a spring of 5 N·m/rad holds 1 mJ there.
+    // The knob starts 0.02 rad inside: a spring of 5 N·m/rad holds 1 mJ there.
     let held = 0.5 * 5.0 * 0.02 * 0.02;
     assert_eq!(
         run.verdict,

@@ -1,6 +1,6 @@
-//! Single faults of a running knob: the energy that a hand gets until the device is off. Every fault is played once on every board, in
-//! a moment, a grip and a place that a seed chooses; `TOUCHSTONE_SEED` chooses others.
-//! `cargo xtask faults` plays all cells of all faults.
+//! Tests single faults of a running knob: the energy that a hand gets until the device is off. Every fault is simulated once on
+//! every board, with a moment, a grip and a quarter of an electrical turn that a seed chooses; `TOUCHSTONE_SEED` sets the seed.
+//! `cargo xtask faults` simulates all combinations.
 
 use rayon::prelude::*;
 use touchstone_protocol::Board;
@@ -9,7 +9,7 @@ use touchstone_tests::single_faults::{
     Bench, FAULTS, Fault, Grip, Moment, Row, Table, UNFOUND, run,
 };
 
-/// Number of places of which a board's faults are drawn.
+/// Number of combinations of moment, grip and quarter from which a board's faults are drawn.
 const PLACES: usize = 5;
 
 fn seed() -> u64 {
@@ -59,7 +59,7 @@ fn a_single_fault_gives_a_hand_no_more_than_is_said() {
     assert!(table.rows.len() > 4 * FAULTS.len(), "{}", table.rows.len());
     let complaints = table.complaints();
     assert!(complaints.is_empty(), "{complaints:#?}");
-    // The sample is not of silent boards only.
+    // In more than a quarter of the runs the board found a fault, so the sample tests the detection too.
     let found = table.rows.iter().filter(|row| row.cell.off_s.is_some());
     assert!(found.count() > table.rows.len() / 4);
 }

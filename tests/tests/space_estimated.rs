@@ -120,7 +120,7 @@ fn at_rest_the_place_is_the_measured_one() {
 }
 
 /// Checks that the estimator uses the force that is reported to it by `commanded`, not the force that the law asked for: a copy of
-/// the wall that is told 0 after each control period soon gives other forces.
+/// the wall that gets a report of 0 after each control period soon gives other forces.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

@@ -45,8 +45,8 @@ fn floor(normal: Direction<F>) -> Plane<F> {
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;
-    // Half of the stiffness that the damping allows, as without a hand. At 2 b/T itself the sampled spring rings for ever, and so
-    // does a tremor.
+    // Half of the stiffness that the damping allows, as without a hand. At 2 b/T itself the sampled spring rings without decay, and
+    // so does a tremor.
     let law = FrictionSettings {
         stiffness: si("2500"),
         ..settings()

@@ -164,7 +164,8 @@ fn what_is_commanded_smaller_is_booked_smaller() {
         .tick(&mut other, along, Vector::default())
         .expect("slow");
     assert!(other.account > one.account);
-    // 3 N over 0.3 mm are 0.9 mJ, less what 2 N/mm surely damp of 0.28 mm: 0.16 mJ, and half a count for the change.
+    // 3 N over 0.3 mm are 0.9 mJ, less 0.16 mJ of trusted damping: 2 N/mm over 0.28 mm. The tolerance covers the charge of half a
+    // count for the change of force.
     let spent = (guard.of_length.capacity - one.account)
         .to_si()
         .to_num::<f64>()

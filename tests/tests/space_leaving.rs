@@ -124,7 +124,7 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
             left = true;
             println!("left at {distance:.3} mm, O' {reach:.3} mm");
             assert_eq!(push_in_n(hand.force), [0.0; 3]);
-            // The laws may end a contact earlier by themselves, but it must not last beyond the offset.
+            // The laws may end the contact earlier, but it must not last beyond the offset.
             assert!(distance < reach + 0.1, "not later than the offset ends");
             break;
         }

@@ -170,7 +170,7 @@ fn depths_are_those_of_the_signed_distance() {
         for here in wander(11, 20_000) {
             let nearest = shape.nearest(here, &Direction::along(2, false));
             let depth = in_mm(nearest.depth);
-            // Beside its rim a plate is a box; over it, the plate has the side that it is given.
+            // Over its area a plate has the side that the given normal names; beside its rim it is a box, and is not compared.
             if name == "plate" && nearest.normal != Direction::along(2, false) {
                 continue;
             }

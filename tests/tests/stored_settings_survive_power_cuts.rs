@@ -142,7 +142,7 @@ fn a_cut_at_any_operation_loses_nothing_but_its_write() {
         }
         flash = whole;
     }
-    // All settings except those whose last needed bit came after the cut.
+    // Nearly every cut write is lost. The exceptions are cuts after the last bit that the new settings need.
     assert!(kept > cuts / 10 * 9, "{kept} of {cuts}");
     println!("{cuts} cuts, {kept} of them lost their own write, none another");
 }
@@ -259,7 +259,7 @@ fn the_longest_environment_has_room() {
     let bytes = postcard(&longest, &mut buffer);
     assert!(bytes.len() <= ENVIRONMENT_MAX, "{} bytes", bytes.len());
     assert_eq!(postcard::from_bytes(&bytes), Ok(longest));
-    // A shape that is none is no message.
+    // A profile with an invalid number of points does not decode.
     let mut short = bytes.clone();
     let parts = postcard(&longest.parts, &mut buffer).len();
     let points = bytes.len() - parts - 3 * MOST_POINTS - 1;

@@ -166,7 +166,7 @@ fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
 #[test]
 fn the_adaptive_window_is_the_published_one() {
     let (unit, d) = (2f64.powi(-12), 3);
-    // The margin is larger by three quanta of the format, which no whole number of units needs.
+    // The filter's margin is larger by three quanta of the format. That changes nothing for positions in whole units.
     let margin = d as f64 * unit - 2.5 * 2f64.powi(-24);
     let filter = velocity::<Fixed32>(VelocityKind::Foaw, margin);
     let mut state = VelocityState::default();

@@ -38,7 +38,7 @@ fn played(settings: &Settings, speed: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// The largest distance from `s J ω v exp(-t/τ) sin(ω t)` over `s J ω v`, and its bound.
+/// Largest distance of the vibration from `s J ω v exp(-t/τ) sin(ω t)`, as a fraction of `s J ω v`, and the bound of this fraction.
 fn error(rate_hz: u32, frequency_hz: f64, decay_s: f64) -> (f64, f64) {
     let speed = 2.0;
     let settings = settings(rate_hz, frequency_hz, decay_s);
@@ -105,7 +105,7 @@ fn a_frequency_above_a_tenth_of_the_rate_is_refused_only_where_it_is_played() {
     assert!(Controller::<Fixed32>::new(&settings).is_ok());
 }
 
-/// The vibration is felt in the scene `tap`, and the force stays within 0 and the limit.
+/// Checks that the vibration is felt in the scene `tap`, and that the force stays between 0 and the limit.
 #[test]
 fn a_tap_vibrates_within_the_force_limit() {
     let scene = Scene::load("tap").unwrap();
@@ -125,7 +125,8 @@ fn a_tap_vibrates_within_the_force_limit() {
     assert!(largest > 0.01, "{largest}");
 }
 
-/// A vibration makes no device hop that came to rest without one: a hop would be a touch again and so a vibration again.
+/// Checks that a vibration makes no tap deeper and adds no touch: a device that hopped would touch again, and so start another
+/// vibration.
 #[test]
 fn no_vibration_makes_a_device_hop() {
     println!("| share of speed | Hz | most touches: without | with | deepest over without |");

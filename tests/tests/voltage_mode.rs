@@ -170,7 +170,7 @@ fn the_supply_makes_no_difference_within_its_limits() {
 fn a_step_of_the_torque_is_a_count_of_the_timer() {
     let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
     let constant = MOTOR.torque_constant_nm_per_a();
-    // From 5 mN·m up, in fifths of what a step of 12 V/4,250 of the voltage gives.
+    // From 5 mN·m up, in fifths of the current that one step of the voltage, 12 V/4,250, gives.
     let step = 12.0 / 4_250.0 / MOTOR.resistance_ohm / 5.0;
     let (mut worst, mut squares): (f64, f64) = (0.0, 0.0);
     const STEPS: u32 = 200;
@@ -309,7 +309,7 @@ fn it_measures_no_motor() {
     let refused = checked(&settings, BOARD).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "calibration.measures: this board does not measure its currents, and can measure no motor"
+        "calibration.measures: this board has no current sensors, so it cannot measure a motor"
     );
 }
 

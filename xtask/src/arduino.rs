@@ -1,8 +1,8 @@
-//! `cargo xtask arduino`: packs the C library for Arduino and PlatformIO, `target/arduino/Touchstone-VERSION.zip`, with libraries that
-//! are already compiled, so that a user needs no Rust.
+//! `cargo xtask arduino`: packs the C library for Arduino and PlatformIO, `target/arduino/Touchstone-VERSION.zip`. The libraries in
+//! it are already compiled, so that a user needs no Rust.
 //!
-//! For each folder of a processor the step then compiles and links the example sketches against the packed files, with the options
-//! that boards of that processor have.
+//! For each processor folder the step then compiles the example sketches with the options of boards with that processor, and links
+//! them with the packed files.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -16,11 +16,11 @@ const USAGE: &str = "cargo xtask arduino";
 const NAME: &str = "Touchstone";
 const LIBRARY: &str = "libtouchstone_c.a";
 
-/// A folder below `src` in which Arduino looks for a library: the board's `build.mcu`, and below it the floating-point unit and the
-/// registers in which a sketch passes floats, if the board's options name them and such a folder exists.
+/// A folder below `src` in which Arduino looks for a library. Its name is the board's `build.mcu`. A folder inside it is used if
+/// its name fits the board's options: the floating-point unit, and whether floats are passed in float registers.
 struct Place {
     folder: &'static str,
-    /// Rust's target, which must pass floats as the sketch does.
+    /// Rust's target. It must pass floats in the same registers as the sketch.
     target: &'static str,
     /// Options with which boards of this processor compile sketches.
     flags: &'static [&'static str],
@@ -48,7 +48,7 @@ const PLACES: [Place; 12] = [
     place("cortex-m0", M0, &["-mcpu=cortex-m0"]),
     place("cortex-m0plus", M0, &["-mcpu=cortex-m0plus"]),
     place("cortex-m3", M3, &["-mcpu=cortex-m3"]),
-    // A board with a unit that passes floats in integer registers also gets this one.
+    // This folder is also used by boards with a floating-point unit that pass floats in integer registers.
     place(
         "cortex-m4",
         toolchain::SOFT_FLOAT,
@@ -74,7 +74,7 @@ const PLACES: [Place; 12] = [
         toolchain::BOARD,
         &["-mcpu=cortex-m7", "-mfpu=fpv5-d16", HARD],
     ),
-    // Teensy 4 names the chip.
+    // Teensy 4 has the chip's name as `build.mcu`.
     place(
         "imxrt1062/fpv5-d16-hard",
         toolchain::BOARD,
@@ -141,7 +141,7 @@ fn made() -> Result<Outcome, Outcome> {
     }
     let out = shell::target("arduino");
     let root = out.join(NAME);
-    // Removes the files of an older archive, which this one may not contain.
+    // Removes the files of an older archive, which the new one may not contain.
     if root.exists() {
         done(std::fs::remove_dir_all(&root), &root)?;
     }
@@ -154,7 +154,8 @@ fn made() -> Result<Outcome, Outcome> {
         let inside = format!("src/{}/{LIBRARY}", place.folder);
         let library = root.join(&inside);
         copy(&built(place.target, &out.join("build"))?, &library)?;
-        // What the linker does not need is the most of it: the compiler's own form of the code, and what a debugger reads.
+        // Removes what the linker does not need, the largest part of the file: the compiler's intermediate code and debug
+        // information.
         let mut strip = shell::program("arm-none-eabi-strip");
         strip.args(["--strip-debug", "--enable-deterministic-archives"]);
         strip.args(["--remove-section=.llvmbc", "--remove-section=.llvmcmd"]);
@@ -176,7 +177,7 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(inspect::call(words))
 }
 
-/// Builds the C library for a target and returns its path. Paths of this machine's folders are removed from it.
+/// Builds the C library for a target and returns its path. The library contains no paths of this machine's folders.
 fn built(target: &'static str, folder: &Path) -> Result<PathBuf, Outcome> {
     let compiler = toolchain::obtain(target)?;
     let (mut cargo, options) = compiler.cargo(&["core"]);
@@ -190,7 +191,8 @@ fn built(target: &'static str, folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(folder.join(target).join("embedded").join(LIBRARY))
 }
 
-/// Compiles a sketch as Arduino does for a board with these options, and links it with the packed library in a folder of `src`.
+/// The command that compiles a sketch as Arduino does for a board with the options `flags`, and links it with the packed library in
+/// a folder of `src`.
 fn sketch(example: &str, flags: &[&str], library: &str, root: &Path, out: &Path) -> Command {
     let stand_in = shell::root().join("bindings/c/tests/stand_in");
     let source = root.join("src");
@@ -230,8 +232,8 @@ fn tried(place: &Place, root: &Path, out: &Path) -> Result<(), Outcome> {
     Ok(())
 }
 
-/// The check of the check: a library that passes floats in other registers than the sketch does not link, so that a wrong folder would
-/// be found.
+/// Checks that the link test can fail: a sketch must not link with a library that passes floats in other registers. So a library in
+/// a wrong folder would be found.
 fn refused(root: &Path, out: &Path) -> Result<(), Outcome> {
     let flags = ["-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16", HARD];
     let mut compile = sketch(SKETCHES[0], &flags, "cortex-m4", root, out);
@@ -257,7 +259,7 @@ fn done(result: std::io::Result<()>, path: &Path) -> Result<(), Outcome> {
 mod tests {
     use super::{HARD, PLACES};
 
-    /// As Arduino's library specification has it: `{build.mcu}`, or `{build.mcu}/{build.fpu}-{build.float-abi}`.
+    /// Arduino's library specification: `{build.mcu}`, or `{build.mcu}/{build.fpu}-{build.float-abi}`.
     #[test]
     fn each_folder_is_the_one_in_which_arduino_looks_with_these_options() {
         for place in &PLACES {

@@ -65,8 +65,8 @@ pub fn run(words: &[String]) -> Outcome {
         return missing;
     }
     let counted = count_all(&plan).unwrap_or_else(|failed| failed);
-    // Without arguments, as in the gates, the pairs of effects are measured too: absent effects must cost nothing, and no tick may
-    // allocate.
+    // Without arguments, as in the test runs, the pairs of effects are measured too. Effects that a scene leaves out must cost
+    // nothing, and no tick may allocate memory.
     if words.is_empty() && !counted.is_failure() {
         return ladder::run(&[]);
     }

@@ -1,5 +1,5 @@
 //! `cargo xtask fil --scorecard`: runs the scorecard (scripted actions of a simulated hand) on the firmware of the emulated
-//! reference board. The figures measured there are compared with those of the desktop simulation of the same scene.
+//! reference board. Compares the measured figures with those of the desktop simulation of the same scene.
 
 use std::path::PathBuf;
 
@@ -15,8 +15,8 @@ const LOOP: [&str; 2] = [
     "device.current_loop.bandwidth_hz=600",
     "timing.computational_delay_s=0.00005",
 ];
-/// Positions of the wall's surface between two encoder counts, in fractions of a count from the scene file's position. The board
-/// runs once at each, so that each figure has a range: at a single position, two of nine figures lay outside the desktop's range.
+/// Positions of the wall's surface, in fractions of an encoder count from the scene file's position. The board runs once at each,
+/// so that each figure has a range. With a single position, two of nine figures lay outside the desktop's range.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
 /// Largest relative deviation (a tenth) at which a figure of the board still counts as equal to the desktop's.
 const SAME: &str = "0.1";

@@ -58,7 +58,7 @@ impl Entry {
     }
 }
 
-/// Reads the entries of a list of wrong changes, a file of the workspace.
+/// Reads the entries of a list of wrong changes; `path` is the list's file in the workspace.
 pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
     match inspect::ask(["changes", path]) {
         (lines, Outcome::Ok(_)) => Ok(entries(&lines)),
@@ -80,7 +80,8 @@ fn entries(lines: &[String]) -> Vec<Entry> {
     entries
 }
 
-/// Copies folders of the workspace and the files beside them into `folder/work`, as a workspace whose members are `members`.
+/// Copies `members`, `more` and `Cargo.lock` from the workspace to `folder/work`. The copy has a manifest of a workspace with the
+/// members `members`.
 pub fn copy(folder: &Path, members: &[&str], more: &[&str]) -> Result<PathBuf, String> {
     let work = folder.join("work");
     let said = |path: &Path| {
@@ -121,7 +122,7 @@ fn copy_all(from: &Path, to: &Path) -> std::io::Result<()> {
 /// The text of the workspace's manifest, with `members` in the place of its members.
 fn with_members(manifest: &str, members: &[&str]) -> String {
     let mut kept = String::new();
-    // Lists of members may go over several lines.
+    // A list of members may span several lines.
     let mut within = false;
     for line in manifest.lines() {
         let list = ["members = [", "default-members = [", "exclude = ["]
@@ -174,7 +175,7 @@ pub fn with<T>(
         Ok(())
     })();
     let answer = made.and_then(|()| ask());
-    // The last first: two changes may be of one file.
+    // In reverse order, because two changes may be in one file.
     for (path, source) in before.iter().rev() {
         std::fs::write(path, source).map_err(|why| format!("{}: {why}", path.display()))?;
     }

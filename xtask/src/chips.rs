@@ -1,7 +1,8 @@
-//! `cargo xtask chips`: runs the C library's programs on emulated Cortex-M0, M4F and M33, and prints a table of sizes and instructions.
+//! `cargo xtask chips`: runs the C library's programs on emulated Cortex-M0, M4F and M33, and prints a table of sizes and
+//! instruction counts.
 //!
-//! The test `emulated` of `bindings/c` does the work: it builds the library for each chip, links C programs with it and runs them in
-//! QEMU. Their digests must be those of this machine.
+//! The test `emulated` of `bindings/c` does the work. It builds the library for each chip, links C programs with it and runs them
+//! in QEMU. The digests (hashes) of their results must equal those of this machine.
 
 use crate::outcome::Outcome;
 use crate::{packages, shell, toolchain};
@@ -35,7 +36,7 @@ pub fn run(args: &[String]) -> Outcome {
             return Outcome::NotRun(format!("no {tool} (apt-get install {packages})"));
         }
     }
-    // The test says which chips it leaves out for want of a target.
+    // A target that cannot be installed is no error here: the test reports the chips that it leaves out.
     for target in TARGETS {
         let _ = toolchain::obtain(target);
     }

@@ -21,7 +21,7 @@ pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
 }
 
 /// Builds an example of `host-sim/sim` and returns its path. It is optimised across crates like the released program, so that a
-/// function's place in one crate or another does not change a count.
+/// count does not depend on the crate in which a function is.
 pub fn built(example: &str) -> Result<PathBuf, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--profile", "dist", "--package", "touchstone-sim"]);

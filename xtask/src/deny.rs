@@ -1,7 +1,7 @@
 //! `cargo xtask deny`: checks the dependencies for crates in several versions, for licences and for known vulnerabilities
 //! (`deny.toml`).
 //!
-//! Cargo alone finds the crates in several versions. cargo-deny checks the rest; if cargo-deny is not installed or cannot fetch its
+//! Cargo alone finds crates in several versions; cargo-deny checks the rest. If cargo-deny is not installed or cannot fetch its
 //! list of vulnerabilities, the step reports "not run" with the reason.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,7 +69,8 @@ fn checked(manifest: &str, what: &[&str]) -> Outcome {
     // cargo-deny needs an absolute path; it rejects a bare file name.
     deny.arg("--manifest-path")
         .arg(shell::root().join(manifest));
-    // cargo-deny finds deny.toml in the manifest's folder or above; versions differ in where they take the option --config.
+    // cargo-deny looks for deny.toml in the manifest's folder and above. The option --config is not used, because its place differs
+    // between versions.
     deny.arg("check").args(what);
     let mut could_look = true;
     match shell::run_reading_all(&mut deny, |line| could_look &= !line.contains(NO_LIST)) {

@@ -43,7 +43,7 @@ fn made() -> Result<Outcome, Outcome> {
     for metadata in metadata(&folder)? {
         words.push(paired("metadata", &metadata));
     }
-    // Removes the files of an older archive, which this one may not contain.
+    // Removes the files of an older archive, which the new one may not contain.
     let unpacked = folder.join(&name);
     if unpacked.exists() {
         done(std::fs::remove_dir_all(&unpacked), &unpacked)?;
@@ -56,7 +56,7 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Flags of the compiler, as `CARGO_ENCODED_RUSTFLAGS` takes them, that remove paths of this machine's folders from what it builds.
+/// Flags of the compiler, in the form of `CARGO_ENCODED_RUSTFLAGS`, that remove paths of this machine's folders from the output.
 pub fn without_paths() -> String {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
@@ -66,8 +66,8 @@ pub fn without_paths() -> String {
     [remap(&home, "cargo"), remap(&shell::root(), "touchstone")].join("\x1f")
 }
 
-/// Builds the program and the shared library for FMUs for this machine, and returns their paths. Paths of this machine's folders are
-/// removed from both.
+/// Builds the program and the shared library for FMUs for this machine, and returns their paths. Neither contains paths of this
+/// machine's folders.
 fn built(folder: &Path) -> Result<[PathBuf; 2], Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo

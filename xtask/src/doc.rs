@@ -1,19 +1,19 @@
-//! `cargo xtask doc`: builds the documentation of all crates; any warning, also about a broken link, is an error. Packs the two crates
-//! that others use, and builds and runs the examples of their README files in a crate outside of the workspace. Builds both
-//! crates for microcontrollers, which have no standard library.
+//! `cargo xtask doc`: builds the documentation of all crates; any warning, such as a broken link, is an error. Packs the two
+//! published crates, and builds and runs the examples of their README files in a crate outside of the workspace. Builds both crates
+//! for microcontrollers, which have no standard library.
 
 use std::path::Path;
 
 use crate::outcome::Outcome;
 use crate::{shell, toolchain};
 
-/// The crates that are published, in the order of their dependence.
+/// The crates that are published, each after those that it depends on.
 const PUBLISHED: [&str; 2] = ["touchstone-control", "touchstone-protocol"];
 
 /// Targets without a standard library: without and with a float unit.
 const WITHOUT_STD: [&str; 2] = ["thumbv6m-none-eabi", toolchain::BOARD];
 
-/// Features with which each crate builds there.
+/// Pairs of a published crate and the features with which it is built for these targets.
 const FEATURES: [(&str, &str); 5] = [
     ("touchstone-control", ""),
     ("touchstone-control", "float"),
@@ -101,7 +101,7 @@ fn blocks(text: &str) -> Vec<&str> {
     after.filter_map(|rest| rest.split("```").next()).collect()
 }
 
-/// A program of a code block, which may be a program already or statements only.
+/// A complete program for a code block that is a program already or consists of statements only.
 fn whole(code: &str) -> String {
     if code.contains("fn main()") {
         code.to_owned()

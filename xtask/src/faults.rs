@@ -1,6 +1,6 @@
-//! `cargo xtask faults [--write]`: plays all single faults of a running knob on all boards on the desktop, in every moment, grip and
-//! place, and compares the tables of `docs/faults.md` with the result. `--write` replaces them. All cells are in
-//! `target/faults/cells.csv`.
+//! `cargo xtask faults [--write]`: simulates all single faults of a running knob on the desktop, for all boards and every moment,
+//! grip and position. Compares the result with the tables in `docs/faults.md`; `--write` replaces them. `target/faults/cells.csv`
+//! has the results one by one.
 
 use crate::outcome::Outcome;
 use crate::{marked, shell};
@@ -20,7 +20,7 @@ pub fn run(words: &[String]) -> Outcome {
 
 fn played(write: bool) -> Result<Outcome, Outcome> {
     let folder = shell::target("faults");
-    // Optimised as the tests are, which use the same crates.
+    // Optimised like the tests, which use the same crates, so that these are compiled only once.
     let mut play = shell::cargo_locked("run");
     play.args(["--profile", "test", "--package", "touchstone-tests"]);
     play.args(["--example", "single_faults", "--"]);

@@ -3,7 +3,7 @@
 //!
 //! The checks are boot, calibration, arming, a press that must equal the control law on this machine bit for bit, and every
 //! injected fault. They are printed as a table; one failed check fails the step. Except with `--only`, the emulator's own tests run
-//! before, and a press of the scorecard (scripted actions of a simulated hand) on the reference board runs after.
+//! first. Afterwards the reference board runs one press of the scorecard (scripted actions of a simulated hand).
 //!
 //! `--sample` runs one of three fault injections, all but the longest check on the reference board, and few checks on the other
 //! boards. `--brief` runs the same injections and only the short checks.

@@ -21,8 +21,7 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// Part of a board's name that says its chip is the one with 128 KiB of flash memory. Firmware for it is compiled for small size
-/// instead of speed.
+/// Part of the name of a board whose chip has 128 KiB of flash memory. Its firmware is compiled for small size instead of speed.
 const SMALL_FLASH: &str = "g431";
 
 /// The reference board: the one that `cargo xtask test` builds firmware for and whose fault reactions it checks.
@@ -87,7 +86,7 @@ pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     Ok(kept)
 }
 
-/// The command that builds a board's firmware from a copy of the sources, and the path of the program that the command writes.
+/// The command that builds a board's firmware from a copy of the sources, and the path of the program that it writes.
 pub fn build_copy(
     board: &str,
     sources: &Path,
@@ -98,13 +97,13 @@ pub fn build_copy(
     Ok((cargo, built(folder, board)))
 }
 
-/// Path below the target folder `folder` where cargo leaves a board's program.
+/// Path of a board's program below the target folder `folder`.
 fn built(folder: &Path, board: &str) -> PathBuf {
     folder.join(BOARD).join("release").join(board)
 }
 
-/// Runs Clippy on a board's firmware with warnings as errors. Does nothing if no installed Clippy supports the target; the
-/// compiler's own warnings are errors in the build anyway.
+/// Runs Clippy on a board's firmware with warnings as errors. Does nothing if no installed Clippy supports the target; the build
+/// also treats the compiler's own warnings as errors.
 fn lint(board: &str) -> Outcome {
     let Some((mut clippy, options)) = toolchain::clippy_board() else {
         return Outcome::Ok(String::new());
@@ -118,7 +117,7 @@ fn lint(board: &str) -> Outcome {
 /// Adds to a cargo command the arguments that the build and Clippy have in common.
 fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
-        // Cargo then reads the `.cargo/config.toml` of the firmware.
+        // In this folder cargo reads `firmware/.cargo/config.toml`.
         .current_dir(sources.join("firmware"))
         .args(["--release", "--target-dir"])
         .arg(folder)

@@ -196,8 +196,7 @@ fn table(names: &[&str], costs: &Costs) -> String {
             let beyond = pair
                 .zip(added(second))
                 .map(|(pair, other)| pair - alone - other);
-            // A pair that adds nothing has an empty cell, so that the others are seen; two effects that exclude each other have a
-            // cross.
+            // Empty if a pair adds nothing, so that the other cells stand out; a cross if the two effects exclude each other.
             match beyond {
                 _ if first == second => text.push_str("  |"),
                 Some(beyond) if beyond.abs() < 0.5 => text.push_str("  |"),

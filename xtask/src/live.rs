@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
     shell::root().join("host-sim/live/module")
 }
 
-/// Text of the file `MADE.txt`, which records how the module was built.
+/// Text of the file `MADE.txt`, which records the compiler of the module.
 fn about(compiler: &Compiler, bytes: &[u8]) -> String {
     format!(
         "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\n",
@@ -49,7 +49,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// Builds the WebAssembly module and returns its bytes.
+/// Builds the WebAssembly module of the live page and returns its bytes.
 fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     let (mut cargo, options) = compiler.cargo_for("rustc", &["std", "panic_abort"]);
     let target = shell::target("wasm").join(&compiler.version);
@@ -63,7 +63,7 @@ fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     cargo
         .args(["--profile", "live", "--target-dir"])
         .arg(&target);
-    // Panic messages contain paths of source files; the names of this machine's folders must not get into the module.
+    // Panic messages contain paths of source files. The flags keep this machine's folders out of the module.
     let separator = "\u{1f}";
     let flags: Vec<String> = remapped()
         .into_iter()

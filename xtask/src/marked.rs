@@ -1,6 +1,6 @@
 //! Tables that a command writes into a page of the documentation, between two marks.
 
-/// The text of a page with what is between two lines replaced; `None` if the page has no such lines.
+/// The page's text with `table` in place of what is between the lines `begin` and `end`; `None` if the page lacks these lines.
 pub fn between(page: &str, begin: &str, end: &str, table: &str) -> Option<String> {
     let (before, rest) = page.split_once(begin)?;
     let (_, after) = rest.split_once(end)?;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A stored result: one word such as `caught`, and the reason.
 pub type Found = (String, String);
 
-/// The stored results of tests of wrong changes, and their file.
+/// The stored results of the wrong changes, and the file that holds them.
 pub struct Memo {
     file: PathBuf,
     ground: u64,
@@ -18,8 +18,8 @@ pub struct Memo {
 }
 
 impl Memo {
-    /// Opens the file of stored results. Results for other sources or another program `asked` have other keys, so they are never
-    /// found.
+    /// Opens the file of stored results. `asked` is the tested program. A result for other sources or another program has another
+    /// key, so it is never found.
     pub fn open(file: PathBuf, sources: &Path, asked: Option<&Path>) -> std::io::Result<Self> {
         let mut hasher = DefaultHasher::new();
         take(sources, sources, &mut hasher)?;

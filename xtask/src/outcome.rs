@@ -16,7 +16,7 @@ pub enum Outcome {
     Usage(String),
 }
 
-/// Exit code of a command that could not do its work on this machine. Other test runners use the same code for this.
+/// Exit code of a command that could not do its work on this machine. Other test runners use the same code.
 const NOT_RUN: u8 = 77;
 /// Exit code of a command that was called wrongly.
 pub const USAGE: u8 = 2;
@@ -31,7 +31,7 @@ impl Outcome {
         }
     }
 
-    /// The outcome for an exit code of a program of the project; `None` for a code that none of them uses.
+    /// The kind of outcome for an exit code of a program of the project; `None` for a code that none of them uses.
     pub fn of_code(code: i32) -> Option<fn(String) -> Self> {
         match u8::try_from(code).ok()? {
             0 => Some(Outcome::Ok),

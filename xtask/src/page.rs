@@ -33,7 +33,7 @@ pub fn run(args: &[String]) -> Outcome {
     };
     let program = made.join("touchstone");
     let mut script = shell::program("python3");
-    // Without an emulator the script still tests the pages with the simulated knob.
+    // Without an emulator the script still tests the pages with a simulated knob.
     let nowhere = || (PathBuf::from("-"), PathBuf::from("-"));
     let (emulated, firmware) = if is_short {
         nowhere()

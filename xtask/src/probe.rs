@@ -1,5 +1,5 @@
-//! `cargo xtask probe`: tests the access to boards through a debug probe, which uses the crate probe-rs. Few other steps build that
-//! crate.
+//! `cargo xtask probe`: tests the access to boards through a debug probe, which uses the crate probe-rs. Most other steps do not
+//! build that crate.
 //!
 //! The step runs Clippy, the tests on a simulated chip, and all tests of the program built with probe-rs as in the release. The
 //! program's tests are repeated because a dependency of probe-rs changes how `serde_json` stores numbers in the whole program.

@@ -1,8 +1,8 @@
-//! `cargo xtask fil --sabotage [--only TEXT]`: shows that the checks of `cargo xtask fil` notice missing safety functions. Each
-//! sabotage removes one safety function from the firmware, and the check that its entry names must fail.
+//! `cargo xtask fil --sabotage [--only TEXT]`: shows that the checks of `cargo xtask fil` detect missing safety functions. Each
+//! sabotage removes one safety function from the firmware. The check that its entry names must then fail.
 //!
 //! A sabotage is caught when the named check fails with the named message. A change that does not compile, a program that does not
-//! boot, or another failure is not a catch. The same checks run first on unchanged firmware and must pass.
+//! boot, or another failure does not count. The same checks run first on unchanged firmware and must pass.
 //!
 //! A run takes several builds of the firmware per entry, and a program without a safety function may take minutes to end. So each
 //! result is stored at once and not repeated for the same sources ([`crate::memo`]).
@@ -77,7 +77,7 @@ pub fn run(words: &[&str]) -> Outcome {
         Ok(memo) => memo,
         Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
     };
-    // One program is built while the one before is tested.
+    // One program is built while the previous one is tested.
     let (send, receive) = mpsc::sync_channel(1);
     let asked = asked(&all, &memo);
     std::thread::scope(|scope| {

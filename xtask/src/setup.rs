@@ -1,8 +1,8 @@
 //! `cargo xtask setup [--install [--full]]`: lists the tools that are installed or missing, their purpose and how to install them.
 //!
-//! Every test run needs rustfmt and Clippy, so rustup installs them without a request. When instructions are counted, apt-get
-//! installs valgrind in the same way if the user is root. Other tools are installed only with `--install`: those of `cargo xtask
-//! test`, and with `--full` also those of `cargo xtask test --full`.
+//! Every test run needs rustfmt and Clippy, so rustup installs them without a request. Steps that count instructions install
+//! valgrind in the same way, with apt-get and only for the user root. Other tools are installed only with `--install`: those of
+//! `cargo xtask test`, and with `--full` also those of `cargo xtask test --full`.
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
@@ -12,7 +12,7 @@ use crate::{emulator, toolchain};
 /// Which tests need a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
-    /// Without the tool the tests mean nothing.
+    /// No test run is complete without the tool.
     Required,
     /// Without the tool a step of `cargo xtask test` is not run.
     Test,
@@ -170,7 +170,7 @@ const TOOLS: &[Tool] = &[
         purpose: "prove: the harnesses in less time",
         version: || allocator::found().map(|file| file.display().to_string()),
         hint: "apt-get install libtcmalloc-minimal4",
-        // The package has another name in later releases, and no step of the tests needs it.
+        // Empty, because the package has another name in later releases, and no step of the tests needs it.
         packages: &[],
     },
 ];

@@ -19,8 +19,8 @@ pub fn root() -> PathBuf {
         .to_path_buf()
 }
 
-/// A command that runs a program in the workspace's folder. The environment variables that `cargo run` sets for this program are
-/// removed, so that a nested build does not see another crate's variables.
+/// A command that runs a program in the workspace's folder. The environment variables that `cargo run` sets for xtask are removed,
+/// because a nested build would read them as its own.
 pub fn program(name: impl AsRef<std::ffi::OsStr>) -> Command {
     let mut command = Command::new(name);
     command.current_dir(root());
@@ -128,7 +128,8 @@ pub fn run_reading_all(command: &mut Command, mut line: impl FnMut(&str)) -> Out
         command.stdin(Stdio::null());
         command.stdout(input.try_clone()?).stderr(input);
         let mut child = command.spawn()?;
-        // The command holds the end that is written to: without it, the reading ends when the child has.
+        // `command` still holds the writing end of the pipe. Without this line, `show` would not see the pipe's end when the child
+        // ends.
         command.stdout(Stdio::null()).stderr(Stdio::null());
         show(output, &mut line)?;
         Ok(child.wait()?.success())

@@ -86,8 +86,8 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// Checks that no page of the built site loads anything from other hosts and that links are good. Returns the number of pages and
-/// the problems. The links of the crates' documentation are checked by `cargo xtask doc`.
+/// Checks that no page of the built site loads anything from other hosts, and that links within the site have targets. Returns the
+/// number of pages and the problems. Links of the crates' documentation are checked by `cargo xtask doc`.
 fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     let mut wrong = Vec::new();
     let pages = pages(site)?;
@@ -127,8 +127,8 @@ fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     Ok((pages.len(), wrong))
 }
 
-/// Copies a file or folder of the repository to the path `to` in the site, where a page links to it. Returns whether the repository
-/// has it.
+/// Copies a file or folder of the repository to the path `to` in the site, because a page links to it. Returns whether the
+/// repository has it.
 fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
     let inside = to.strip_prefix(site).unwrap_or(to);
     let source = shell::root().join(inside);
@@ -149,7 +149,7 @@ fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
     Ok(true)
 }
 
-/// A Markdown text as it stands, as a page whose headings are targets of links.
+/// A web page that shows a Markdown text unformatted, with headings that links can target.
 fn plain_page(text: &str) -> String {
     let mut page =
         "<!doctype html><meta charset=\"utf-8\"><pre style=\"white-space:pre-wrap\">".to_owned();
@@ -164,7 +164,7 @@ fn plain_page(text: &str) -> String {
     page + "</pre>"
 }
 
-/// The name by which a link names a heading, as code hosts and mdBook form it.
+/// The anchor of a heading, as code hosts and mdBook form it.
 fn place_of(heading: &str) -> String {
     let words = heading.trim().to_lowercase().replace(' ', "-");
     let kept = |c: &char| c.is_alphanumeric() || ['-', '_'].contains(c);
@@ -185,8 +185,8 @@ fn resolved(folder: &Path, link: &str) -> PathBuf {
     path
 }
 
-/// Links in a page's `href` and `src` to targets within the site: the page, empty for the page itself, and the place on it, empty
-/// for its top. The part after `?` is left out, and so is a live page's list of settings after `#`.
+/// Links in a page's `href` and `src` to targets within the site. Each is a pair: the page (empty for this page), and the anchor on
+/// it (empty for its top). The part after `?` is left out, and so is a live page's list of settings after `#`.
 fn links(html: &str) -> Vec<(&str, &str)> {
     let after = html
         .split(" href=\"")

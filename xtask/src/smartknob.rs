@@ -1,5 +1,5 @@
-//! `cargo xtask smartknob`: a program for a SmartKnob before a board's firmware. The test's client, `touchstone bridge`, its pseudo
-//! terminal and the unmodified firmware in the emulator work together, as the client and a board would.
+//! `cargo xtask smartknob`: tests that a program written for a SmartKnob works with a board's firmware. The test's client talks to
+//! `touchstone bridge` through its pseudo terminal; the unmodified firmware runs in the emulator.
 
 use crate::outcome::Outcome;
 use crate::{emulator, shell};
@@ -40,7 +40,7 @@ pub fn run(args: &[String]) -> Outcome {
             usize::from(line.starts_with("test ") && line.ends_with("emulated_firmware ... ok"));
     });
     match outcome {
-        // A test that was renamed must not go unnoticed.
+        // No test has run: it was renamed, and the filter no longer fits its name.
         Outcome::Ok(_) if seen == 0 => Outcome::Failed("no test was run".into()),
         Outcome::Ok(_) => Outcome::Ok(format!(
             "configured, turned and read through the pseudo terminal, on {BOARD}"

@@ -6,12 +6,12 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// For each gate (test run of one extent), the part of the step that it runs.
+    /// The part of the step that each gate runs.
     pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
 
-/// The gates, which are test runs of increasing extent: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
+/// A gate: a test run of one extent. From short to long: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
     /// The gate for daily work, `cargo xtask test --quick`.
@@ -22,7 +22,7 @@ pub enum Gate {
     Full,
 }
 
-/// For each gate (test run of one extent), the part of a step that the gate runs.
+/// For each [`Gate`], the part of a step that it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gates {
     pub quick: Share,
@@ -30,25 +30,25 @@ pub struct Gates {
     pub full: Share,
 }
 
-/// The part of a step that a gate (test run of one extent) runs.
+/// The part of a step that a [`Gate`] runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Share {
     /// The whole step.
     Whole,
-    /// The gate (test run) calls the step with these arguments; the text names what the gate leaves out.
+    /// The gate calls the step with these arguments; the text names what the gate leaves out.
     Part(&'static [&'static str], &'static str),
-    /// The gate (test run) leaves the step out.
+    /// The gate leaves the step out.
     LeftOut,
 }
 
 impl Gates {
-    /// For a command that no gate (test run) runs.
+    /// For a command that no gate runs.
     pub const NONE: Self = Self {
         quick: Share::LeftOut,
         test: Share::LeftOut,
         full: Share::LeftOut,
     };
-    /// For a step that every gate (test run) runs whole.
+    /// For a step that every gate runs whole.
     pub const ALL: Self = Self {
         quick: Share::Whole,
         test: Share::Whole,
@@ -69,7 +69,7 @@ impl Gates {
         }
     }
 
-    /// The part of the step that a gate (test run of one extent) runs.
+    /// The part of the step that a gate runs.
     pub const fn of(self, gate: Gate) -> Share {
         match gate {
             Gate::Quick => self.quick,
@@ -78,14 +78,14 @@ impl Gates {
         }
     }
 
-    /// Whether any gate (test run) runs at least a part of the step.
+    /// Whether any gate runs at least a part of the step.
     pub fn is_tested(self) -> bool {
         self != Self::NONE
     }
 }
 
 impl Share {
-    /// The arguments with which the gate (test run) calls the step; `None` if the gate leaves the step out.
+    /// The arguments with which the gate calls the step; `None` if the gate leaves the step out.
     pub fn args(self) -> Option<Vec<String>> {
         match self {
             Share::LeftOut => None,
@@ -94,7 +94,7 @@ impl Share {
         }
     }
 
-    /// Text that names what the gate (test run) leaves out of the step; `None` if nothing is left out.
+    /// Text that names what the gate leaves out of the step; `None` if nothing is left out.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
             Share::Whole => None,

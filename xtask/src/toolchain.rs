@@ -20,8 +20,8 @@ pub const BOARD: &str = "thumbv7em-none-eabihf";
 /// Target for browsers (WebAssembly).
 pub const WASM: &str = "wasm32-unknown-unknown";
 
-/// Options of cargo that compile the compiler's runtime library (divisions, memory copies) for speed where it is built from source,
-/// as it is where it is installed. The control interrupt calls it.
+/// Options of cargo that compile the compiler's runtime library (divisions, memory copies) for speed if it is built from source. An
+/// installed runtime library is compiled for speed too. The control interrupt calls it.
 const QUICK_BUILTINS: [&str; 2] = [
     "--config",
     "profile.release.package.compiler_builtins.opt-level=3",
@@ -32,7 +32,7 @@ const QUICK_BUILTINS: [&str; 2] = [
 enum Origin {
     /// The compiler of the toolchain that runs this program.
     Active,
-    /// A toolchain that a user linked under this name, instead of one of rustup's releases. Its version number says nothing about
+    /// A toolchain with this name that a user linked, so it is not one of rustup's releases. Its version number says nothing about
     /// its content.
     Linked(String),
     /// A toolchain of rustup other than the default, by name.
@@ -83,7 +83,7 @@ impl Origin {
 
     /// Finds version and library folder of a compiler; `None` if the compiler cannot build this workspace.
     fn look(self) -> Option<Candidate> {
-        // Without its linker it can build nothing for a board: then it is as good as not there.
+        // Without its linker this compiler can build nothing for a board, so it counts as missing.
         let links = |linker| shell::capture(shell::program(linker).arg("--version")).is_some();
         if matches!(self, Origin::System) && !links(SYSTEM_LINKER) {
             return None;
@@ -125,8 +125,8 @@ impl Compiler {
         }
     }
 
-    /// The command `cargo build` with this compiler, and its options. `libraries` names Rust's own libraries that are built from
-    /// source where they are not installed.
+    /// The command `cargo build` with this compiler, and its options. `libraries` names those of Rust's own libraries that are
+    /// built from source if they are not installed.
     pub fn cargo(&self, libraries: &[&str]) -> (Command, Vec<String>) {
         self.cargo_for("build", libraries)
     }
@@ -152,11 +152,11 @@ impl Compiler {
             Origin::Toolchain(name) => {
                 let mut rustup = shell::program("rustup");
                 rustup.args(["run", name, "cargo", subcommand]);
-                // They name the active toolchain's programs.
+                // These variables name the active toolchain's programs.
                 for key in ["RUSTUP_TOOLCHAIN", "RUSTC", "CARGO", "RUSTDOC"] {
                     rustup.env_remove(key);
                 }
-                // Where another rustc comes first in the PATH, such as a system package's, cargo would take that one.
+                // If another rustc comes first in the PATH, such as a system package's, cargo would take it. So the path is given.
                 let mut which = shell::program("rustup");
                 if let Some(path) =
                     shell::capture(which.args(["which", "rustc", "--toolchain", name]))
@@ -173,7 +173,7 @@ impl Compiler {
                 cargo
             }
         };
-        // What somebody tells the compiler for this machine's own code, such as its processor, would be wrong for the target's.
+        // A user's flags are for this machine's own code, such as its processor, and would be wrong for the target.
         cargo
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS");
@@ -207,8 +207,8 @@ pub fn find(target: &'static str) -> Option<Compiler> {
     with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
-/// Same as [`find`], but installs what is missing: rustup fetches the target, or apt-get Debian's compiler with the library's
-/// source.
+/// Same as [`find`], but installs what is missing: rustup fetches the target, or apt-get installs Debian's compiler with the
+/// library's source.
 pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
     let fetch: [fn(&str); 2] = [
         |target| {
@@ -250,7 +250,7 @@ fn ask() -> Vec<Candidate> {
     };
     let others = toolchains().into_iter().map(Origin::Toolchain);
     let mut origins: Vec<_> = others.chain([Origin::System]).collect();
-    // One that somebody linked is taken where there is no other.
+    // A toolchain that a user linked comes last.
     let place = if active == Origin::Active {
         0
     } else {
@@ -260,7 +260,7 @@ fn ask() -> Vec<Candidate> {
     origins.into_iter().filter_map(Origin::look).collect()
 }
 
-/// The name of the active toolchain if rustup manages it but a user linked it, so that it is none of rustup's releases.
+/// The name of the active toolchain if it is not one of rustup's releases, because a user linked it; otherwise `None`.
 fn linked() -> Option<String> {
     let shown = shell::capture(shell::program("rustup").args(["show", "active-toolchain"]))?;
     let name = shown.split_whitespace().next()?.to_owned();
@@ -273,15 +273,15 @@ pub fn active_version() -> String {
     version.split_whitespace().nth(1).unwrap_or("").to_owned()
 }
 
-/// The machine for which the active compiler builds by default, by the compiler's name for it, such as `x86_64-unknown-linux-gnu`.
+/// The machine for which the active compiler builds by default, as a target name such as `x86_64-unknown-linux-gnu`.
 pub fn host() -> String {
     let all = shell::capture(Origin::Active.rustc().arg("-vV")).unwrap_or_default();
     let host = all.lines().find_map(|line| line.strip_prefix("host: "));
     host.unwrap_or_default().to_owned()
 }
 
-/// Names of the toolchains that rustup released. Toolchains that a user linked are left out, as their version says nothing about
-/// their content.
+/// Names of the toolchains that are rustup's releases. Toolchains that a user linked are left out, because their version says
+/// nothing about their content.
 fn toolchains() -> Vec<String> {
     let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));
     list.unwrap_or_default()
@@ -292,8 +292,8 @@ fn toolchains() -> Vec<String> {
         .collect()
 }
 
-/// Whether a toolchain's name is one of rustup's releases: a channel or a version, a date, and the machine. Rustup lets no user
-/// link a toolchain by such a name.
+/// Whether a toolchain's name has the form of rustup's releases: a channel or a version, perhaps a date, and the machine. A user
+/// cannot link a toolchain under such a name.
 fn is_released(name: &str) -> bool {
     let Some((channel, rest)) = name.split_once('-') else {
         return false;
@@ -309,7 +309,7 @@ fn is_released(name: &str) -> bool {
         && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
 }
 
-/// Lists, as text for people, each target for which a step builds, with the compiler that it uses. A missing compiler is installed
+/// For each target for which a step builds, a line of text with the compiler that the step uses. A missing compiler is installed
 /// now, as the step would do.
 pub fn choices() -> Vec<String> {
     [BOARD, SOFT_FLOAT, WASM]

@@ -1,8 +1,8 @@
-//! `cargo xtask traces [--write]`: draws the signals to expect when a board is first powered, as pictures for the build guide
+//! `cargo xtask traces [--write]`: draws the signals to expect at the first power-up of a board, as pictures for the build guide
 //! `docs/first-power`.
 //!
 //! The boards' firmware runs in the emulator, which records the signals as tables; an example program draws them. `--write`
-//! replaces the committed pictures; without it they are compared with the new ones.
+//! replaces the committed pictures. Without it the step compares them with the new ones.
 
 use std::path::Path;
 

@@ -9,15 +9,15 @@ use crate::outcome::Outcome;
 use crate::shell;
 use crate::step::Gates;
 
-/// Option with which all test runs but `cargo xtask test --full` call this step.
+/// Option with which all gates but `cargo xtask test --full` call this step.
 const QUICK: &str = "--quick";
 pub const GATES: Gates = Gates::part(
     &[QUICK],
     "documentation examples; instructions of an absent effect, for which the simulator is built optimised",
 );
 
-/// Tests that a quick run leaves out, given by a text that no other test's name contains. The one test here builds the simulator
-/// with all optimisations, which takes minutes, and counts its instructions.
+/// Tests that a quick run leaves out, each given by a text that occurs in no other test's name. The one test here builds the
+/// simulator with all optimisations, which takes minutes, and counts its instructions.
 const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
 
 /// Number of the slowest test binaries that are listed with their times.
@@ -96,7 +96,7 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     Some((before(" passed")?, before(" ignored")?))
 }
 
-/// Text with the first few names of failed tests and the number of the others; the output above has all of them.
+/// Text with the first few names of failed tests and the number of the others. The test output above lists all of them.
 fn first_of(names: &[String]) -> String {
     const FEW: usize = 4;
     let few = names[..names.len().min(FEW)].join(", ");
@@ -126,11 +126,11 @@ fn words(args: &[String]) -> Vec<&str> {
 pub fn run(args: &[String]) -> Outcome {
     let words = words(args);
     let (mut seen, mut broken) = (Seen::default(), None);
-    // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
+    // Tests the control crate also alone: in the workspace it is built with the feature `float`, which firmware leaves out.
     let packages: [&[&str]; 2] = [&["--workspace"], &["--package", "touchstone-control"]];
     for packages in packages {
         let mut command = shell::cargo_locked("test");
-        // To the end, so that one failure hides no other.
+        // Does not stop at the first failure, so that one failure hides no other.
         command.args(packages).arg("--no-fail-fast").args(&words);
         let outcome = shell::run_reading_all(&mut command, |line| seen.line(line));
         if outcome.is_failure() {

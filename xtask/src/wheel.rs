@@ -1,5 +1,5 @@
-//! `cargo xtask wheel`: builds the Python package that contains the program, `target/wheel/*.whl`, installs it alone and runs its
-//! tests.
+//! `cargo xtask wheel`: builds the Python package that contains the program, `target/wheel/*.whl`. Installs it in an environment
+//! without the sources and runs its tests.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,8 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
-/// Python packages that build, test and type-check the wheel. A test whose package is missing is skipped, so all are here.
+/// Python packages that build, test and type-check the wheel. Tests whose packages are missing would be skipped, so the list
+/// contains all.
 const TOOLS: [&str; 11] = [
     "maturin>=1.9,<2",
     "pytest>=7",
@@ -65,7 +66,7 @@ fn made() -> Result<Outcome, Outcome> {
     // `-rs` names the tests that were skipped.
     tests.args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"]);
     tests.arg(package.join("tests"));
-    // Skipped here, as LeRobot is not installed: it has some 8 GB.
+    // LeRobot is not installed here (some 8 GB), so the tests that need it are skipped.
     tests.arg(shell::root().join("bindings/lerobot/tests"));
     tests.env("TOUCHSTONE_MOCK_DHD", mock()?);
     tests.env_remove("TOUCHSTONE_PROGRAM");

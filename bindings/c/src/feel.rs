@@ -52,7 +52,7 @@ impl No {
     }
 }
 
-/// The settings of the law with the encoder of the feel.
+/// Returns the settings with the encoder resolution of the feel's configuration.
 fn with_encoder(settings: &Settings, config: &ts_feel_config) -> Settings {
     Settings {
         position: PositionSettings::of_counts_per_rev(config.counts_per_rev),
@@ -60,7 +60,7 @@ fn with_encoder(settings: &Settings, config: &ts_feel_config) -> Settings {
     }
 }
 
-/// Makes walls and detents.
+/// Makes an environment of the feel's walls and detents.
 #[inline(always)]
 fn made(settings: &Settings, config: &ts_feel_config) -> Result<Environment<Fixed32>, Refused> {
     let (walls, used) = config.solid();
@@ -68,8 +68,8 @@ fn made(settings: &Settings, config: &ts_feel_config) -> Result<Environment<Fixe
     Environment::new(settings, walls, config.detents.settings().as_ref())
 }
 
-/// Writes walls and detents into a C object's memory. This function and the next two are not inlined: each needs kilobytes of stack,
-/// and they run one after the other.
+/// Writes walls and detents into a C object's memory. This function and the next two are not inlined: each needs kilobytes of
+/// stack, and inlined they would need them all at the same time.
 #[inline(never)]
 fn begin(feel: *mut ts_feel, settings: &Settings, config: &ts_feel_config) -> Result<(), No> {
     let scale = CountScale::new(config.counts_per_rev, Si::ZERO).ok_or(No::CountsPerRev)?;
@@ -80,7 +80,7 @@ fn begin(feel: *mut ts_feel, settings: &Settings, config: &ts_feel_config) -> Re
     Ok(())
 }
 
-/// Adds spring, friction and click.
+/// Adds spring, damper, dry friction, click and inertia.
 #[inline(never)]
 fn add_parts(felt: &mut Felt, settings: &Settings, config: &ts_feel_config) -> Result<(), No> {
     match felt.0.with_feel(&config.parts(), settings) {

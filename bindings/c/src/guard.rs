@@ -22,7 +22,8 @@ pub struct ts_guard {
     memory: [u64; TS_GUARD_WORDS],
 }
 
-/// An energy guard behind a limit of the force. The guard's own limit follows from its account, and may be larger.
+/// An energy guard and the force limit to which a requested force is cut before the guard gets it. The guard's own limit follows
+/// from its account, and may be larger.
 #[derive(Clone, Copy)]
 pub struct Limited {
     guard: Guarded<Fixed32>,

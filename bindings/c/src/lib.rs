@@ -1,8 +1,9 @@
 //! The energy guard, and virtual walls that contain it, for firmware that is not written in Rust.
 //!
 //! [`guard`] bounds the energy of any force. [`wall`] is a whole virtual wall, from penetration to torque; [`feel`] is all that a
-//! knob can have, from encoder count to torque; [`settings`] sets their settings by name. [`estimator`] is the state estimator alone.
-//! [`memory`] is the only module that turns memory owned by C into a Rust value. `include/touchstone.h` is generated from this crate.
+//! knob can have, from encoder count to torque; [`settings`] sets their settings by name. [`estimator`] is the state estimator
+//! alone. [`memory`] is the only module that turns memory owned by C into a Rust value. `include/touchstone.h` is generated from
+//! this crate.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod estimator;

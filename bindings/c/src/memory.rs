@@ -51,8 +51,8 @@ pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_statu
     ts_status::TS_OK
 }
 
-/// Same as [`initialise`], for a large value that is a pair: the parts are written one by one, so that no copy of the pair is on the
-/// stack.
+/// Same as [`initialise`], for a large value that is a pair: the parts are written one by one, so that no copy of the pair is on
+/// the stack.
 #[inline(always)]
 pub(crate) fn initialise_pair<O: Object<Value = (A, B)>, A: Copy, B: Copy>(
     object: *mut O,
@@ -92,7 +92,8 @@ pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, t
     if mark != O::MARK {
         return Err(ts_status::TS_NOT_INITIALISED);
     }
-    // SAFETY: the mark says that `initialise` wrote the value; the caller of the C function has the object for itself while the call lasts.
+    // SAFETY: the mark says that `initialise` wrote the value; the caller of the C function has the object for itself while the
+    // call lasts.
     Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
 }
 

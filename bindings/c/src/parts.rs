@@ -197,7 +197,8 @@ pub(crate) const EMPTY: ts_feel_config = ts_feel_config {
     },
 };
 
-/// A number per turn in the range of the control crate's type; a larger one is refused there.
+/// Converts a number per turn to the control crate's type. A number that is too large becomes `u16::MAX`, which the control crate
+/// refuses.
 fn per_turn(number: u32) -> u16 {
     u16::try_from(number).unwrap_or(u16::MAX)
 }
@@ -279,7 +280,7 @@ impl ts_feel_config {
         }
     }
 
-    /// The walls that have a stiffness, and how many they are. The places after them are filled with a wall that is not used.
+    /// The walls that have a stiffness, and their number. The rest of the array is filled with a wall that is not used.
     pub(crate) fn solid(&self) -> ([WallSettings; TS_FEEL_WALLS], usize) {
         let unused = WallSettings {
             face: Face {

@@ -36,7 +36,7 @@ pub extern "C" fn ts_status_text(status: i32) -> *const c_char {
         2 => c"the object was never initialised, or its memory was overwritten: call its init function",
         3 => c"a setting is out of its range: ts_guard_check or ts_settings_check names it",
         4 => c"no setting has this name: docs list them, or `touchstone config schema`",
-        5 => c"the text is no value of this setting",
+        5 => c"the text is not a value of this setting",
         6 => c"the device moved faster than the guard's overspeed: switch the motor off",
         _ => c"no status of this library",
     };

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
-/// Held by each test: library and program have the same files in both.
+/// Lock that each test holds while it runs, because the tests write library and program to the same files.
 static FILES: Mutex<()> = Mutex::new(());
 
-/// A microcontroller and the emulator's board that has it.
+/// A microcontroller, and the emulator's board with this microcontroller.
 struct Chip {
     name: &'static str,
     target: &'static str,
@@ -32,7 +32,8 @@ const CHIPS: [Chip; 4] = [
         flags: &["-mcpu=cortex-m0"],
         memory: ["0", "0x20000000", "16K"],
     },
-    // The emulator's only Cortex-M0 has too little memory for the stack that a feel needs, so the same code also runs on a Cortex-M3.
+    // The emulator's only Cortex-M0 has too little memory for the stack that a feel needs, so the same code also runs on a
+    // Cortex-M3.
     Chip {
         name: "Cortex-M0's code on an M3",
         target: "thumbv6m-none-eabi",
@@ -57,8 +58,8 @@ const CHIPS: [Chip; 4] = [
 ];
 
 impl Chip {
-    /// Builds the library for this chip with the laws of these features, in a folder of its own under cargo's. `None` without Rust's
-    /// target.
+    /// Builds the library for this chip with the cargo features `laws`, in a folder of its own below cargo's. `None` if Rust's
+    /// target for the chip is not installed.
     fn library(&self, laws: &str) -> Option<PathBuf> {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("emulated");
         let built = Command::new(env!("CARGO"))
@@ -138,8 +139,8 @@ fn tool(name: &str, program: &Path) -> String {
     String::from_utf8_lossy(&ran.stdout).into_owned()
 }
 
-/// Bytes of flash and of RAM of a main loop with one part of the library. On a chip without a floating-point unit, a program that
-/// calculates with floats has functions for it.
+/// Returns the bytes of flash and of RAM of a main loop with one part of the library. Fails if the program calculates with floats:
+/// on a chip without a floating-point unit it then contains functions for them.
 fn size(chip: &Chip, part: &str, library: &Path) -> [usize; 2] {
     let part_is = format!("-DPART={part}");
     let arguments = ["--specs=nosys.specs", "-Wl,-e,main", &part_is];
@@ -237,7 +238,7 @@ fn emulated_microcontrollers_have_the_bits_of_the_desktop() {
     }
 }
 
-/// Features of the library, each with the words of the laws that it adds to the spring.
+/// Cargo features of the library, each with the names of the control laws that it adds to `spring`.
 const ONE_LAW: [(&str, &[&str]); 6] = [
     ("", &[]),
     ("spring-damper", &["spring-damper"]),

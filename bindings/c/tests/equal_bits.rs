@@ -1,5 +1,5 @@
-//! Tests that C programs get the same bits from the library as Rust code gets from the control crate, for random motions and forces,
-//! with sanitizers on.
+//! Tests that C programs get the same bits from the library as Rust code gets from the control crate, for random motions and
+//! forces, with sanitizers on.
 
 mod program;
 

@@ -1,5 +1,5 @@
-//! Tests of the firmware `examples/own_pid.c`, which puts the guard around a PID control: on a simulated knob, and against a search
-//! for the hand and the law that get the most energy out.
+//! Tests of the firmware `examples/own_pid.c`, which puts the guard around a PID controller: on a simulated knob, and against a
+//! search for the hand and the law that get the most energy out.
 
 mod program;
 

@@ -1,5 +1,6 @@
-//! Compiles the examples for Arduino, SimpleFOC and ST's HAL against declarations of what they use of these platforms, and runs them
-//! on simulated hardware. Checks what Arduino and PlatformIO read of the library; `cargo xtask arduino` packs it.
+//! Compiles the examples for Arduino, SimpleFOC and ST's HAL against declarations of the functions that they use of these
+//! platforms, and runs them on simulated hardware. Checks the files with which Arduino and PlatformIO recognise the library; `cargo
+//! xtask arduino` packs it.
 
 mod program;
 
@@ -19,7 +20,8 @@ fn the_guarded_pid_on_arduino_keeps_its_bound_with_a_wrong_sign() {
     .said(&[]);
 }
 
-/// The fields are those that Arduino's library specification demands.
+/// Checks that the library's description has all fields that Arduino's specification demands, and the same name and version for
+/// PlatformIO.
 #[test]
 fn arduino_and_platformio_are_told_all_that_they_demand() {
     let text = include_str!("../arduino/library.properties");

@@ -5,7 +5,7 @@ mod program;
 use program::{Program, SANITIZERS, number};
 use touchstone_control::Field;
 
-/// Makes 100,000 random calls, or as many as `TOUCHSTONE_CALLS` says; `TOUCHSTONE_SEED` gives other ones.
+/// Makes 100,000 random calls, or as many as `TOUCHSTONE_CALLS` says; `TOUCHSTONE_SEED` sets the seed.
 #[test]
 fn random_calls_get_defined_answers() {
     let mut arguments = vec![

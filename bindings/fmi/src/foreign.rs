@@ -15,7 +15,7 @@ pub struct Instance {
     pub model: Model,
     /// Whether the instance is between initialisation and termination.
     pub is_running: bool,
-    /// Whether the importing program was told that the law's steps are too long.
+    /// Whether the importing program was warned that the law's steps are too long.
     pub is_warned: bool,
     /// Where messages go.
     pub log: Log,

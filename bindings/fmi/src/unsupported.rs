@@ -5,7 +5,7 @@ use crate::calls::on;
 use crate::fmi3Status;
 use core::ffi::{c_char, c_void};
 
-/// Exports functions that only say that they are not supported.
+/// Exports functions that only report that they are not supported.
 macro_rules! unsupported {
     ($($name:ident($($kind:ty),*);)*) => {
         $(

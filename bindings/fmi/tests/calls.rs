@@ -135,7 +135,7 @@ fn the_calls_give_the_bits_of_the_run() {
     assert!(said.is_empty(), "{said:?}");
 }
 
-/// Every refusal is a status and one message of place, problem, remedy.
+/// Checks that every refusal is an error status with one message that has place, problem and remedy.
 #[test]
 fn wrong_calls_are_errors_with_a_message() {
     let scene = Scene::load("tap").expect("a scene");
@@ -184,7 +184,7 @@ fn wrong_calls_are_errors_with_a_message() {
     }
     assert_eq!(said.len(), 15, "{said:?}");
     said.clear();
-    // A law that is stepped too far is told once.
+    // A law that is given too long steps warns once.
     assert_eq!(step(law, 0.0, 4.0 * period_s), Done);
     assert_eq!(is_told(&mut said), fmi3Status::Warning);
     assert_eq!(step(law, 4.0 * period_s, 4.0 * period_s), Done);

@@ -1,4 +1,5 @@
-//! Tests of the FMUs with FMPy, another program: it validates them, and the pair that it runs gives the bits of the scene's run.
+//! Tests of the FMUs with FMPy, another program. It validates the FMUs, and the pair that it runs gives results equal to the
+//! scene's run in every bit.
 //!
 //! Skipped, with a line that says so, where Python has no `fmpy`. `TOUCHSTONE_PYTHON` names another Python.
 
@@ -92,7 +93,8 @@ fn compare(name: &str, scene: &Scene) -> usize {
             .map(|number| number.parse::<f64>().expect("a number").to_bits())
             .collect();
         let account_j = tick.inside.guard.map_or(0.0, |guard| guard.account_j);
-        // Without other effects on the torque, the command is the law's force up to the motor's limit. A zero has either sign.
+        // Without other effects on the torque, the command is the law's force with the other sign, limited to the motor's limit. A
+        // zero may have either sign.
         let torque_n_m = (0.0 - tick.force_n_m).clamp(-limit_n_m, limit_n_m);
         let expected = [tick.time_s, tick.angle_rad, torque_n_m, account_j];
         let same = found.iter().zip(expected).all(|(found, expected)| {
@@ -116,7 +118,7 @@ fn fmpy_validates_the_fmus_and_runs_them_to_the_bits_of_the_program() {
     assert!(compare("long", &scene) > 100_000);
 }
 
-/// A scene with a recording, whose file travels in the FMU; one with a second encoder reading; one without guard and hand.
+/// Runs three scenes: with a recording, whose file is in the FMU; with a second encoder reading; without guard and hand.
 #[test]
 fn fmpy_runs_scenes_of_other_variables() {
     let here = folder("others");

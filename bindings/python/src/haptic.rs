@@ -13,8 +13,8 @@ use std::time::Duration;
 use touchstone_device::{Fading, FollowerForces};
 use touchstone_lab::thesis::space::Object;
 
-/// An omega.3, an Inverse3 or a simulated device, with a wall and the energy guard in a thread of their own. THE MOTORS ARE ON until
-/// `close`.
+/// An omega.3, an Inverse3 or a simulated device, with a wall and the energy guard in a thread of their own. THE MOTORS ARE ON
+/// until `close`.
 #[pyclass(name = "HapticDevice", module = "touchstone", frozen)]
 pub struct PyHapticDevice {
     shared: Arc<Shared>,
@@ -41,7 +41,7 @@ impl PyHapticDevice {
         self.wait();
     }
 
-    /// Reads the fault if the thread has ended.
+    /// Collects the thread's result if the thread has ended.
     fn look(&self) {
         let over = locked(&self.thread)
             .as_ref()
@@ -167,14 +167,14 @@ impl PyHapticDevice {
         }
     }
 
-    /// Replaces the follower's force on the hand, N, that was true `age_s` ago.
+    /// Replaces the follower's force on the hand, N, which is `age_s` old.
     #[pyo3(signature = (force_n, age_s=0.0))]
     fn send_force(&self, force_n: PyReadonlyArray1<'_, f64>, age_s: f64) -> PyResult<()> {
         let force_n = three("force_n", &force_n)?;
         let age_s = plain("age_s", age_s)?;
         let age = Duration::try_from_secs_f64(age_s)
             .map_err(|_| PyValueError::new_err(format!("age_s = {age_s}: give at least 0 s")))?;
-        // Not longer than a second: the force then counts as old in any case.
+        // At most 3 s, which is old in any case.
         let taken = self.forces.send(force_n, age.min(Duration::from_secs(3)));
         debug_assert!(taken, "its components are finite");
         Ok(())
@@ -214,7 +214,7 @@ impl PyHapticDevice {
         self.running()
     }
 
-    /// Why the loop ended by itself; `None` while it runs, and after `close`.
+    /// Why the loop ended without `close`; `None` while it runs, and after a `close` that succeeded.
     #[getter]
     fn fault(&self) -> Option<String> {
         self.look();
@@ -224,7 +224,8 @@ impl PyHapticDevice {
         }
     }
 
-    /// Number of control periods that were left out because the loop was late, and the latest in s; `None` before the end.
+    /// Number of control periods that were skipped because the loop was late, and the largest lateness, s. `None` while the loop
+    /// runs and after a fault.
     #[getter]
     fn lateness(&self) -> Option<(u64, f64)> {
         self.look();
@@ -258,8 +259,8 @@ impl PyHapticDevice {
         &self.opened.wall
     }
 
-    /// Ends the loop, and waits until force and motors are off. Returns why the motors may still be on, or why the loop had ended by
-    /// itself; `None` if all went well.
+    /// Ends the loop, and waits until force and motors are off. Returns why the motors may still be on, or why the loop had ended
+    /// before; `None` if all went well.
     fn close(&self, py: Python<'_>) -> Option<String> {
         py.detach(|| self.stopped());
         self.fault()

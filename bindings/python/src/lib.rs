@@ -20,12 +20,12 @@ fn si(name: &str, value: f64) -> PyResult<Si> {
     })
 }
 
-/// Converts a Python number like [`si`]; without one, takes the default.
+/// Converts a Python number like [`si`], or returns `default` if there is none.
 fn or(name: &str, value: Option<f64>, default: Si) -> PyResult<Si> {
     value.map_or(Ok(default), |it| si(name, it))
 }
 
-/// Converts a Python number to a number that is finite; `name` names it in the error.
+/// Checks that a Python number is finite; `name` names it in the error.
 fn plain(name: &str, value: f64) -> PyResult<f64> {
     if value.is_finite() {
         return Ok(value);
@@ -137,8 +137,9 @@ impl PyGuard {
 
     /// Runs one control period: takes the displacement since the last call and the requested force, returns the force to command.
     ///
-    /// A force that resists a positive motion is positive. The returned force is at most `force_limit_n_m`. `before_change_rad` is for an encoder that is also read when the last
-    /// force begins to act: the part of `moved_rad` before that moment.
+    /// A force that resists a positive motion is positive. The returned force is at most `force_limit_n_m`. `before_change_rad` is
+    /// for an encoder that is read a second time, when the last force begins to act: it is the part of `moved_rad` before that
+    /// moment.
     #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
     fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
         let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
@@ -263,8 +264,7 @@ impl PyWall {
         Ok(number(self.inner.tick(position(penetration_rad)?).0))
     }
 
-    /// Runs one control period: takes an encoder count, and returns the torque in N·m along the angle to command until the next
-    /// call.
+    /// Runs one control period: takes an encoder count, and returns the torque to command until the next call, N·m along the angle.
     fn tick_count(&mut self, count: i64) -> f64 {
         let penetration = self.scale.penetration(count);
         -number(self.inner.tick(penetration).0)

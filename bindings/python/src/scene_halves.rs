@@ -21,7 +21,7 @@ fn wrong(error: touchstone_sim::error::Error) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Converts a Python number to a torque, or an angle, that the simulation may take.
+/// Largest torque (N·m) or angle (rad) that the simulation takes.
 const MOST: f64 = 1e6;
 
 fn within(name: &str, value: f64) -> PyResult<f64> {
@@ -36,7 +36,7 @@ fn within(name: &str, value: f64) -> PyResult<f64> {
 /// Device and hand of a scene, without its control law: step by step, with a torque that the caller computes.
 #[pyclass(name = "Plant", module = "touchstone", subclass)]
 pub struct PyPlant {
-    // `Sync` for Python; it is never locked, as every call has the object alone.
+    // A `Mutex` only makes the class `Sync`, as Python needs. It is never locked, because every call has the object for itself.
     half: Mutex<PlantHalf>,
     scene: Scene,
     ticks: u64,
@@ -83,8 +83,8 @@ impl PyPlant {
         Self::made(load(scene, &changes)?)
     }
 
-    /// Simulates one control period under a torque command, N·m in the direction of positive angles. Returns the device's true angle
-    /// at its end, rad.
+    /// Simulates one control period under a torque command, N·m in the direction of positive angles. Returns the device's true
+    /// angle at its end, rad.
     ///
     /// `hand_offset_rad` is added to the point to which the scene's hand is pulled.
     #[pyo3(signature = (torque_n_m, hand_offset_rad=0.0))]
@@ -208,10 +208,11 @@ impl PyLaw {
         Self::made(load(scene, &changes)?)
     }
 
-    /// Runs one control period: takes the device's true angle, rad, and returns the torque command, N·m in the direction of positive
-    /// angles.
+    /// Runs one control period: takes the device's true angle, rad, and returns the torque command, N·m in the direction of
+    /// positive angles.
     ///
-    /// `changed_at_rad` is `Plant.changed_at_rad`: the angle at which the last torque began to act, where the scene's guard measures it.
+    /// `changed_at_rad` is `Plant.changed_at_rad`: the angle at which the last torque began to act, where the scene's guard
+    /// measures it.
     #[pyo3(signature = (angle_rad, changed_at_rad=None))]
     fn tick(&mut self, angle_rad: f64, changed_at_rad: Option<f64>) -> PyResult<f64> {
         let angle_rad = within("angle_rad", angle_rad)?;

@@ -52,7 +52,7 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is known of the device and its wall once it is open.
+/// Properties of the device and its wall, known once the device is open.
 pub struct Opened {
     pub name: String,
     pub rate_hz: u32,
@@ -60,13 +60,13 @@ pub struct Opened {
     pub wall: String,
 }
 
-/// How the message begins after a device did not confirm its release.
+/// Beginning of the message if a device did not confirm its release.
 const MAY_BE_ON: &str = "THE MOTORS MAY STILL BE ON";
 
 /// How a servo loop ended: its report, or why there was none.
 pub type Ended = Result<ServoReport, String>;
 
-/// The wall with the follower's forces, which also tells Python what it does.
+/// The wall with the follower's forces. It also writes what it does to [`Shared`], where Python reads it.
 struct Watched<'m> {
     law: FollowedWall<'m>,
     shared: Arc<Shared>,
@@ -83,7 +83,7 @@ impl ForceLaw for Watched<'_> {
     fn commanded(&mut self, force_n: [f64; 3]) {
         self.law.commanded(force_n);
         self.ticks += 1;
-        // A tick in which Python reads is not shown; the loop does not wait.
+        // If Python reads at this moment, this tick is not shown, because the loop must not wait.
         if let Ok(mut seen) = self.shared.seen.try_lock() {
             *seen = Seen {
                 position_m: self.position_m,
@@ -131,7 +131,8 @@ fn opened(wanted: &Wanted) -> Result<Box<dyn HapticDevice>, String> {
     }
 }
 
-/// Chooses the wall: the tuned one, where one was tuned for the device at this rate and no stiffness is asked for.
+/// Returns the settings of the wall and their description. They are the tuned ones if some exist for the device at this rate and
+/// the caller gives no stiffness.
 fn chosen(
     wanted: &Wanted,
     sheet: &DataSheet,
@@ -145,7 +146,7 @@ fn chosen(
     let law = match &tuned {
         Some(tuned) => tuned.settings(rate_hz, force_n),
         None => {
-            // As `touchstone device run`: 1 N/mm where nothing is known of the device.
+            // Same as `touchstone device run`: 1 N/mm if mass and damping of the device are unknown.
             let own = if sheet.axes.is_some() { 5.0 } else { 1.0 };
             let stiffness = wanted.stiffness_n_per_mm.unwrap_or(own);
             Settings {
@@ -217,7 +218,7 @@ pub fn played(
         ..ServoLimits::of(&sheet)
     };
     if wanted.priority {
-        // A refusal is no error, because late periods are counted and bounded.
+        // If real-time priority is refused, this is no error, because late periods are counted and bounded.
         let _ = first_of_threads();
     }
     let mut pace: Box<dyn Pace> = match sheet.sets_the_pace {
@@ -235,7 +236,7 @@ pub fn played(
     ));
     let stop = &shared.stop;
     let more = |_: &_| {
-        // Told after the first period, so that whoever opens the device finds a position.
+        // Sent after the first period, so that a position is known once the caller gets the device.
         if let Some((ready, opened)) = ready.take() {
             let _ = ready.send(opened);
         }

@@ -140,7 +140,8 @@ impl PySpaceGuard {
         })
     }
 
-    /// Runs one control period: takes the measured position, m, and the requested force on the hand, N; returns the force to command.
+    /// Runs one control period: takes the measured position, m, and the requested force on the hand, N; returns the force to
+    /// command.
     ///
     /// The returned force has the direction of the requested one and at most the length `force_limit_n`. Both arguments and the
     /// result are arrays of x, y and z.
@@ -177,7 +178,7 @@ impl PySpaceGuard {
                 .map(|(at, wanted)| self.allowed(at, wanted).to_vec())
                 .collect()
         });
-        // An array without rows has no columns of its own.
+        // Made of no rows, the array would have no columns.
         if allowed.is_empty() {
             return Ok(PyArray2::zeros(py, [0, 3], false));
         }
@@ -192,8 +193,8 @@ impl PySpaceGuard {
         Ok(())
     }
 
-    /// Reports that the motors were switched off, and that no call of `tick` follows until `resume`. The account is emptied, as it is
-    /// unknown how long the last force acted.
+    /// Reports that the motors were switched off, and that no call of `tick` follows until `resume`. The account is emptied,
+    /// because it is unknown how long the last force acted.
     fn switched_off(&mut self) {
         self.state = VectorGuardState {
             account: self.state.account.min(Energy::zero()),
@@ -222,7 +223,7 @@ impl PySpaceGuard {
     }
 }
 
-/// Reads a scene of three axes from the JSON that the program prints.
+/// Reads a scene of three axes from JSON as the program prints it.
 fn cell(scene_json: &str) -> PyResult<Cell> {
     let scene: SpaceScene = serde_json::from_str(scene_json)
         .map_err(|why| PyValueError::new_err(format!("scene of three axes: {why}")))?;
@@ -242,7 +243,7 @@ pub struct PySpacePlant {
 
 fn stopped<T>(_: T) -> PyErr {
     PyOverflowError::new_err(
-        "the device came to a place that its arms do not have: give smaller forces, and call reset()",
+        "the device left the positions that its arms can reach: give smaller forces, and call reset()",
     )
 }
 
@@ -355,7 +356,8 @@ impl PySpaceWall {
         })
     }
 
-    /// Runs one control period: takes the measured position, m, and returns the force on the hand, N. Both are arrays of x, y and z.
+    /// Runs one control period: takes the measured position, m, and returns the force on the hand, N. Both are arrays of x, y and
+    /// z.
     fn tick<'py>(
         &mut self,
         py: Python<'py>,

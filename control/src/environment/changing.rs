@@ -6,7 +6,7 @@
 //! `r T` per tick of length `T` to the changes of `g`.
 //!
 //! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
-//! hand that is deep inside it, the wall pushes the hand out with the energy in the account and no more.
+//! hand that is deep inside it, the wall pushes the hand out with at most the energy in the account.
 
 use super::{Environment, Reading, WallSettings};
 use crate::{Controller, Energy, Force, Number, Si};
@@ -24,8 +24,8 @@ pub(super) struct Carried<N: Number> {
 }
 
 impl<N: Number> Environment<N> {
-    /// The largest change of force per tick that keeps within a rate in N·m/s (N/s), at a control rate in Hz; at least one step of
-    /// the number format.
+    /// Converts a rate of change of force, N·m/s (N/s), to a change per tick at a control rate in Hz. At least one step of the
+    /// number format.
     #[must_use]
     pub fn change_per_tick(rate: Si, rate_hz: u32) -> Force<N> {
         let ticks = Si::saturating_from_num(rate_hz.max(1));
@@ -56,8 +56,8 @@ impl<N: Number> Environment<N> {
         self.carried = None;
     }
 
-    /// Continues with this environment in the place of a running one, `before`, that has the same settings of law and guard. Walls
-    /// that are in both environments keep their memory. The difference of the forces fades by `per_tick` per tick.
+    /// Makes this environment continue for the running environment `before`. Both have the same settings of law and guard. Walls
+    /// that are in both environments keep their memory. The difference of the forces shrinks by `per_tick` in each tick.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before
@@ -75,8 +75,8 @@ impl<N: Number> Environment<N> {
         self.carry(before.shown, per_tick);
     }
 
-    /// Same as [`Environment::take_over`], where a single wall that is solid above its surface ran before. Takes that wall, and the
-    /// position and force of its last tick.
+    /// Same as [`Environment::take_over`], if a controller of a single wall ran before. Takes the settings of that wall, which is
+    /// solid above its surface, and the position and force of its last tick.
     pub fn take_over_from(
         &mut self,
         before: &Controller<N>,
@@ -103,7 +103,7 @@ impl<N: Number> Environment<N> {
         });
     }
 
-    /// Adds to the walls' own force what is left of the fading difference to the replaced environment's force.
+    /// Adds the fading difference to the replaced environment's force to `own`, the force of this environment.
     #[cold]
     #[inline(never)]
     pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {

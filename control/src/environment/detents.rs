@@ -13,8 +13,8 @@ pub(super) const COARSEST: Si = Si::lit("6.2831853072");
 pub enum Spacing {
     /// This number of detents per turn, 1 to 6283. Their positions are the same at every turn, bit for bit.
     PerTurn(u16),
-    /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch and its inverse are rounded to 2^-33. After
-    /// 100,000 detents the position is wrong by some 1e-5 of a pitch.
+    /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch and its inverse are rounded to 2^-33. So after
+    /// 100,000 detents the position can be wrong by some 2e-5 of a pitch of 1 rad, or 1 % of a pitch of 0.001 rad.
     Pitch(Si),
 }
 
@@ -71,8 +71,8 @@ impl DetentSettings {
     /// Checks the settings, and computes the coefficients. `limit` is the force limit in N·m.
     ///
     /// # Errors
-    /// The distance between detents is not from 0.001 to 6.283 rad, their number is not from 1 to 6283 per turn, or the largest
-    /// force is not from 0 to the force limit.
+    /// The distance between detents is outside 0.001 to 6.283 rad, their number per turn is outside 1 to 6283, or the largest force
+    /// is outside 0 to the force limit.
     pub(super) fn detents<N: Number>(&self, limit: Si) -> Result<Detents<N>, Refused> {
         let ring = Ring::new(self.spacing, self.centre)?;
         let strength = (self.strength <= limit)
@@ -153,8 +153,8 @@ impl Ring {
     }
 }
 
-/// Same as [`Ring::beyond`], for positions whose distance is set as an angle. It needs 64-bit arithmetic, so it is a function of
-/// its own beside the faster usual path.
+/// Same as [`Ring::beyond`], for positions whose distance is set as an angle. It needs 64-bit arithmetic, so a separate function
+/// keeps the usual path fast.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {

@@ -36,8 +36,8 @@ pub struct Face {
     pub side: Side,
 }
 
-/// A surface whose angle is split into whole turns and the rest. The number format of positions ends at ±128 rad; by the split,
-/// positions are measured from a surface far away.
+/// A surface whose angle is split into whole turns and the rest. The number format of positions ends at ±128 rad. The split lets
+/// positions be measured relative to a surface further away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// Whole turns from zero; 0 for a surface within ±`FROM_ZERO`.

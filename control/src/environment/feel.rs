@@ -1,5 +1,5 @@
-//! The parts of a knob's feel that are no pattern over the position: a spring to a centre, viscous and dry friction, a click, and
-//! an added inertia.
+//! The parts of a knob's feel besides walls, detents and torque profile: a spring to a centre, viscous and dry friction, a click,
+//! and an added inertia.
 //!
 //! ```text
 //! distance from the centre ----> spring           \
@@ -9,9 +9,9 @@
 //! distance from a position ----> click              /
 //! ```
 //!
-//! The sum joins those of walls, detents and profile before the force limit and the energy guard. All parts calculate with
-//! differences of positions, so they are the same after any number of turns. For mirrored motions they give mirrored forces, bit
-//! for bit.
+//! This sum is added to the forces of walls, detents and profile, before the force limit and the energy guard. All parts calculate
+//! with differences of positions, so they are the same after any number of turns. For mirrored motions they give mirrored forces,
+//! bit for bit.
 //!
 //! A texture needs no part of its own: it is a [torque profile](super::profile) with many copies in a turn.
 
@@ -91,7 +91,7 @@ pub(super) fn within(path: &'static str, value: Si, least: Si, most: Si) -> Resu
     Ok(())
 }
 
-/// The factor of a coefficient that the number format may not hold.
+/// Converts a coefficient to the number format. Refuses a value that does not fit, with the setting's path in a scene.
 fn ratio<N: Number>(path: &'static str, value: Si) -> Result<N::Ratio, Refused> {
     N::ratio(value).ok_or(Refused::PartOfFormat { path, value })
 }
@@ -145,8 +145,8 @@ impl ViscousSettings {
     /// The largest damping, N·m·s/rad (N·s/m), for a device with these settings: `J/(4 (T + delay + 1/(2π p)))` with the inertia
     /// `J`, the delay of the state estimator, the control period `T` and the filter's bandwidth `p`.
     ///
-    /// A damper whose force comes a time `τ` late makes a free inertia swing from `J/τ` on. A quarter of it is also safe for a
-    /// device of half the inertia: there the filter alone gives a damping ratio of 0.7.
+    /// A damper whose force acts late by the time `τ` makes a free inertia oscillate if its damping is `J/τ` or more. A quarter of
+    /// that is also safe for a device of half the inertia: there the filter alone gives a damping ratio of 0.7.
     #[must_use]
     pub fn most(&self, settings: &Settings) -> Si {
         let rate = Si::saturating_from_num(settings.rate_hz);
@@ -366,7 +366,7 @@ impl<N: Number> Viscous<N> {
 pub struct Dry<N: Number> {
     /// The spring from the anchor to the device.
     pub spring: Elastic<N>,
-    /// Largest stretch, at which the anchor follows.
+    /// Largest stretch; a device that moves further drags the anchor along.
     pub reach: Position<N>,
     /// Distance of the device from the anchor.
     pub stretch: Position<N>,
@@ -385,15 +385,15 @@ impl<N: Number> Dry<N> {
 /// A click: a short pulse when the device crosses a position. Its first half acts against the motion, its second half with it, so
 /// that the device keeps its momentum.
 ///
-/// A position clicks again only after the device was a quarter of the distance to the next position away. So a device that rests
-/// on a position, or trembles there, is quiet. A device that moves further than that in a tick makes no click.
+/// A position clicks again only after the device was at least a quarter of the distance to the next position away. So a device that
+/// rests or trembles on a position is quiet. A device that moves more than that quarter in a tick may make no click.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Click<N: Number> {
     /// Force in either half of the pulse.
     pub pulse: Force<N>,
     /// Ticks in either half of the pulse.
     pub half: u16,
-    /// Whether the device comes from below the next position that it crosses, or from above; `None` after a click nearby.
+    /// Whether the device approaches the nearest position from below; `None` after a click there.
     pub side: Option<bool>,
     /// Whether the last crossing was towards larger positions.
     pub upward: bool,
@@ -401,7 +401,7 @@ pub struct Click<N: Number> {
     pub left: u32,
 }
 
-/// A quarter of the distance between two positions, in units of 2^-32 of it.
+/// A quarter of the distance between two positions, in units of 2^-32 of that distance.
 const QUARTER: u32 = 1 << 30;
 
 impl<N: Number> Click<N> {

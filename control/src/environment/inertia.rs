@@ -1,10 +1,10 @@
 //! Rendered inertia: the part of a knob's feel that makes the device heavier to speed up and to slow down.
 //!
-//! The force of a mass needs an acceleration, which an encoder gives late and in steps. This part needs none: it **drags a virtual
-//! mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be the distance by
-//! which the device is ahead of that mass. With a mass `m = b/p` the distance is a high-pass of the displacement, `y' = v - p y`,
-//! and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`: that of the mass `m` for motions slower than
-//! `p`, of the damper for faster ones. The force stays that of a damper at all frequencies.
+//! The force of a mass needs the acceleration, which an encoder gives late and in steps. This part needs no acceleration: it
+//! **drags a virtual mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be
+//! the distance by which the device is ahead of that mass. With a mass `m = b/p` the distance is a high-pass of the displacement,
+//! `y' = v - p y`, and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`: that of the mass `m` for
+//! motions slower than `p`, of the damper for faster ones. The force stays that of a damper at all frequencies.
 //!
 //! A damper to a free mass has no source of energy. What sampling and delay add is bounded as for
 //! [viscous friction](super::ViscousSettings::most), and the energy guard counts it.
@@ -30,7 +30,7 @@ const FILTER_HZ: Si = Si::lit("100");
 pub struct InertiaSettings {
     /// The virtual mass, kg·m² (kg), from 0. The largest value depends on the device: see [`InertiaSettings::heaviest`].
     pub inertia: Si,
-    /// Frequency below which motions feel the mass, Hz, 5 to 30; faster ones feel its damper.
+    /// Bandwidth, Hz, 5 to 30. Slower motions feel the mass, faster ones only the damper that drags it.
     pub bandwidth_hz: Si,
 }
 

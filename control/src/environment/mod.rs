@@ -8,10 +8,10 @@
 //!       -> feel ------------------------------------>
 //! ```
 //!
-//! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its
-//! own wall a law gives no force and has no memory, so it is not influenced by a touch of another wall. The sum of all forces is
-//! limited as one force and passes one guard. So the guard's account also bounds the energy that a hand gets by going from one wall
-//! to the next. Estimators get the sum of all forces, since the sum moves the device.
+//! **All walls are calculated at every tick.** Each wall has its own law with its own memory. Outside its wall a law gives no force
+//! and has no memory, so a touch of another wall does not influence it. The sum of all forces is limited as one force and passes
+//! one guard. So the guard's account also bounds the energy that a hand gets by going from one wall to the next. Estimators get the
+//! sum of all forces, since the sum moves the device.
 //!
 //! **Signs.** Forces here act against `+x`, like the force of a wall that is solid above its surface. A wall that is solid below is
 //! calculated as the mirror image of one above. So an environment and its mirror image answer mirrored motions with mirrored
@@ -204,8 +204,8 @@ impl<N: Number> Environment<N> {
         Ok(self)
     }
 
-    /// This environment in the place of an earlier one, when the force is switched on again (arming). All memory is cleared; only
-    /// the energy in the guard's account is taken over.
+    /// Returns this new environment with the guard's energy of `before`, for when the force is switched on again (arming). Nothing
+    /// else is taken over from `before`.
     #[must_use]
     pub fn resumed(self, before: &Self) -> Self {
         let guard = match (self.guard, &before.guard) {
@@ -254,7 +254,7 @@ impl<N: Number> Environment<N> {
             wanted = wanted + side.seen(force);
         }
         if let Some(feel) = &self.feel {
-            // What the parts need of the position. An environment without such parts is three instructions longer on a Cortex-M4.
+            // The position as these parts need it. An environment without such parts is three instructions longer on a Cortex-M4.
             let (beyond, now) = (feel.beyond(at), at.on_steps(self.step));
             wanted = self.felt_onto(beyond, now, wanted);
         }
@@ -268,8 +268,8 @@ impl<N: Number> Environment<N> {
         force
     }
 
-    /// Adds the further parts of the feel to the walls' force. The function is not part of [`Environment::tick`], so that its code is
-    /// out of the way of an environment without such parts.
+    /// Adds the further parts of the feel to the walls' force. The function is not part of [`Environment::tick`], so that it does
+    /// not slow an environment without such parts.
     #[cold]
     #[inline(never)]
     fn felt_onto(&mut self, beyond: i32, now: Si, wanted: Force<N>) -> Force<N> {
@@ -286,8 +286,8 @@ impl<N: Number> Environment<N> {
         displacement(self.last, now)
     }
 
-    /// Runs the guard's stage, whose positions have no end here: a knob turns on where those of [`Guarded::tick`] end, at 128 rad
-    /// with 32 bits. A test checks that both give the same energy account, bit for bit.
+    /// Runs the guard on positions without an end, since a knob can turn beyond the last position of [`Guarded::tick`], 128 rad
+    /// with 32 bits. A test checks that both functions give the same energy account, bit for bit.
     #[inline(always)]
     fn guarded(
         &mut self,
@@ -329,7 +329,8 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// Whether the guard has switched the force off because of overspeed.
+    /// Whether the guard has switched the force off: for overspeed, or because a force was requested beyond
+    /// [`crate::guard::FURTHEST_ANGLE`].
     #[must_use]
     pub fn tripped(&self) -> bool {
         self.guard.as_ref().is_some_and(|guard| guard.tripped)

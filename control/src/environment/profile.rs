@@ -38,7 +38,7 @@ impl Shape {
     /// The shape with these points, 2 to [`MOST_POINTS`] of them.
     ///
     /// # Errors
-    /// There are fewer or more points, or one is beyond -10,000 to 10,000.
+    /// There are fewer or more points, or a point is outside -10,000 to 10,000.
     pub fn new(points: &[i16]) -> Result<Self, Refused> {
         let fits = (2..=MOST_POINTS).contains(&points.len());
         let used = u8::try_from(points.len()).ok().filter(|_| fits);
@@ -114,12 +114,12 @@ pub struct Between {
     pub before: u32,
     /// Index of the neighbouring point on the other side of the position.
     pub after: u32,
-    /// How far the position is from the point before to the next one: a fraction of that distance, in units of 2^-32.
+    /// Distance of the position from the point `before`, as a fraction of the distance to the point `after`, in units of 2^-32.
     pub way: u32,
 }
 
-/// Factor on the largest force in the computed coefficient, 16,384/10,000. It corrects for [`Profile::drawn`], which calculates a
-/// point of 10,000 as the fraction 10,000/16,384, since it shifts instead of dividing.
+/// Factor on the largest force in the computed coefficient, 16,384/10,000. [`Profile::drawn`] shifts instead of dividing, so it
+/// turns a point of 10,000 into the fraction 10,000/16,384. This factor corrects that.
 const PER_WHOLE: Si = Si::lit("1.6384");
 
 impl ProfileSettings {

@@ -15,7 +15,7 @@ pub enum Refused {
     Wall(u8, SettingsError),
     /// The distance between detents is out of its range; holds the given distance, rad (m).
     Pitch(Si),
-    /// The number of detents per turn is 0 or too large; holds the given number.
+    /// The number of detents, or of a profile's copies, per turn is 0 or too large; holds the given number.
     PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {
@@ -37,7 +37,7 @@ pub enum Refused {
         /// The force limit, N·m (N).
         limit: Si,
     },
-    /// A setting of a part of the feel (spring to a centre, friction, click) is outside its range.
+    /// A setting of a part of the feel (spring to a centre, friction, click, inertia) is outside its range.
     Part {
         /// Path of the setting in a scene.
         path: &'static str,
@@ -105,6 +105,6 @@ impl fmt::Display for Refused {
     }
 }
 
-// It computes nothing, so the model checker compiles without it.
+// This implementation computes nothing, so the model checker's build leaves it out.
 #[cfg(not(kani))]
 impl core::error::Error for Refused {}

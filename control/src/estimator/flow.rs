@@ -5,8 +5,8 @@ use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Number of past commands that the estimator remembers. Two are not yet in effect if the delay is two ticks, and a fraction of a
-/// tick in the delay splits a third one between two ticks.
+/// Number of past commands that the estimator remembers. With a delay of two ticks, two commands are not yet in effect. If the
+/// delay is not a whole number of ticks, a third command acts in parts of two ticks.
 pub const TAPS: usize = 3;
 /// Number of commanded forces that are not yet in effect when a position is sampled.
 pub const UNDER_WAY: usize = 2;
@@ -42,8 +42,8 @@ pub struct DeviceInTicks {
     pub delay: Exact,
 }
 
-/// Number of terms of the power series in `β t`, the damping ratio per tick times the ticks. For `β t` up to 4, more terms change
-/// no digit.
+/// Number of terms of the power series in `β t`, the loss of velocity per tick times the number of ticks. For `β t` up to 4, more
+/// terms change no digit.
 const TERMS: i64 = 48;
 
 impl DeviceInTicks {

@@ -19,7 +19,7 @@ pub struct Guarded<N: Number> {
     /// positions.
     pub tripped: bool,
     /// Position, to either side, from which on no force is allowed: the end of the position format less two largest displacements
-    /// per tick. A position beyond the format's end is measured as that end, so that a motion there would not be counted.
+    /// per tick. A position beyond the format's end is measured as that end, so a motion there would not be counted.
     edge: Position<N>,
 }
 
@@ -28,7 +28,8 @@ pub struct Guarded<N: Number> {
 /// accepts per tick (1,000 rad/s at one tick per second) and some counts.
 pub const FURTHEST_ANGLE: Si = Si::lit("2147481600");
 
-/// The displacement between two positions that are whole steps of the number format, saturating; 0 without a last position.
+/// Displacement from the position `last` to the position `now`; 0 if `last` is `None`. Both are whole steps of the number format.
+/// The result saturates.
 #[inline(always)]
 pub(crate) fn displacement<N: Number>(last: Option<Si>, now: Si) -> Position<N> {
     Position(N::saturating_signal(
@@ -51,8 +52,8 @@ impl<N: Number> Guarded<N> {
         }
     }
 
-    /// This guard with the energy in the account of an earlier guard whose force has ended: arming does not fill the account. The
-    /// hand's motion between the two guards changes nothing in the account.
+    /// Returns this guard with the account's energy of `before`, an earlier guard whose force has ended. So arming does not fill
+    /// the account. The hand's motion between the two guards does not change the account.
     #[must_use]
     pub fn resumed(mut self, before: &Self) -> Self {
         self.resume(before.account());
@@ -122,9 +123,9 @@ impl<N: Number> Guarded<N> {
     /// Same as [`Guarded::tick`], for positions that may exceed the range of the number format. Takes the last position, this one,
     /// and the displacement since the force changed (where it is measured).
     ///
-    /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the distance,
-    /// are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits. The axis is reversed
-    /// or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
+    /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
+    /// distance, are the same at every turn and never reach an end. The price is that a turn has a relative error of 10^-8 at 32
+    /// bits. The axis is reversed if the force that acted was negative, so that a mirrored motion has mirrored roundings.
     #[inline(always)]
     pub fn tick_without_end(
         &mut self,
@@ -153,8 +154,8 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// Runs one control period with the given or the reversed direction of the axis. The code is long, so both directions share
-    /// this function.
+    /// Runs one control period, with the axis reversed if `other_end` is true. The code is long, so both directions share this
+    /// function.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,

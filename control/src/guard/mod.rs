@@ -10,11 +10,11 @@
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick, `f` the force, `g = f(n-1)
-//! - f(n-2)` its last change, and `s` the fraction of a tick after which a force begins to act. `c` is the trusted damping over the
-//! tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being
-//! seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts
-//! on after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
+//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick, `f` the force,
+//! `g = f(n-1) - f(n-2)` its last change, and `s` the fraction of a tick after which a force begins to act. `c` is the trusted
+//! damping over the tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples
+//! without being seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a
+//! force that still acts after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
 //!
 //! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
 //! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
@@ -44,8 +44,8 @@ pub struct Guard<N: Number> {
     pub furthest: Position<N>,
     /// Twice the largest error of a measured position (one encoder count), rounded up.
     pub count: Position<N>,
-    /// Fraction of a tick's displacement that passes under the old force. It is used if the position at the change of force is not
-    /// measured.
+    /// Fraction of a displacement that passes under the old force: of the tick's displacement or, if the position at the change of
+    /// force is measured, of the displacement after that measurement.
     pub late: Ratio<N>,
     /// The guard charges this value times the square of a change of force. The displacement under the old force can differ from the
     /// assumed fraction `late`, and the charge covers the energy of that difference. Rounded up.
@@ -57,7 +57,7 @@ pub struct Guard<N: Number> {
     pub per_reach: Stiffness<N>,
     /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,
-    /// Compliance: times the square of a force, it is the most energy that overspeed can cost until the force is off, over any
+    /// This compliance times the square of a force is the most energy that overspeed can cost until the force is off, over any
     /// displacement. Rounded up.
     pub overrun: Compliance<N>,
 }
@@ -74,8 +74,8 @@ pub struct GuardState<N: Number> {
     pub older: Force<N>,
 }
 
-/// Error: the device moved further in a tick than the energy account covers, or to the end of the range of positions. No force may
-/// follow, so the caller has to switch off.
+/// Error: the device moved further in a tick than the guard accepts ([`Guard::furthest`]) or, on three axes, a force was requested
+/// at the end of the range of positions. No force may follow, so the caller has to switch off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Overspeed;
 
@@ -93,7 +93,7 @@ impl<N: Number> Guard<N> {
     /// force that the law requests. Returns the force that is allowed.
     ///
     /// # Errors
-    /// Overspeed: from now on the force is 0.
+    /// Overspeed: the caller must command no force from now on.
     #[inline]
     pub fn tick(
         &self,
@@ -182,7 +182,7 @@ impl<N: Number> Guard<N> {
         Ok(force)
     }
 
-    /// The energy in the account after a tick.
+    /// The account's energy after a tick's work, charges and refill, before it is limited to the capacity.
     ///
     /// No sum overflows. Forces and displacements are at most a quarter of their format's range, so each product below is at most
     /// an eighth of the range of energies. The account is at most a quarter of that range.

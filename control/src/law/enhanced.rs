@@ -26,7 +26,7 @@
 //! motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness
 //! `k`, absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
-//! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
+//! Settings can select the thesis' form: no damper, the thesis' observer, and an offset that changes on inward motion only.
 
 use super::{Contact, Law, Sample, View};
 use crate::filter::{MassState, VirtualMass};
@@ -199,7 +199,7 @@ impl<N: Number> EnhancedSfa<N> {
             Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
         };
         // The requested force is limited first, so that the limit gives no reason for a larger offset. Otherwise the offset would
-        // grow for as long as a hand leans on a wall at its force limit, and push the mass out at the cost of energy.
+        // grow while a hand presses a wall at its force limit. It would push the mass out, which costs energy.
         let wanted = (self.target * at).towards_zero().min(self.limit);
         let step = self.augmentation.step(wanted, shown, at);
         let changed = if shown < wanted {

@@ -7,8 +7,8 @@
 //!
 //! At the first control period inside the wall the pulse has the impulse `s J v`: a fraction `s` of the momentum of the inertia `J`
 //! at the speed `v`. Each period adds as much of it to the law's force as the force limit leaves. What is left is dropped when the
-//! motion turns and when the device leaves the wall. The energy guard stands behind the sum of both forces. Speed and inertia are those
-//! of the state estimator; a law on measured states has no pulse.
+//! motion turns and when the device leaves the wall. The energy guard limits the sum of both forces. Speed and inertia are those of
+//! the state estimator; a law on measured states has no pulse.
 
 use super::{Sample, Vibration};
 use crate::{Force, Number, Position, Stiffness};
@@ -21,7 +21,8 @@ pub struct Impact<N: Number> {
     pub brake: Stiffness<N>,
     /// Largest sum of the law's force and the pulse.
     pub limit: Force<N>,
-    /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are none.
+    /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are faster, so they
+    /// are no new touch.
     pub apart: u16,
     /// The part of the pulse's impulse that has not been added to the force yet, divided by the control period.
     pub left: Force<N>,
@@ -67,7 +68,7 @@ impl<N: Number> Impact<N> {
         force + pulse
     }
 
-    /// Clears the memory, as long outside the wall.
+    /// Clears the memory, as after a long time outside the wall.
     pub fn forget_touch(&mut self) {
         self.left = Force::zero();
         self.outside = self.apart;

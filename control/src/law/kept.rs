@@ -1,5 +1,5 @@
-//! The laws that a build has. Each law but the plain spring has a feature of this crate. Without the feature a type without code
-//! replaces the law, so that firmware contains only the laws that it can choose. Every build has the plain spring.
+//! The laws that a build contains. Every build has the plain spring. Each other law has a feature of this crate. Without the
+//! feature a type without code replaces the law, so that firmware contains only the laws that it can choose.
 
 use super::{Law, Sample, View};
 use crate::validate::SettingsError;
@@ -12,10 +12,10 @@ macro_rules! laws {
     ($($feature:literal: $Law:ident, $State:ident;)+) => {$(
         #[cfg(feature = $feature)]
         pub(crate) use super::{$Law, $State};
-        /// In the place of a law that this build leaves out.
+        /// Replaces a law that this build leaves out.
         #[cfg(not(feature = $feature))]
         pub type $Law<N> = LeftOut<super::$Law<N>>;
-        /// In the place of the memory of a law that this build leaves out.
+        /// Replaces the memory of a law that this build leaves out.
         #[cfg(not(feature = $feature))]
         pub type $State<N> = NoMemory<N>;
     )+};
@@ -28,7 +28,7 @@ laws! {
     "enhanced-sfa": EnhancedSfa, EnhancedState;
 }
 
-/// In the place of the law `L` in a build without it: no value of this type exists.
+/// Replaces the law `L` in a build without it: no value of this type exists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeftOut<L> {
     never: Infallible,
@@ -51,9 +51,9 @@ impl<N: Number, L: Law<N>> Law<N> for LeftOut<L> {
     }
 }
 
-/// A law as the build has it: the law itself, or the stand-in that refuses.
+/// The type that a build has for the law `L`: the law itself, or [`LeftOut`], whose constructor returns an error.
 pub(crate) trait Kept<L>: Sized {
-    /// Computes the coefficients of the law, or refuses a law that the build leaves out.
+    /// Computes the coefficients of the law; an error for a law that the build leaves out.
     fn kept(
         kind: LawKind,
         make: impl FnOnce() -> Result<L, SettingsError>,

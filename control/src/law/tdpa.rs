@@ -3,8 +3,8 @@
 //!
 //! With the thesis' observer the force is chosen so that the observer's sum, which uses that force, never becomes negative: `E >=
 //! 0` holds to the last bit. The corrected force is the quotient `E/|Δe|` rounded towards zero. Over a spring nothing ever needs a
-//! correction. For every force that grows with `e`, and its potential energy `G`, `f(n) Δe(n) >= G(n) - G(n-1)`. So the sum is
-//! never negative by itself, and the law is the plain spring.
+//! correction. For every force that grows with `e`, and its potential energy `G`, `f(n) Δe(n) >= G(n) - G(n-1)`. So the sum never
+//! becomes negative, and the law is the plain spring.
 //!
 //! With the exact observer the energy up to now is known. The next displacement is not known and is assumed to equal the last.
 //! Where the motion continues at least as fast, a deficit is gone after one tick. Where the motion turns, the correction itself

@@ -3,13 +3,13 @@
 //!
 //! A sinusoid of the frequency `f` starts at the first control period `n = 1` inside the wall, where the device has the speed `v`.
 //! It decays by `exp(-t/τ)` and is added to the law's force as long as the device is inside. Its amplitude is `s J ω v`, at most
-//! the force limit, with the estimator's inertia `J` and `ω = 2π f`: it moves a free device with the speed `s v`.
+//! the force limit, with the estimator's inertia `J` and `ω = 2π f`. That force moves a free device with the speed amplitude `s v`.
 //!
 //! ```text
 //! x(0) = 0,  x(1) = s J ω v w d,  x(n+1) = (2 - w²) d x(n) - d² x(n-1)     w = ω T,  d = τ/(τ + T)
 //! ```
 //!
-//! The sum of both forces stays between 0 and the force limit, and the energy guard stands behind it.
+//! The sum of both forces stays between 0 and the force limit, and then passes the energy guard.
 
 use super::Sample;
 use crate::quotient::over;
@@ -42,8 +42,8 @@ pub struct Vibration<N: Number> {
 const TIME_CONSTANTS: Si = Si::lit("6");
 
 impl ImpactSettings {
-    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate, the frequency of the vibration
-    /// is within 2 % of the configured frequency.
+    /// Checks the vibration's frequency, if there is a vibration. Up to a tenth of the control rate, the rendered frequency is
+    /// within 2 % of the configured one.
     ///
     /// # Errors
     /// The frequency is above a tenth of the control rate.
@@ -108,10 +108,10 @@ impl<N: Number> Vibration<N> {
         }))
     }
 
-    /// Runs one control period: takes the law's input, whether a control period inside is a new touch, and the force of law and
-    /// pulse. Returns the force with the vibration; while that lasts, it is between 0 and `limit`.
+    /// Runs one control period: takes the law's input, whether this control period begins a new touch, and the force of law and
+    /// pulse. Returns the force with the vibration. While the vibration lasts, that sum is between 0 and `limit`.
     ///
-    /// A function of its own: inlined into the controller, its code slows every control period, also without a vibration.
+    /// A separate function: inlined into the controller, its code slows every control period, also without a vibration.
     #[inline(never)]
     pub fn with_vibration(
         &mut self,

@@ -273,7 +273,7 @@ macro_rules! fixed_number {
                 let half = 1_i64.wrapping_shl(down.wrapping_sub(1));
                 // The sum wraps only if the state is beyond the range, and the state's sign then tells on which side.
                 let sum = x.0.wrapping_add(half);
-                // Of the upper word, which is all that a machine of words needs to look at.
+                // Compares only the upper word, which is enough and takes fewer instructions on a 32-bit machine.
                 let (high, limit) = ((sum >> 32) as i32, const { 1_i32 << (<$int>::BITS - 1 + Wide64::FRACTION - Self::SIGNAL_BITS - 32) });
                 if high >= -limit && high < limit {
                     return <$signal>::from_bits((sum >> down) as $int);

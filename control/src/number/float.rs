@@ -19,7 +19,7 @@ macro_rules! float_number {
             type Wide = $float;
 
             const NAME: &'static str = $text;
-            // The step of Fixed32, so that the smallest step of the offset is the same in every format.
+            // The step of Fixed32, so that the smallest step of the offset is the same as there.
             const QUANTUM: $float = 1.0 / 16_777_216.0;
 
             fn signal(si: Si) -> Option<$float> {
@@ -222,8 +222,8 @@ macro_rules! float_number {
     };
 }
 
-/// Square root for the floating-point formats, which `core` does not have. IEEE 754 says each of its bits, so that it is the one of
-/// the processor or of the standard library.
+/// Square root of floating-point numbers, which `core` does not have. IEEE 754 defines every bit of the result, so it equals that
+/// of the processor and of the standard library.
 pub(crate) trait Root {
     fn sqrt(self) -> Self;
 }

@@ -8,7 +8,8 @@
 //!
 //! Force × displacement is an **exact** energy in every fixed format: twice the fractional bits, twice the width, no rounding.
 //! Gains, filters and quotients round towards zero. (An arithmetic shift would round down: that is a bias in one direction and not
-//! passive.) Every addition saturates. `Fixed8` exists for tests of every input, not for use on devices.
+//! passive.) Additions saturate, except in the functions whose names end in `_fitting`. `Fixed8` exists for tests of every input,
+//! not for use on devices.
 
 mod fixed_point;
 #[cfg(feature = "float")]
@@ -29,8 +30,8 @@ pub use wide::{Exact, Wide, Wide64, word_of};
 use crate::Si;
 use core::fmt::Debug;
 
-/// Arithmetic of one number format. Every function has a result for every input: it saturates instead of overflowing and never
-/// panics.
+/// Arithmetic of one number format. Every function except those ending in `_fitting` has a result for every input: it saturates
+/// instead of overflowing and never panics.
 ///
 /// "Towards zero" in the methods' comments is exact for the fixed formats. `f32` and `f64` round to nearest, as their operations
 /// do.
@@ -64,7 +65,7 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn gain(si: Si) -> Option<Self::Gain>;
     /// Converts an SI value to a ratio, rounded towards zero; `None` if negative or too large.
     fn ratio(si: Si) -> Option<Self::Ratio>;
-    /// Converts an SI value to an energy, rounded towards zero; `None` outside the format.
+    /// Converts a value in J to an energy, rounded towards zero; `None` outside the format.
     fn energy(si: Si) -> Option<Self::Energy>;
 
     /// `a + b`, saturating.
@@ -142,8 +143,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
 
     /// Square root of four times a gain, rounded down, in the format of a gain: its square never exceeds `4 k`.
     fn root_of_four(k: Self::Gain) -> Self::Gain;
-    /// Distance over which the energy `e >= 0` pays for an outward motion against a force `f > 0`, and the energy left: `f · moved
-    /// + rest = e`. See [`crate::magnitude::affordable`].
+    /// Distance over which the energy `e >= 0` pays for an outward motion against a force `f > 0`, and the energy left. It holds that
+    /// `f · moved + rest = e`. See [`crate::magnitude::affordable`].
     fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
 
     /// Bounds a force by stored energy. Takes the stored energy `e >= 0`, the requested force `f >= 0` and the displacement `d`

@@ -22,8 +22,8 @@ pub struct VectorGuard<N: Spatial> {
     /// Coordinate, to either side, from which on no force is allowed: the end of the position format less two largest displacements
     /// per tick.
     edge: Position<N>,
-    /// Largest error of a displacement's length: a count and a step of the number format. The measured length, which is rounded up,
-    /// less this error is at most the true length.
+    /// Largest error of a displacement's length: `count` of `of_length` and a step of the number format. The measured length, which
+    /// is rounded up, less this error is at most the true length.
     unsure: Position<N>,
 }
 
@@ -34,7 +34,7 @@ pub struct VectorGuardState<N: Spatial> {
     pub account: Energy<N>,
     /// The negative of the last tick's force: a displacement along this vector puts energy into the account.
     pub against: Vector<Force<N>>,
-    /// The force of the tick before the last one.
+    /// The negative of the force of the tick before the last one.
     pub older: Vector<Force<N>>,
     /// Upper bound of the length of the last tick's force.
     pub size: Force<N>,
@@ -91,7 +91,7 @@ impl<N: Spatial> VectorGuard<N> {
     /// the hand. Returns the allowed force, which has the same direction and at most the same length.
     ///
     /// # Errors
-    /// Overspeed: from now on the force is 0.
+    /// Overspeed: the caller must command no force from now on.
     #[inline]
     pub fn tick(
         &self,
@@ -184,7 +184,7 @@ impl<N: Spatial> VectorGuard<N> {
         }
     }
 
-    /// The energy in the account after a tick, before the energy that the damping dissipated is added.
+    /// The account's energy after a tick, before damping is added and the sum is limited to the capacity.
     ///
     /// It fits its format for the same reason as on one axis: the scalar product of two vectors, and every part of its sum, is at
     /// most the product of their lengths.

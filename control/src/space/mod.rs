@@ -1,7 +1,7 @@
 //! Three degrees of freedom: laws of one degree of freedom, wrapped so that they give a force vector.
 //!
 //! ```text
-//! HIP -> states -> object -> surface point -> shell (law along the normal, or one an axis) + friction -> saturation -> guard -> force
+//! HIP -> states -> object -> surface point -> shell (law along the normal, or one per axis) + friction -> saturation -> guard -> force
 //! ```
 //!
 //! HIP is the hand's point. `docs/three-axes.md` has the foundations and the choices that were made. The number formats are those

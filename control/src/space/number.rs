@@ -1,7 +1,8 @@
 //! Operations that three axes need of a number format beyond [`Number`]: lengths, directions, fractions of a vector.
 //!
-//! All of them work on magnitudes, so that no bit pattern is an exception: a double word holds the sum of three squares. Rounding
-//! is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] gives an upper bound.
+//! Lengths are calculated from magnitudes, so that no bit pattern is an exception: a double word holds the sum of three squares.
+//! Vectors are rounded towards zero, so they are never too long. Scalar products are rounded down, and only [`Spatial::length_up`]
+//! rounds a length up.
 
 use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
@@ -18,8 +19,8 @@ pub trait Spatial: Number {
 
     /// Product of two signals, rounded towards zero, saturating.
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
-    /// A vector of this length along the direction `u`. Each component is a product by [`Spatial::times`], rounded towards zero; a
-    /// negative length gives the opposite vector.
+    /// The part of a length for each axis of the direction `u`, without the direction's signs: `|u_i| · length`, rounded towards
+    /// zero, saturating. Each part has the sign of the length.
     fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal>;
     /// `x · part / whole`, rounded once and towards zero, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
@@ -92,7 +93,7 @@ const NEAR_ONE: u32 = 30;
 #[inline(always)]
 fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
     const DOWN: u32 = 2 * NEAR_ONE + 1;
-    // Each component fits a 32-bit word. The casts say so to the compiler, which saves the machine two products.
+    // Each component fits a 32-bit word. The casts tell the compiler so, which saves two products.
     let [x, y, z] = v.map(|x| i64::from(x as i32));
     let squares = x
         .wrapping_mul(x)
@@ -152,8 +153,8 @@ macro_rules! fixed_spatial {
                 let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
                 <$name as Number>::Signal::from_bits(down.max(least).min(most) as $int)
             }
-            /// The leading digits of a vector of double words, shifted so that its largest component uses a word's bits but the two
-            /// highest. `None` for the zero vector.
+            /// The leading digits of a vector of double words, shifted so that the largest component uses all bits of a word except
+            /// the two highest. `None` for the zero vector.
             #[inline(always)]
             fn leading(v: Axes<i64>) -> Option<Axes<<$name as Number>::Signal>> {
                 let [x, y, z] = v.map(i64::unsigned_abs);
@@ -308,8 +309,8 @@ macro_rules! fixed_spatial {
                 let root = $root_high(squares);
                 // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.
                 let length = root.wrapping_add(<$word>::from(root.times(root) != squares));
-                // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude; that it
-                // is said once more spares the machine a look.
+                // One inverse of the length replaces three quotients. The length is at least 2^(W-2), so the inverse fits a signed
+                // word; stating this bound again saves a check in the compiled code.
                 let ones = ((1 as $wide) << INVERSE_BITS).wrapping_sub(1);
                 let inverse = length
                     .max(1 << (<$word>::BITS - 2))

@@ -1,14 +1,15 @@
 //! Predicts position and displacement of the hand's point (HIP) for the time at which the next force acts: a state estimator for
 //! each Cartesian axis.
 //!
-//! It works along the axes of space and not along the normal, because along the axes the model is linear for any object:
+//! The estimators work along the axes of space and not along the normal, because along the axes the model is linear for any object:
 //! `M dv/dt = F - b v + M h` with mass `M`, velocity `v`, force `F`, damping `b`, and the hand's push `h` as an acceleration. Along
 //! a normal that turns with radius `R`, the depth would accelerate by `v²/R` without any force. The commands that are not yet in
 //! effect would have to be turned too. When the HIP goes from one face to another, the state would change its coordinate.
 //! `docs/three-axes.md` compares the two choices.
 //!
-//! Each axis uses [`crate::Estimator`] unchanged, with `-x` for its penetration, so that a force along `x` pushes out. So on a
-//! plane across an axis through the origin, a wall of three axes on estimated states is the wall of one axis, bit for bit.
+//! Each axis uses [`crate::Estimator`] unchanged, with `-x` for its penetration, so that a force along `x` pushes out. So for a
+//! plane through the origin and perpendicular to an axis, a three-axis wall on estimated states gives the same force as the
+//! one-axis wall, bit for bit.
 
 use super::number::Spatial;
 use super::vector::Vector;

@@ -7,7 +7,7 @@
 //! millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes. The unit of knobs is a
 //! metre of arc, the radian. Laws do not depend on the unit: newtons stay newtons, and a tick has no length.
 //!
-//! If a value still does not fit (0.7 kg at 10 kHz), it is refused with the error of its own setting.
+//! A value that still does not fit (0.7 kg at 10 kHz) is refused with an error that names its setting.
 
 use super::number::Spatial;
 use super::place_estimator::PlaceEstimator;
@@ -88,7 +88,7 @@ impl LengthUnit {
     /// Makes a law from settings in SI units; the law calculates in this unit of length.
     ///
     /// # Errors
-    /// Same as [`AnyLaw::new`]. An error gives ranges in SI units, but a coefficient that does not fit in this unit of length.
+    /// Same as [`AnyLaw::new`]. An error reports ranges in SI units, and a coefficient that does not fit in this unit of length.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
         // Ranges are checked in SI units, without the guard and the estimator of one axis, which are not used here.

@@ -1,14 +1,14 @@
 //! Velocity from measured positions alone, for a law with virtual damping, in the place of the plain difference of two positions.
 //!
 //! A difference cannot resolve less than one encoder count per tick. At 40,000 counts per turn and 1 kHz that is 0.157 rad/s, and a
-//! damper turns every such step into a step of torque. Each smoother velocity comes later:
+//! damper turns every such step into a step of torque. The smoother a velocity is, the larger is its delay:
 //!
 //! | | velocity on a ramp | variance of the result, per tick, for white position noise of variance `σ²` |
 //! |---|---|---|
 //! | difference | exact | `2 σ²` |
-//! | [`Smoothed`], a first-order filter with gain `a` | exact in the end | `2 a²/(2 - a) σ²` |
+//! | [`Smoothed`], a first-order filter with gain `a` | exact after settling | `2 a²/(2 - a) σ²` |
 //! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` ticks, `d` the allowed distance from a line | depends on the window |
-//! | [`Tracker`], steady Kalman gains `α`, `β` | exact in the end | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
+//! | [`Tracker`], steady Kalman gains `α`, `β` | exact after settling | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
 //!
 //! These filters use no model of the device and no commanded forces. [`crate::estimator`] uses both.
 

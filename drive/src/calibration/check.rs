@@ -1,5 +1,5 @@
-//! Check of a stored alignment. The alignment gives the direction in which the rotor should be; a current raises the field there
-//! and rocks it a little.
+//! Check of a stored alignment. The alignment gives the direction in which the rotor should be; a current builds up a field in that
+//! direction, and the field is rocked by an eighth of an electrical turn each way.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
@@ -45,7 +45,7 @@ const WRONG: i32 = 65_536 / 18;
 const STILL: i32 = 0x400;
 /// Longest time that the check waits for the shaft to stand still, in half seconds.
 const PATIENCE: u32 = 8;
-/// Distance of the field's angle between two samples: 2 to this power, in 2^-32 electrical turns, which is a 32nd of a turn.
+/// Angle of the field between two samples, as a power of two in 2^-32 electrical turns: a 32nd of a turn.
 const PLACES_LOG2: u32 = 27;
 
 /// The motions of the field while it is rocked, in their order.
@@ -197,7 +197,7 @@ impl Calibration {
             Way::Forth => {
                 let mean = check.sum.checked_div(check.samples).unwrap_or(i32::MAX);
                 let followed = i32::from(rotor.since(check.end));
-                // The field moved by four times this value.
+                // The field moved by twice this value.
                 const HALF: i32 = (REACH >> 16) as i32;
                 if !(HALF..=3 * HALF).contains(&followed) {
                     return Some(failed(Reason::KeptNotFollowed));

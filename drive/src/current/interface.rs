@@ -95,7 +95,7 @@ pub struct Trip {
     /// The reason as a fault code: [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or
     /// [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
-    /// The trip's number for the context of the fault that it causes, see [`touchstone_protocol::Context::value`].
+    /// Value of the fault that the trip causes, see [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 

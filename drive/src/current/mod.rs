@@ -1,7 +1,7 @@
 //! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. Without a
-//! command it switches off in four cases: a current is too large, the hardware break acts, the command is older than two control
+//! The loop follows the [`CurrentCommand`] of the last control period and needs nothing else from the control interrupt. It
+//! switches off by itself in four cases: a current is too large, the hardware break acts, the command is older than two control
 //! periods, or the loop is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
 //! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
@@ -66,8 +66,8 @@ pub struct CurrentConfig {
 /// sample.
 pub const ACTS_AFTER_PERIODS: u32 = 1;
 
-/// Number of PWM periods in a row with late compare values that is a fault. A single one is harmless: the current changes little in
-/// 50 µs. A processor that is too slow for the loop is late in every period.
+/// This number of PWM periods in a row with late compare values is a fault. A single late period is harmless: the current changes
+/// little in 50 µs. A processor that is too slow for the loop is late in every period.
 const LATE_IN_A_ROW: u8 = 3;
 /// The current loop: its coefficients and memory.
 #[derive(Debug, Clone, Copy)]

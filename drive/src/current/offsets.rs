@@ -50,7 +50,7 @@ impl OffsetSums {
         let spread = most_a
             .saturating_sub(*least_a)
             .max(most_b.saturating_sub(*least_b));
-        // Codes have 12 bits, so 1/16 of them fits; wider ones saturate and are then implausible.
+        // Codes have 12 bits, so a mean in 1/16 of a code fits 16 bits. Wider codes saturate and are then implausible.
         let mean = |sum: u32| {
             u16::try_from(sum >> (OFFSET_SAMPLES_LOG2 - Offsets::BITS)).unwrap_or(u16::MAX)
         };

@@ -16,8 +16,8 @@
 //!
 //! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it
 //! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, which
-//! is late by a control period and more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it
-//! is -1.1e-4 N·m·s/rad, twelve times the damping of its bearings, and a knob that is let go speeds up by itself.
+//! is late by at least a control period. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it
+//! is -1.1e-4 N·m·s/rad, twelve times the damping of its bearings. A knob that is let go then speeds up.
 //!
 //! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same
 //! relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect against a

@@ -10,8 +10,8 @@ use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
 
 impl Device {
-    /// Displacement from the position at the last change of force to the present position; 0 where the position at the change is
-    /// not measured.
+    /// Stores in the telemetry record the displacement since the last change of force. It stays 0 where the position at the change
+    /// is not measured.
     pub(super) fn since_change(
         &mut self,
         last: (Position<Fixed32>, i64),

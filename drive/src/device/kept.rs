@@ -20,8 +20,8 @@ impl Device {
         self.kept.alignment = alignment;
     }
 
-    /// The alignment in use, relative to the encoder's own zero. `None` unless the device is calibrated with its present settings,
-    /// or if the encoder has no zero of its own.
+    /// The alignment in use, relative to the encoder's own zero. `None` unless the device is ready and calibrated with its present
+    /// settings, and the encoder has its own zero.
     #[must_use]
     pub fn found(&self) -> Option<Alignment> {
         let config = self.configs.now();

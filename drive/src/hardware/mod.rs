@@ -75,8 +75,8 @@ impl Hardware {
         }
     }
 
-    /// Whether the motor is driven by voltage because the board has no current sensors. A program for boards with sensors only has
-    /// the compiler evaluate this.
+    /// Whether the motor is driven by voltage because the board has no current sensors. In a program for boards with sensors only,
+    /// the compiler evaluates this.
     #[inline(always)]
     #[must_use]
     pub const fn gives_voltage(&self) -> bool {

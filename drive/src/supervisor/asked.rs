@@ -1,5 +1,5 @@
-//! Checks of the stop button and of the computer's silence: a person can switch the device off by pressing the button or by pulling
-//! the cable.
+//! Checks the stop button, and the time since the computer's last frame. So a person can switch the device off by pressing the
+//! button or by pulling the cable.
 
 use super::Found;
 use crate::input::ControlInput;
@@ -10,7 +10,7 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 /// Coefficients of the checks of stop button and computer.
 #[derive(Debug, Clone, Copy)]
 pub struct AskedConfig {
-    /// Number of control periods without a frame from the computer after which silence is a fault; 0 if silence is allowed.
+    /// Number of control periods without a frame from the computer that are a fault; 0 if missing frames are allowed.
     silent: u32,
     rate_hz: u32,
 }
@@ -32,7 +32,7 @@ impl AskedConfig {
     }
 }
 
-/// The time for which the computer has been silent, in control periods.
+/// The time since the computer's last frame, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
     ticks: u32,
@@ -45,7 +45,8 @@ impl Asked {
         Self { ticks: 0 }
     }
 
-    /// Checks a control period; returns the fault, if there is one. Silence counts only while the outputs may be on.
+    /// Checks a control period; returns the fault, if there is one. The time since the last frame counts only while the outputs may
+    /// be on.
     pub fn update(
         &mut self,
         config: &AskedConfig,

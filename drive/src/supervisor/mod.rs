@@ -47,7 +47,7 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// A fault's code, and the number that the fault's context carries.
+/// A fault's code, and the value for the fault's context.
 pub type Found = (FaultCode, i32);
 
 /// The limits of all checks, computed once from the settings.
@@ -346,7 +346,7 @@ mod tests {
     use crate::encoder::EncoderReading;
     use crate::hardware::IHM08M1;
 
-    /// Inputs of a board in order, except that this current flows and that the power stage's thermistor reads this code.
+    /// Inputs of a board without faults, with this current and this code of the power stage's thermistor.
     fn input(amperes: f64, temperature: u16) -> ControlInput {
         let mut current = CurrentReport {
             temperature,

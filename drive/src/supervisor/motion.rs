@@ -8,10 +8,10 @@
 //! oscillation comes from the control loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the
 //! encoder's readings are late, or its magnet is loose.
 //!
-//! A swing is a reversal of the shaft's speed, with at least 6 rad/s and a few counts of jitter in each direction. Eight swings in
-//! a row, each at most 40 ms after the last, are the fault: an oscillation of at least 12.5 Hz, over four periods. With a peak speed
-//! of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35 rad/s swings for two
-//! periods at such speeds.
+//! A swing is a reversal of the shaft's speed, with a speed of at least 6 rad/s (and a few counts for jitter) in each direction.
+//! Eight swings in a row, each at most 40 ms after the last, are the fault: an oscillation of at least 12.5 Hz, over four periods.
+//! With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35
+//! rad/s swings for two periods at such speeds.
 //!
 //! An oscillation within the play of a loose magnet is not detected, because the encoder's reading hardly changes.
 //!
@@ -30,11 +30,11 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 const LEAST_SWING: u64 = 6;
 /// Number of swings in a row that are the fault.
 const MOST_SWINGS: u8 = 8;
-/// Longest time of a swing, as a fraction of a second: 40 ms.
+/// Inverse of the longest time of a swing, 1/s: 40 ms.
 const SWINGS_PER_SECOND: u32 = 25;
 /// Least speed of a runaway, rad/s.
 const LEAST_RUN: u64 = 25;
-/// Time of a runaway until it is the fault, as a fraction of a second: 10 ms.
+/// Inverse of the time after which a runaway is the fault, 1/s: 10 ms.
 const RUNS_PER_SECOND: u32 = 100;
 
 /// Coefficients of the checks of the shaft's motion.

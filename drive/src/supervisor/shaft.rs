@@ -109,7 +109,7 @@ pub enum Seen {
     },
     /// The reading is bad and must not be used, but is no fault yet.
     Bad,
-    /// The reading is a fault; holds the fault's code and the number that goes with it.
+    /// The reading is a fault; holds the fault's code and value.
     Fault(FaultCode, i32),
 }
 
@@ -198,7 +198,8 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The encoder count of a reading between two control periods, if the reading is good and no jump. The stored last count stays.
+    /// The encoder count of a reading between two control periods; `None` if the reading is bad or a jump. The stored count does
+    /// not change.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {

@@ -26,7 +26,7 @@ pub struct StuckConfig {
     resistance_ohm: I16F16,
     /// Largest voltage beyond `R i` that a shaft at rest may show, V; dead time and rounding cause it.
     least: Volts,
-    /// Number of control periods in a row in which the encoder looks stuck that is a fault.
+    /// Number of control periods in a row in which the encoder must look stuck before this is a fault.
     ticks: u32,
 }
 

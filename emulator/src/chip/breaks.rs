@@ -1,6 +1,6 @@
-//! The paths that switch the motor's power bridge off without the processor: the break pin, the comparators and the system break.
-//! The system break is raised by a lockup, by the detector of low supply, or by an error in flash, as far as the register
-//! SYSCFG_CFGR2 enables each (RM0440, 10.2.5).
+//! The paths that switch the motor's power bridge off without the processor: the break pin, the comparators and the system break. A
+//! lockup, the detector of low supply, or an error in flash raises the system break, if the register SYSCFG_CFGR2 enables it
+//! (RM0440, 10.2.5).
 
 use super::Chip;
 use crate::board::BREAK_PIN;

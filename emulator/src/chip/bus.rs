@@ -61,7 +61,7 @@ impl Chip {
         (MAP.iter().enumerate()).fold(0, |all, (at, row)| all | u64::from(clocked(row)) << at)
     }
 
-    /// The value of a register for a test, even if the register's block has no clock.
+    /// The value of a register, for a test. The register's block needs no clock.
     pub fn peek(&mut self, address: u32) -> u32 {
         let (now, (block, offset, _)) = (self.core.now, self.find(address));
         self.peripheral(block).read(offset, now)

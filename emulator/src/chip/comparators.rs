@@ -18,8 +18,8 @@ const COMP_CSR: [u32; 4] = [0x200, 0x204, 0x208, 0x20c];
 const EN: u32 = 1;
 const INPSEL: u32 = 1 << 8;
 const POLARITY: u32 = 1 << 15;
-/// Bits SCALEN and BRGEN of a comparator's register: they switch on the internal reference's buffer, and the divider that makes its
-/// quarters.
+/// Bits SCALEN and BRGEN of a comparator's register. SCALEN switches the internal reference's buffer on, BRGEN the divider that
+/// provides quarters of the reference.
 const SCALER: u32 = 1 << 23;
 const BRIDGE: u32 = 1 << 22;
 /// The chip's internal reference voltage VREFINT, V. Typical value of the data sheet (from memory, unread).
@@ -68,7 +68,8 @@ fn dac_v(dac: &Plain, channel: usize) -> Option<f64> {
     (is_on && !is_triggered && leads_inside).then(|| f64::from(code) / 4_096.0 * REFERENCE_V)
 }
 
-/// The voltage at a comparator's inverting input, V; `None` where nothing drives the input, or where a pin would.
+/// The voltage at a comparator's inverting input, V. `None` if nothing drives the input, or if a pin is selected, which is not
+/// modelled.
 fn minus_v(number: usize, csr: u32, dac1: &Plain, dac3: &Plain) -> Option<f64> {
     match csr >> 4 & 15 {
         3 if csr & SCALER != 0 => Some(VREFINT_V),

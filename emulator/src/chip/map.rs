@@ -24,7 +24,7 @@ pub(super) enum Block {
     Other,
 }
 
-/// The register of RCC and the bit in it that give a block its clock (RM0440, 7.4.13 to 7.4.19). `None`: the block always has a
+/// The register of RCC and the bit in it that enable a block's clock (RM0440, 7.4.13 to 7.4.19). `None`: the block always has a
 /// clock, or its clock is not modelled.
 type Clock = Option<(u32, u32)>;
 

@@ -81,7 +81,7 @@ pub struct Chip {
     pub handlers: Vec<Handler>,
     /// Cause of a reset that is due; `None` if none is.
     pub reset_request: Option<ResetCause>,
-    /// Descriptions of accesses and instructions of the program that the real chip does not support.
+    /// Descriptions of accesses and instructions of the program that the real chip does not allow.
     pub faults: Vec<String>,
     /// Addresses of the registers that the firmware used and that are not modelled.
     pub unknown: std::collections::BTreeSet<u32>,
@@ -89,7 +89,7 @@ pub struct Chip {
     pub written: std::collections::BTreeSet<u32>,
     /// Frequency of the oscillator that clocks the independent watchdog, Hz.
     lsi_hz: u64,
-    /// An injected interrupt that is raised again and again without a cause: interrupt number, period and next time in processor
+    /// An injected interrupt that is raised periodically without a cause: interrupt number, period and next time, both in processor
     /// cycles.
     pub storm: Option<(u32, u64, u64)>,
 }
@@ -220,8 +220,8 @@ impl Chip {
     pub fn store_to_flash(&mut self, address: u32, before: u32, value: u32) {
         let now = self.core.now;
         self.flash.store(address, value, now);
-        // Unicorn writes the value to its memory itself. At the next instruction boundary this write is undone or replaced by the
-        // result of the flash model.
+        // Unicorn writes the value to its memory itself. At the next instruction boundary the former value is restored, or replaced
+        // by the result of the flash model.
         self.flash.stores.push((address, before));
         self.core.interrupted = true;
     }

@@ -50,8 +50,8 @@ pub struct Cost {
     pub instructions: u64,
     /// Number of cycles by the manual's table of instruction times, see [`super::decode`].
     pub cycles: u64,
-    /// Number of double words that were fetched from flash: those that differ from the previous fetch, and constants read beside
-    /// the code.
+    /// Number of double words that were fetched from flash: each that differs from the previous fetch, and each constant that an
+    /// instruction reads from the program memory.
     pub fetches: u64,
 }
 
@@ -66,7 +66,7 @@ impl Cost {
         }
     }
 
-    /// The larger of the two values, for each of the three counters by itself.
+    /// The larger value of each of the three counters.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Cost {
     }
 
     /// Cycles if the processor waits for each fetch: no cache, no prefetch, nothing in parallel. Real flash takes fewer cycles.
-    /// Reads of tables in flash are not included.
+    /// Waits for reads of tables in flash are not included.
     #[must_use]
     pub const fn waiting(self) -> u64 {
         self.cycles + WAIT_STATES * self.fetches
@@ -260,8 +260,8 @@ impl Core {
         }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {
-                // This instruction is inside an IT block. A block counts as one instruction and cannot be interrupted inside. Its
-                // IT instruction was already charged with one cycle for each instruction of the block, executed or not.
+                // This instruction is inside an IT block, in which the processor does not stop. The IT instruction was already
+                // charged with all instructions of the block, one cycle each, executed or not.
                 self.spend(0, u64::from(info.cycles) - 1);
                 self.end = Some(end);
                 return false;

@@ -1,6 +1,6 @@
-//! Tests of several virtual walls at once on the emulated device: detents, a wall on the other side and end stops, pressed by a
-//! hand. The device's forces must equal those of the same environment computed on the host, bit for bit. The environment is also
-//! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
+//! Tests of several virtual walls at once on the emulated device: detents, a wall on the other side and end stops. A hand presses
+//! them. The device's forces must equal, bit for bit, those of the same environment computed on the host. The environment is also
+//! changed while a hand holds the knob, stored in flash, and refused if it is invalid.
 
 use touchstone_control::environment::{
     CentreSettings, ClickSettings, Counted, DrySettings, Environment, FeelSettings,
@@ -28,8 +28,8 @@ use crate::cpu::elf::Program;
 
 /// Largest rate at which the force may change when one environment (walls, detents) replaces another, N·m/s.
 const CHANGE: &str = "0.5";
-/// Largest number of control periods for which two environments (walls, detents) may give the same force when one replaces the
-/// other.
+/// Largest number of control periods, after one environment (walls, detents) has replaced another, in which both may give the same
+/// force.
 const SAME_FORCES: usize = 50;
 /// How far the hand turns the knob to each side, rad, if no force resists. Both end stops lie within this range.
 const REACH_RAD: f64 = 0.35;
@@ -89,8 +89,8 @@ fn all(setup: &Setup) -> Surround {
     }
 }
 
-/// The environment that takes longest in a control period: six walls, of which four are touched at a time, and every other part,
-/// with distances given as angles, whose calculation is longer than that of numbers per turn.
+/// The environment with the longest computing time in a control period: six walls, of which four are touched at a time, and every
+/// other part. Distances are given as angles, whose computation is longer than that of numbers per turn.
 #[must_use]
 pub fn largest(setup: &Setup) -> Surround {
     let [softer, _] = setup.board.walls;
@@ -124,10 +124,10 @@ pub fn largest(setup: &Setup) -> Surround {
     }
 }
 
-/// Lets a hand sweep the knob to and fro between both end stops of this file's environments.
+/// Lets a hand sweep the knob to and fro between the end stops of this file's environments.
 pub fn sweep(bench: &mut Bench) {
     let here = bench.machine.chip().world.angle_rad();
-    // The hand moves farther than `REACH_RAD` by its own deflection under this board's press.
+    // The hand's own deflection under this board's press is added to `REACH_RAD`.
     let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
     let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
@@ -178,7 +178,7 @@ fn configured(program: &Program, setup: &Setup) -> Result<Bench, String> {
     Ok(bench)
 }
 
-/// Sends an environment to the device, and returns from when it counts.
+/// Sends an environment to the device; returns the device's answer, from when on it is rendered.
 pub fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> {
     match bench.demand(Request::SetEnvironment(*environment))? {
         Reply::Taken(from) => Ok(from),
@@ -197,7 +197,7 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     sweep(&mut bench);
-    // While the hand moves: all elements are set, then all but the wall removed, then set again.
+    // While the hand moves, all elements are set; then all but the wall are removed; then all are set again.
     let mut answered_after = 0;
     for environment in [all, alone, all] {
         let asked = bench.now();
@@ -272,8 +272,8 @@ fn compared(
         if force.0 != record.force_n_m {
             let new = next.ok_or_else(|| differs(record, force))?;
             let fresh = built(new)?;
-            // The device took the new environment over in one of the last `SAME_FORCES` ticks, since when the forces were the same.
-            // The latest of these ticks that explains the forces is searched for.
+            // The new environment became active in one of the last `SAME_FORCES` ticks, and has given the same forces as the old
+            // one since. The latest such tick that explains the forces is searched for.
             let found = (0..SAME_FORCES.min(index + 1)).find_map(|back| {
                 let mut taken = fresh;
                 taken.take_over(before.get(index - back)?, new.change_per_tick(settings));
@@ -290,7 +290,7 @@ fn compared(
         let torque: f64 = record.force_n_m.to_num();
         pushed[usize::from(torque < 0.0)] += u32::from(torque != 0.0);
         most = most.max(torque.abs());
-        // The fade-in reduces the torque after the law. The records do not contain the law's torque before it, so there is nothing
+        // The fade-in reduces the torque after the law. The records lack the law's torque before the reduction, so there is nothing
         // to compare.
         if Limits::from_wire(record.limits).has(Limit::FadeIn) && record.force_n_m != 0 {
             return Err("a force while the torque fades in: nothing to compare with".into());

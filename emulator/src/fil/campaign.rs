@@ -1,5 +1,5 @@
-//! Carries out fault injections, one after the other on the same device. Each injection begins with the recovery from the injection
-//! before.
+//! Carries out fault injections, one after the other on the same device. Each injection first brings the device back to a working
+//! state.
 
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
@@ -49,8 +49,8 @@ impl Campaign {
             settings.encoder.kind = kind;
             settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
             settings.wall.surface_rad = Si::lit("0.3");
-            // This test calibrates every few seconds, while a user calibrates once. So the motor must bear the calibration's
-            // current for ever.
+            // This test calibrates every few seconds, while a user calibrates once. So the settings allow the calibration's current
+            // for ever.
             settings.motor.continuous_current_a = settings.calibration.current_a;
         })?;
         bench.demand(Request::Save)?;
@@ -200,7 +200,7 @@ impl Campaign {
         }
     }
 
-    /// Checks that the outputs were switched off in time and stayed off.
+    /// Checks that the outputs were switched off within the allowed time and stayed off.
     fn is_off(
         &mut self,
         begin: u64,
@@ -351,9 +351,9 @@ impl Campaign {
     }
 }
 
-/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings on for
-/// seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched without a break: a knob
-/// that swings ten times a second is in the same position after each tenth.
+/// Waits until the knob rests, as a person does before a calibration. A light rotor that was released at a reset swings for
+/// seconds. The field may then draw it to another pole, and the calibration fails. The range of the angle over a tenth of a second
+/// is judged, not single values: a knob that swings ten times a second is at the same angle after each tenth.
 fn rest(bench: &mut Bench) -> Result<(), String> {
     for _ in 0..100 {
         let mut within_rad = [f64::INFINITY, f64::NEG_INFINITY];
@@ -369,8 +369,8 @@ fn rest(bench: &mut Bench) -> Result<(), String> {
     Err("the shaft does not come to rest in ten seconds".into())
 }
 
-/// Calibrates the device. If the calibration is refused as uneven, it calibrates once more, as a person would. A light rotor that
-/// stood against the field, held by friction, comes loose at nearly full current and swings too far.
+/// Calibrates the device. If the calibration fails as uneven, calibrates once more, as a person would. Friction can hold a light
+/// rotor against the field until nearly full current; the rotor then swings too far.
 fn calibrate(bench: &mut Bench) -> Result<(), String> {
     let uneven = |bench: &mut Bench| {
         let fault = bench.status()?.fault;

@@ -31,9 +31,9 @@ const SWEPT: u64 = 40_000 * MS;
 const SLOW: f64 = 2.0;
 /// Shaft speeds in rad/s at which the ripple is measured with and without the cogging map.
 const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
-/// Largest fraction of the cogging torque that may remain with the cogging map, for each speed in [`SPEEDS`].
+/// Largest fraction of the cogging torque that may remain with the cogging map, at each speed in [`SPEEDS`].
 const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
-/// Largest relative deviation from the full cogging torque while no cogging map is applied.
+/// Largest relative deviation of the measured ripple from the cogging torque while no cogging map is applied.
 const ALL: f64 = 0.01;
 /// Largest fraction of the shaft's ripple that may remain in a sweep with the cogging map. `touchstone device cogging` accepts up
 /// to 0.7.
@@ -47,8 +47,9 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Cogging torque of a motor with 12 slots and 14 poles, 0.77 mN·m in total as an effective value. The components have 84 periods
-/// per turn (the least common multiple), 168, and 12 and 14 due to unequal slots and magnets. The wall may push with 45 mN·m.
+/// Cogging torque of a motor with 12 slots and 14 poles, 0.77 mN·m rms in total. The components have 84 periods per turn (the least
+/// common multiple of slots and poles), 168, and 12 and 14 due to unequal slots and magnets. For comparison, the wall may push with
+/// 45 mN·m.
 pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),
@@ -64,7 +65,7 @@ type Off = [(f64, f64); COGGING.len()];
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
 /// Largest errors of the measured cogging map if the configured inertia is that of the knob.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest torque of the cogging map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
+/// Largest torque of the cogging map at numbers of periods per turn at which the motor has no cogging, N·m rms.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
 /// Tests on the reference board that the cogging map is measured, applied, stored and, where it does not fit, refused.
@@ -179,7 +180,7 @@ fn report(bench: &mut Bench) -> Result<CoggingReport, String> {
     }
 }
 
-/// Telemetry of a cogging sweep, and the knob's parameters that the computer takes as known.
+/// Telemetry of a cogging sweep, and the knob's parameters that the computer takes as given.
 struct Told {
     ticks: Vec<SweepTick>,
     known: KnownKnob,
@@ -198,7 +199,7 @@ impl Told {
     }
 }
 
-/// Sends the requests of `touchstone device cogging`: takes the device from stopped through the sweep to ready, and returns the
+/// Sends the requests of `touchstone device cogging`: brings the device from stopped through the sweep to ready. Returns the
 /// telemetry.
 fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
     let from = bench.link.telemetry.len();

@@ -37,7 +37,7 @@ pub enum Fault {
     Break(u64),
     /// A break of 1 us, which begins this many us after the handler began.
     BreakWithin(Level, u64),
-    /// A comparator (1 to 4) reports too much current for this time in µs; 0 keeps the report.
+    /// A comparator (1 to 4) reports over-current for this time in µs; 0 keeps the report.
     Comparator(u32, u64),
     /// The supply bus has this voltage in V for this time in µs; 0 keeps the voltage.
     Bus(f64, u64),
@@ -96,7 +96,7 @@ const ISER: u32 = 0x00;
 const ICER: u32 = 0x80;
 
 /// Runs to the beginning of a control period at 1 kHz. The control interrupt's handler also runs for the second encoder reading, in
-/// the first half of a period. So a run of the handler after a longer pause is the beginning of a period.
+/// the first half of a period. So the first run after a longer pause is the beginning of a period.
 fn to_tick(bench: &mut Bench) -> Result<(), String> {
     bench.machine.run_to(CONTROL_TICK.exception())?;
     for _ in 0..3 {
@@ -271,8 +271,8 @@ impl Fault {
     }
 }
 
-/// Runs to 0.2 ms before a control period is due, at 1 kHz. The injection then hits the beginning of a period, whatever happened
-/// before. A period that begins less than half a period late is not counted as missed.
+/// Runs to 0.2 ms before a control period is due, at 1 kHz. The injection then always hits the beginning of a period. A period that
+/// begins less than half a period late is not counted as missed.
 fn before_a_control_tick(bench: &mut Bench) -> Result<(), String> {
     bench.machine.run_to(CONTROL_TICK.exception())?;
     bench.run(800 * US)

@@ -22,14 +22,15 @@ const FAST_LSI: u64 = 34_000;
 /// Number of injections per job: enough that starting and configuring a device takes little of the job's time.
 const PIECE: usize = 12;
 
-/// The short form of the campaign (the sample) runs one of this many injections, and what else it needs to latch every fault code.
+/// The short forms of the campaign run one of this many injections, and in addition injections for the fault codes that those do
+/// not cause.
 const OF_ROWS: usize = 3;
 
-/// The board on which the short form of the campaign (the sample) runs all checks. The other boards execute the same code.
+/// The board on which the short form `Sample` runs all checks except the longest. The other boards execute the same code.
 const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 
-/// The checks that the short form of the campaign (the sample) runs on all boards. They depend on a board's pins and parts, except
-/// the one that runs only once.
+/// The checks that the short forms of the campaign run on all boards, because they depend on a board's pins and parts. The first is
+/// a check of the emulator itself and runs only once.
 const ON_ALL_BOARDS: [&str; 4] = [
     OF_THE_EMULATOR.0,
     "boot and presses",
@@ -37,7 +38,7 @@ const ON_ALL_BOARDS: [&str; 4] = [
     "over-current by the comparators",
 ];
 
-/// Further checks of a brief campaign, besides [`ON_ALL_BOARDS`]. Each simulates seconds of the device's time, not minutes.
+/// Further checks of the short form `Brief`, besides [`ON_ALL_BOARDS`]. Each simulates seconds of the device's time, not minutes.
 const BRIEF: [&str; 4] = [
     "damaged settings",
     "more than one wall",
@@ -93,9 +94,10 @@ pub struct Job<'a> {
 pub enum Asked<'a> {
     /// All checks and injections.
     Everything,
-    /// One of three injections on every board and at least one for each fault code, all checks on the reference board, and a few checks on the others.
+    /// One of three injections on every board and at least one for each fault code, all but the longest check on the reference
+    /// board, and a few checks on the other boards.
     Sample,
-    /// All injections and the checks that finish quickly.
+    /// The same injections as `Sample`, and the checks that finish quickly.
     Brief,
     /// All checks and injections whose name contains one of these texts.
     Only(&'a [&'a str]),
@@ -225,8 +227,8 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     jobs
 }
 
-/// The rows of a short form of the campaign, for each device: one of three rows, and the first row of each fault code that no other
-/// chosen row latches for certain.
+/// The injections of a short form of the campaign, for each device: one of three. Of each fault code that these do not surely
+/// cause, also the first injection that does.
 fn sample(lists: &[Vec<Injection>]) -> Vec<Vec<Injection>> {
     let is_of_three = |list: usize, row: usize| row % OF_ROWS == list % OF_ROWS;
     let rows = |list: usize| lists[list].iter().enumerate();

@@ -8,8 +8,8 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, US, number};
 use crate::cpu::elf::Program;
 
-/// Longest allowed silence of the computer in seconds, as configured in these tests. [`SILENCE_US`] adds one control period for the
-/// last message and one for its reply, in microseconds.
+/// Longest allowed silence of the computer in seconds, as configured in these tests. [`SILENCE_US`] is the time limit for switching
+/// off, in microseconds: it adds one control period for the last message and one for the reaction.
 const SILENCE_S: &str = "0.5";
 const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 
@@ -102,8 +102,8 @@ impl Windings {
     }
 }
 
-/// Calibrates with a current that the motor cannot bear for long. The device must stop with a fault when the mean of the squared
-/// current is 1.5 times what the motor can bear.
+/// Calibrates with a current that the motor cannot carry for long. The device must stop with a fault when the mean square of the
+/// current reaches 1.5 times the permitted one.
 pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
     let ended = ends_hot(program, setup);
     if ended.is_ok() {
@@ -125,7 +125,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // The fault threshold is 1.5 times the permitted mean square. The range allows for the error of the shunts.
+    // The fault's threshold is 1.5 times the permitted mean square. The range allows for the errors of the current sensors.
     let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
@@ -135,8 +135,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     }
 }
 
-/// Lets a hand lean on the wall with a larger torque than the motor can hold for ever, and checks that the device limits its
-/// current.
+/// Lets a hand lean on the wall with more torque than the motor can hold for ever. Checks that the device limits its current.
 pub fn leaning_hand(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("a hand that leans", leans(program, setup));
 }

@@ -1,4 +1,4 @@
-//! Tests with noise in the sensors: the device must calibrate, arm and let a hand press as it does without noise.
+//! Tests with noise in the sensors: the device must calibrate, arm and render a press as without noise.
 
 use super::press;
 use super::tally::Tally;
@@ -12,7 +12,7 @@ pub const NOISE: Noise = Noise {
     encoder_rad: 5.2e-4,
     converter_codes: 1.15,
 };
-/// Largest relative error of the wall's stiffness while a hand rests on it; the scorecard of a device has the same limit.
+/// Largest relative error of the wall's stiffness while a hand holds its press; the scorecard of a device has the same limit.
 const STIFFNESS_OFF_MOST: f64 = 0.05;
 
 /// Tests presses with noise on the reference board.

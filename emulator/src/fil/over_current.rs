@@ -23,13 +23,13 @@ const LEADS_H: f64 = 4e-6;
 /// Resistance of supply, wires and transistor in the short, Ω.
 const WAY_OHM: f64 = 0.05;
 /// Longest time between two evaluations of the short circuit, in microseconds. The emulator evaluates it once per instruction, and
-/// a division takes 12 cycles.
+/// the longest instruction, a division, takes 12 cycles.
 const LOOK_US: f64 = 12.0 / 170.0;
 /// Duration in microseconds for which a comparator must stay active before the break acts: eight samples, one per 32 cycles
 /// (docs/faults/08-hardware-break.md).
 const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
-/// Longest time for the current loop to switch off, in processor cycles: one PWM period until the next sample, and part of a period
-/// to act.
+/// Longest time for the current loop to switch off, in processor cycles: one PWM period until the next sample, and a part of a
+/// period until it acts.
 const SOFTWARE: u64 = 100 * US;
 /// Time for which the outputs must stay off after a break, in processor cycles.
 const WATCHED: u64 = 30 * MS;
@@ -71,7 +71,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     let turns = bench.machine.chip().board.field_turns_per_s;
     bench.configure(|settings| {
         settings.calibration.electrical_turns_per_s = turns;
-        // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
+        // The test calibrates every few seconds, so the settings allow the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     // The answer is ignored: if a break is active, the device refuses the calibration, and `no_break` below reports the break.

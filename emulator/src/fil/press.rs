@@ -1,4 +1,4 @@
-//! A hand presses on the emulated device's wall, as in the thesis' experiment, and the device's forces are compared with the
+//! A simulated hand presses the emulated device's wall, as in the thesis' experiment. The device's forces are compared with the
 //! control law computed on the host.
 
 use touchstone_control::{Controller, CountScale, Fixed32, Position, Si};

@@ -13,17 +13,17 @@ const SLICE: u64 = 100 * US;
 /// Time from arming until the force has faded in (`limits.fade_in_s` is 0.2 s) and the shaft turns evenly, in processor cycles.
 const FADED_IN: u64 = 400 * MS;
 
-/// Torque that resists one slow turn of the shaft.
+/// Torque that resists the shaft over one slow turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
-    /// Effective value of the summed torque of motor and cogging, without its mean, N·m.
+    /// Root mean square of the summed torque of motor and cogging, without its mean, N·m.
     pub ripple_n_m: f64,
-    /// Effective value of the cogging torque alone in the same turn, without its mean, N·m.
+    /// Root mean square of the cogging torque alone in the same turn, without its mean, N·m.
     pub cogging_n_m: f64,
 }
 
 impl Felt {
-    /// Ripple that remains with the compensation, as a fraction of the cogging torque: 1 means that nothing was compensated.
+    /// Ripple that remains with the compensation, as a fraction of the cogging torque. 1: nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m
@@ -74,7 +74,7 @@ pub fn slow_turn(bench: &mut Bench, rad_per_s: f64) -> Result<Felt, String> {
     })
 }
 
-/// Collects values and computes their effective value without the mean.
+/// Collects values and computes their root mean square without the mean.
 #[derive(Debug, Default)]
 struct Ripple {
     count: f64,

@@ -1,5 +1,5 @@
-//! Tests of the stored encoder alignment and of the automatic start. Each is used where all its conditions hold, and refused where
-//! one does not.
+//! Tests of the stored encoder alignment and of the automatic start. The firmware must use each if all its conditions hold, and
+//! refuse it if one does not.
 
 use std::f64::consts::TAU;
 
@@ -20,8 +20,9 @@ use crate::board::Encoder;
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Time within which an automatic start switches the outputs on, in processor cycles. It includes the program's start, and half a
-/// second and a quarter of a second at rest. Another test shows that it is long enough.
+/// Time within which an automatic start switches the outputs on, in processor cycles. It covers the program's start, half a second
+/// at rest before the alignment check, and a quarter of a second in it. The test of a normal start shows that the time is long
+/// enough.
 const WOULD_BE_ON: u64 = 1_200 * MS;
 /// Time within which an undisturbed automatic start arms the device, in processor cycles.
 const WOULD_BE_ARMED: u64 = 4_500 * MS;
@@ -40,7 +41,8 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
         Err(error) => return tally.check("kept alignment", Err(error)),
     };
     tally.check("kept alignment, used", is_used(&mut bench));
-    // A slip of 24 degrees pulls the rotor away by less than an eighth of a turn, so only the mean reveals it.
+    // A slip of 24 electrical degrees pulls the rotor away by less than an eighth of a turn. So only the mean over the check
+    // reveals it.
     for degrees in [360.0, 24.0, 30.0, 90.0, 180.0] {
         let name = format!("kept alignment, a magnet that slipped by {degrees} electrical degrees");
         tally.check(&name, slipped(&mut bench, degrees));
@@ -144,7 +146,7 @@ const KEPT_FROM: [(&str, Case); 8] = [
     }),
 ];
 
-/// A device with an absolute encoder that has stored its alignment in flash.
+/// A device with an absolute encoder, whose alignment is stored in flash.
 fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -188,8 +190,8 @@ fn report(bench: &mut Bench) -> Result<StartReport, String> {
     }
 }
 
-/// Checks that the device refuses to store the alignment of an incremental encoder. A board without memory for it does not know the
-/// request.
+/// Checks that the device refuses to store the alignment of an incremental encoder. A board without memory for an alignment answers
+/// that it does not know the request.
 fn is_not_kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -283,8 +285,8 @@ fn judged(bench: &mut Bench, is_harmless: bool) -> Result<String, String> {
     Ok(format!("{why:?}, and no arming"))
 }
 
-/// Checks that the device does not use an alignment that was measured with another number of pole pairs. Its full search then finds
-/// that the settings are wrong.
+/// Checks that the device does not use an alignment that was measured with another number of pole pairs. The full calibration that
+/// it runs instead must then report the wrong settings.
 fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     power_on(bench);
     bench.boot()?;

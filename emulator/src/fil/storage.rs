@@ -38,11 +38,11 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
 }
 
 /// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each damage. The device must
-/// then use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns how often the device reported
-/// the damage.
+/// then use another copy of the saved settings, or report `SettingsInvalid` and not arm. Returns how often the device reported the
+/// damage.
 ///
 /// # Errors
-/// The damaged bits after which the device reacted otherwise.
+/// Another reaction of the device, with the damaged bits.
 pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
     let (start, bytes) = place(program)?;
     let mut bench = Bench::new(program, setup)?;

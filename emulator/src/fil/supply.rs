@@ -15,10 +15,10 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// A number larger than the number of flash changes (words programmed, pages erased) in one save of the settings.
+/// An upper bound of the number of flash changes (words programmed, pages erased) in one save of the settings.
 const MOST_CHANGES: u64 = 400;
-/// On boards other than the reference board, the tests cut the supply only at every n-th change of the flash (a word programmed, a
-/// page erased), with this n. The constant [`SAMPLED_MOMENTS`] is the n for the device's states.
+/// On boards other than the reference board, the tests cut the supply only at every n-th flash change (a word programmed, a page
+/// erased). This constant is n. [`SAMPLED_MOMENTS`] is the same for the device's states.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
 /// Time in processor cycles for which the supply is absent. By its end the motor's current is zero; the knob may still be moving.
@@ -27,8 +27,7 @@ const AWAY: u64 = 200 * MS;
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
-/// Whether all supply tests run on this board. On the other boards, whose program differs only in its pins, only a part of them
-/// runs.
+/// Whether all supply tests run on this board. On the other boards only a part runs, because their programs differ only in pins.
 fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
@@ -66,8 +65,8 @@ fn starts(bench: &mut Bench) -> Result<(), String> {
         .map(|_| ())
 }
 
-/// Checks the device after a restart: no outputs on since `since`, no fault latched, arming refused, and the settings among
-/// `may_be`.
+/// Checks the device after a restart: the outputs have stayed off since `since`, no fault is latched, arming is refused, and the
+/// settings are one of `may_be`.
 fn came_up(bench: &mut Bench, since: u64, may_be: &[&DeviceSettings]) -> Result<(), String> {
     let status = bench.status()?;
     if status.phase != Phase::Boot {

@@ -29,7 +29,7 @@ impl Machine {
         let chip = self.chip_mut();
         let next = chip.next_event().min(until);
         if chip.flash.busy_until() > chip.core.now {
-            // Fetches from the flash bank wait while it is written, so the processor stands still.
+            // The processor stands still while flash is written, because it fetches from the same flash bank.
             chip.core.now = next.min(chip.flash.busy_until());
             return Ok(());
         }
@@ -97,7 +97,7 @@ impl Machine {
             match change {
                 Change::Program(address, bytes) => {
                     let before = self.memory(address, 8);
-                    // The error correction allows a second programming only with zeros.
+                    // A double word that is not erased can only be programmed to zeros, because of its error-correction bits.
                     if before.iter().any(|byte| *byte != 0xff) && bytes != [0; 8] {
                         self.chip_mut().flash.refuse();
                     } else if cut {

@@ -193,14 +193,14 @@ impl Machine {
             .unwrap_or_default()
     }
 
-    /// Overwrites memory, including flash, as a debugger would or as a particle that flips bits does.
+    /// Overwrites memory, including flash, as a debugger or a bit flip would.
     pub fn set_memory(&mut self, address: u32, bytes: &[u8]) {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
-    /// Removes read access from the 4 KiB block around each torn double word of flash, so that the first read of it is noticed.
-    /// Torn means: the power was cut while it was written. A hook on every read is no alternative, because with one Unicorn returns
-    /// wrong values for some reads.
+    /// Removes read access from the 4 KiB block around each torn double word of flash, so that its first read is noticed. A double
+    /// word is torn if the power was cut while it was written. A hook on every read cannot be used: with such a hook Unicorn
+    /// returns wrong values for some reads.
     pub(super) fn guard_torn(&mut self) {
         for place in self.chip().flash.torn.clone() {
             let block = u64::from(place) & !(BLOCK - 1);

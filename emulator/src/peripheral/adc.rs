@@ -1,7 +1,7 @@
-//! An analogue-to-digital converter: power-up, calibration, injected sequences started by a trigger, and single regular conversions
-//! started by software.
+//! An analogue-to-digital converter: power-up, calibration, injected sequences that a trigger starts, and single regular
+//! conversions that software starts.
 //!
-//! The board supplies the channel's voltage at the end of the sampling time, so each code is as old as on the real chip.
+//! The board supplies the channel's voltage at the end of the sampling time, so a code is as old as on the real chip.
 
 use super::plain::Plain;
 use super::{CYCLES_PER_US, NEVER, Peripheral};

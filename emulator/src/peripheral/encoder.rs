@@ -41,8 +41,8 @@ impl Angle {
     }
 }
 
-/// AS5047P: each frame answers the previous frame's command. After an error every answer has the error flag set until `ERRFL` is
-/// read.
+/// The AS5047P: each frame answers the previous frame's command. After an error, every answer has the error flag set until the
+/// program reads `ERRFL`.
 #[derive(Debug, Default)]
 pub struct As5047p {
     angle: Angle,
@@ -54,8 +54,8 @@ pub struct As5047p {
 /// Bit of the register `ERRFL` for a parity error in a frame.
 const PARITY_ERROR: u16 = 1 << 2;
 
-/// Value of the register `DIAAGC` with a magnet at the right distance. The next constants: without a magnet (gain at its end, field
-/// too weak), and with a magnet that touches the chip (field too strong).
+/// Value of the register `DIAAGC` with a magnet at the right distance. [`FIELD_WEAK`]: without a magnet (gain at its maximum, field
+/// too weak). [`FIELD_STRONG`]: the magnet touches the chip (field too strong).
 const FIELD_RIGHT: u16 = 1 << 8 | 0x60;
 const FIELD_WEAK: u16 = 1 << 8 | 1 << 11 | 0xff;
 const FIELD_STRONG: u16 = 1 << 8 | 1 << 10;

@@ -48,13 +48,13 @@ pub struct Flash {
     control: u32,
     status: u32,
     keys: u32,
-    /// Address and value of the first word of a double word that the program has stored; `None` once the second word has followed.
+    /// Address and value of the first word of a double word, while the second word has not been stored; otherwise `None`.
     half: Option<(u32, u32)>,
     busy_until: u64,
     /// Requested changes that the run loop has yet to apply to the memory.
     pub changes: Vec<Change>,
-    /// Words that the program stored to flash: address and former value. The run loop restores the former value unless the word is
-    /// programmed.
+    /// Words that the program stored to flash: address and former value. The run loop restores the former value unless the flash
+    /// model programs the word.
     pub stores: Vec<(u32, u32)>,
     /// Addresses of torn double words: their check bits are wrong, because the power was cut while they were written.
     pub torn: BTreeSet<u32>,

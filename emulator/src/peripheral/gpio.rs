@@ -44,8 +44,8 @@ impl Port {
         self.driven[pin] = level;
     }
 
-    /// Level at a pin: that of the program's output if the pin is an output, otherwise that which the board drives, otherwise that
-    /// of the pull-up or pull-down resistor.
+    /// Level at a pin: the program's output if the pin is an output. Otherwise the level that the board drives; if the board drives
+    /// none, that of the pull-up or pull-down resistor.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {
         let field = |register| self.registers.get(register) >> (2 * pin) & 3;

@@ -23,8 +23,8 @@ pub const NEVER: u64 = u64::MAX;
 /// the start; the real chip is slower until the PLL runs.
 pub const CORE_HZ: u64 = 170_000_000;
 
-/// Processor cycles per microsecond at the clock that the firmware sets up. Used for durations that do not depend on a clock
-/// divider in the modelled registers.
+/// Processor cycles per microsecond at the clock that the firmware sets up, for durations that no clock divider in the modelled
+/// registers changes.
 pub const CYCLES_PER_US: u64 = 170;
 
 /// A peripheral: a block of registers with its behaviour in time.

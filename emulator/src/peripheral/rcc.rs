@@ -105,7 +105,7 @@ impl Rcc {
         self.registers.get(&offset).copied().unwrap_or(0)
     }
 
-    /// Whether this bit of this enable register is set, that is, whether the peripheral is clocked.
+    /// Whether a bit of an enable register is set: the peripheral then has its clock.
     #[must_use]
     pub fn gives(&self, register: u32, bit: u32) -> bool {
         self.get(register) >> bit & 1 != 0

@@ -35,8 +35,7 @@ pub enum SlaveFault {
     None,
     /// The encoder's data line stays low: the encoder has no power, or a wire with a pull-down is broken.
     Low,
-    /// From the next answer that holds an angle on, the data line stays low. For the AS5047P that is between the two frames of a
-    /// reading.
+    /// The data line stays low from the next answer with an angle on. For the AS5047P this is between the two frames of a reading.
     LowFromAngle,
     /// The encoder's data line stays high.
     High,
@@ -71,8 +70,8 @@ pub struct Spi {
     selected: bool,
     /// Time of the last change of the chip select line, in processor cycles.
     since: u64,
-    /// Whether the timing of the chip select line was violated: a frame began too early after its fall, or the line was high too
-    /// shortly. The encoder then does not answer.
+    /// Whether the timing of the chip select line was violated: a frame began too early after the line's fall, or the line was high
+    /// for too short a time. The encoder then does not answer.
     rushed: bool,
     hangs: bool,
 }

@@ -35,7 +35,7 @@ pub struct Uart {
     sending: Option<(u64, u8)>,
     send: VecDeque<u8>,
     receive: VecDeque<u8>,
-    /// Bytes that the other side of the line has still to send, each with whether it has a framing error.
+    /// Bytes that the other side of the line has still to send, each with a flag for a framing error.
     line: VecDeque<(u8, bool)>,
     arrives: u64,
     idle_at: u64,
@@ -96,8 +96,7 @@ impl Uart {
         self.put_with_errors(bytes, false, now);
     }
 
-    /// Does the same as `put`, with a framing error in each byte if `framing_error` is set. The cause may be a wrong baud rate or a
-    /// disturbed line.
+    /// Same as `put`, with a framing error in each byte if `framing_error` is set, as with a wrong baud rate or a disturbed line.
     pub fn put_with_errors(&mut self, bytes: &[u8], framing_error: bool, now: u64) {
         self.line
             .extend(bytes.iter().map(|byte| (*byte, framing_error)));

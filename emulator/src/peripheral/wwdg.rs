@@ -18,7 +18,7 @@ pub struct Wwdg {
     clock_hz: u64,
     configuration: u32,
     active: bool,
-    /// Value of the watchdog's counter after `at` counts of its clock divider.
+    /// Value of the watchdog's counter when its clock divider had made `at` counts.
     counter: u32,
     at: u64,
     /// Whether the program wrote the counter too early, or with a value that resets the chip.

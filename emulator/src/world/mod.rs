@@ -46,8 +46,8 @@ const KNOB: Device = Device {
     }),
 };
 
-/// The gimbal motor GBM2804H-100T by NuttX's table of motors. Half of the driver's 1 ohm and half of a shunt of 0.33 ohm are added
-/// to each phase's resistance.
+/// The gimbal motor GBM2804H-100T with the values of NuttX's table of motors. Each phase's resistance includes half of the driver's
+/// 1 ohm and half of a shunt of 0.33 ohm.
 const KIT_MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.29 + 0.5 + 0.165,
     inductance_h: 1.05e-3,
@@ -103,7 +103,7 @@ impl Parts {
         parts
     }
 
-    /// The usual motor and knob with each property multiplied by a factor: resistance, inductance, flux, inertia, damping,
+    /// The usual motor and knob, with these properties multiplied by a factor each: resistance, inductance, flux, inertia, damping,
     /// friction.
     #[must_use]
     pub fn scaled([resistance, inductance, flux, inertia, damping, friction]: [f64; 6]) -> Self {
@@ -149,8 +149,8 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and speed, and after how many
-    /// mechanical steps the speed changes its sign, if it does: in all, and from now on.
+    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and its speed. If the speed
+    /// alternates in sign: after how many mechanical steps in all, and after how many from now.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
@@ -158,7 +158,7 @@ enum Grip {
     },
 }
 
-/// Energy bookkeeping of the shaft: its state at the end of a mechanical step, and the impulse and energies since recording began.
+/// Energy balance of the shaft: its state at the end of a mechanical step, and impulse and energies since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
     /// Angle of the shaft, rad.
@@ -189,7 +189,7 @@ pub struct World {
     /// step.
     impulse: f64,
     torque_n_m: f64,
-    /// Energy bookkeeping of the shaft; `None` unless a test has started it.
+    /// Energy balance of the shaft; `None` unless a test has started it.
     books: Option<ShaftBooks>,
     /// Temperature of the driver and the motor, °C.
     pub temperature_c: f64,
@@ -296,12 +296,12 @@ impl World {
         }
     }
 
-    /// Starts the energy bookkeeping of the shaft.
+    /// Starts the energy balance of the shaft.
     pub fn keep_books(&mut self) {
         self.books = Some(ShaftBooks::default());
     }
 
-    /// The energy bookkeeping of the shaft at the last mechanical step; all values are 0 if it was not started.
+    /// The energy balance of the shaft at the last mechanical step; all values are 0 if it was not started.
     #[must_use]
     pub fn books(&self) -> ShaftBooks {
         self.books.unwrap_or_default()
@@ -350,7 +350,7 @@ impl World {
         }
     }
 
-    /// Sets how the power bridge drives each phase from now on: a fraction (0 to 1) of the bus voltage, or `None` for off.
+    /// Sets how the power bridge drives each phase from now on: the duty cycle (0 to 1), or `None` for off.
     pub fn drive(&mut self, now: u64, duty: [Option<f64>; 3]) {
         self.advance(now);
         self.drive = match duty {

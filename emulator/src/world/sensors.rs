@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-/// One sinusoidal error of the encoder's angle due to an off-centre magnet: `A sin(n θ + φ)` at the shaft's angle `θ`. A shaft off
-/// the axis causes one period per turn, a sensor off the axis two (TI's TIDUF97, table of the error patterns). A tilted magnet, or
-/// shaft and sensor off the axis, causes one and two periods at once.
+/// One sinusoidal error of the encoder's angle due to an off-centre magnet: `A sin(n θ + φ)` at the shaft's angle `θ`. A magnet off
+/// the shaft's axis causes one period per turn, a sensor off the axis two (TI's TIDUF97, table of the error patterns). A tilted
+/// magnet, or both off the axis, causes one and two periods at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
     /// Amplitude `A` of the error, rad.
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     /// Checks that mean and variance of 100,000 noise values lie within five standard deviations of the configured ones. Also
-    /// checks that without configured noise every value is 0.
+    /// checks that every value is 0 without configured noise.
     #[test]
     fn noise_has_its_effective_value_and_none_is_none() {
         let mut sensors = Sensors::default();

@@ -44,8 +44,8 @@ impl Short {
         }
     }
 
-    /// Advances the current of the short circuit by the exact solution, for transistors that do not change. With both transistors
-    /// off, the current flows on through a diode until it is zero.
+    /// Advances the current of the short circuit by the exact solution, for constant states of the transistors. With both
+    /// transistors off, the current flows on through a diode until it is zero.
     pub(super) fn advance(&mut self, now: u64, leg: Leg, bus_v: f64, diode_v: f64) {
         let interval = seconds(now.saturating_sub(self.now));
         self.now = now;

@@ -33,8 +33,8 @@ bind_interrupts!(struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
 });
 
-/// Settings of the PWM timer. The gate drivers L6387 switch a transistor on while its input is high and keep no dead time
-/// themselves. COMP1, COMP2 and COMP4 watch the three shunts.
+/// Settings of the PWM timer. The gate drivers L6387 switch a transistor on while its input is high, and add no dead time of their
+/// own. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
     complement: Complement::ActiveHigh,
@@ -90,8 +90,8 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             (p.PB14.degrade_adc(), sense::SLOW),
         ],
         Adc::new(p.ADC2, Default::default()),
-        // The third current and the divided phase voltage are not used. They are converted so that both converters take the same
-        // time.
+        // The third current and the divided phase voltage are not used. They are converted only so that both converters take the
+        // same time.
         [
             (phase_b.degrade_adc(), sense::AMPLIFIED),
             (phase_c.degrade_adc(), sense::SLOW),
@@ -196,8 +196,8 @@ pub mod magnetic {
     }
 }
 
-/// Always false. The board's button at PC10 is not used: the level of a pressed button is in the board's schematic, which was not
-/// read.
+/// Always false. The board's button at PC10 is not used. Whether its pin is high or low while pressed is in the board's schematic,
+/// which was not read.
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     false

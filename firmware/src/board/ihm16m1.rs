@@ -38,7 +38,7 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Settings of the PWM timer. The driver STSPIN830 has an input and an enable for each phase and keeps its own dead time. Its line
+/// Settings of the PWM timer. The driver STSPIN830 has an input and an enable for each phase, and adds its own dead time. Its line
 /// EN\FAULT is the hardware break.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 0,
@@ -55,12 +55,12 @@ const FAULT_LINE: (usize, usize) = (12, 11);
 /// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Sets up every pin and peripheral except the priority of the interrupt that keeps time; the outputs stay off. Returns the serial
-/// port to the computer and the settings' flash.
+/// Sets up every pin and peripheral; the outputs stay off. The caller has yet to set the priority of the time driver's interrupt.
+/// Returns the serial port to the computer and the flash of the settings.
 pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::LPUART1.set_priority(Priority::P6);
-    // An open-drain line that is both error output and enable: pulled up here, pulled down by the driver. The pin without a link
-    // stays high.
+    // An open-drain line that is both error output and enable: pulled up here, pulled down by the driver. Of the two pins, the one
+    // that no solder link connects to the line stays high.
     let mut fault_line = (Flex::new(p.PB12), Flex::new(p.PA11));
     fault_line
         .0
@@ -88,8 +88,8 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones. Their parity is right,
-    // but the error bit is set, which is fault 16.
+    // Encoder over SPI. The data line from the encoder has a pull-up, so a missing encoder reads as all ones. The parity of such a
+    // frame is right, but its error bit is set, which causes fault 16.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0
@@ -158,7 +158,8 @@ pub fn is_stop_pressed() -> bool {
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the driver has pulled its line EN\FAULT since [`forget_driver`]. At PB12 no pulse is missed, because the hardware break
-/// latches it. PA11 is polled once per PWM period by the current loop; by then the driver has already switched itself off.
+/// latches it. At PA11 the current loop polls the line once per PWM period. A shorter pulse can be missed there, but the driver has
+/// then already switched itself off.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     let (b, a) = FAULT_LINE;

@@ -32,7 +32,7 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Settings of the PWM timer. The gate drivers L6398 switch a lower transistor on while its input LIN is low, and keep a dead time
+/// Settings of the PWM timer. The gate drivers L6398 switch a lower transistor on while its input LIN is low, and add a dead time
 /// of 320 ns themselves. The shield's over-current comparators are wired to the pin BKIN.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 500,
@@ -78,8 +78,8 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones. Their parity is right,
-    // but the error bit is set, which is fault 16.
+    // Encoder over SPI. The data line from the encoder has a pull-up, so a missing encoder reads as all ones. The parity of such a
+    // frame is right, but its error bit is set, which causes fault 16.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0

@@ -40,7 +40,7 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Settings of the PWM timer. The driver DRV8313 has an input for each phase and one enable for all, and keeps its own dead time.
+/// Settings of the PWM timer. The driver DRV8313 has an input for each phase and one enable for all, and adds its own dead time.
 /// Its line nFAULT is the hardware break.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 0,
@@ -85,8 +85,8 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones. Their parity is right,
-    // but the error bit is set, which is fault 16.
+    // Encoder over SPI. The data line from the encoder has a pull-up, so a missing encoder reads as all ones. The parity of such a
+    // frame is right, but its error bit is set, which causes fault 16.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0
@@ -143,8 +143,8 @@ pub fn is_stop_pressed() -> bool {
 /// Whether the line nFAULT was low since [`forget_driver`].
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the driver has pulled its line nFAULT since [`forget_driver`]: because of a current, a temperature or a supply voltage
-/// that no other sensor measures. No pulse is missed, because the hardware break latches it.
+/// Whether the driver has pulled its line nFAULT since [`forget_driver`]. Its causes are over-current, over-temperature and low
+/// supply voltage; on this board no other sensor measures the first two. No pulse is missed, because the hardware break latches it.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     if GPIOB.idr().read().idr(FAULT_LINE) == Idr::LOW || pwm::is_input_broken() {

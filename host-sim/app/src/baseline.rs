@@ -43,13 +43,15 @@ const SAME: [&str; 7] = [
     "rate_hz",
 ];
 
-/// Reads the runs of a results file. Errors: the file is no JSON, or has no runs.
+/// Reads the runs of a results file. Errors: the file is not JSON, or contains no runs.
 pub fn read(file: &Path) -> Result<Vec<Value>> {
-    let wrong = |problem: String| Error::Io {
+    let wrong = |problem: String| {
+        Error::Io {
         path: file.to_owned(),
         problem,
-        fix: "give --baseline what --json printed, or the results.json of a report's folder"
+        fix: "give --baseline a file with the output of --json, or the results.json of a report's folder"
             .to_owned(),
+    }
     };
     let text = touchstone_sim::input::text(file, touchstone_sim::input::MOST_OF_RESULTS)
         .map_err(|error| wrong(error.to_string()))?;

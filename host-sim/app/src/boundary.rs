@@ -46,7 +46,7 @@ pub struct Options {
     /// Seed of the random numbers of the searches.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Folder for the page, the drawing and the cells. If it has a part of the cells already, the search goes on from them.
+    /// Folder for the page, the drawing and the cells. If it already contains some cells, the search continues from them.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Replaces the files that another command left in the folder.
@@ -54,8 +54,8 @@ pub struct Options {
     force: bool,
 }
 
-/// Fields of the scene that every cell of the map sets itself, so that `--set` refuses them; each with a description of its new
-/// value.
+/// Scene fields that every cell of the map sets itself. `--set` refuses them. The second text names the values that replace the
+/// field.
 const REPLACED: [(&str, &str); 6] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),
@@ -81,8 +81,9 @@ pub fn main(options: &Options) -> Result<()> {
     {
         return Err(Error::Option {
             option: "--delays".to_owned(),
-            problem: format!("{delay} ticks are not within 0 and 2"),
-            fix: "give what an estimator predicts over: 0 to 2 ticks".to_owned(),
+            problem: format!("a delay of {delay} control periods is outside 0 to 2"),
+            fix: "give a delay of 0 to 2 control periods, which the estimator can predict over"
+                .to_owned(),
         });
     }
     plan.delays.clone_from(&options.delays);
@@ -91,7 +92,9 @@ pub fn main(options: &Options) -> Result<()> {
     let command = super::command_line();
     let folder = &options.out;
     report::check_folder(folder, &command, options.force)?;
-    interrupt::clean_up_keeping("interrupted: what is done is kept; the same command goes on")?;
+    interrupt::clean_up_keeping(
+        "interrupted: finished cells are saved; run the same command again to continue",
+    )?;
     interrupt::sweep(folder);
     let unwritable = |error: std::io::Error| Error::Io {
         path: folder.clone(),
@@ -110,7 +113,7 @@ pub fn main(options: &Options) -> Result<()> {
     let value = map::results(&plan, &cells);
     let page = pages::Page {
         title: "Where a tuned wall ends",
-        intro: "A law tuned for every cell, run in three grips, and certified: the stiffest wall over the device's damping and delay.",
+        intro: "Each cell's law was tuned for it, simulated in three grips, and certified. The map shows the stiffest wall over the device's damping and delay.",
         command: &command,
         program: program(),
         sections: &map::sections(&plan, &cells),

@@ -38,7 +38,7 @@ pub fn main(options: &Options) -> Result<()> {
     {
         return Err(Error::Option {
             option: "--current-loop-hz".to_owned(),
-            problem: format!("{bandwidth} is no bandwidth"),
+            problem: format!("{bandwidth} is not a valid bandwidth"),
             fix: "give a number above 0".to_owned(),
         });
     }
@@ -123,7 +123,7 @@ fn certify_parts(scene: &Scene, asked: &Asked) -> Result<()> {
     Ok(())
 }
 
-/// Where a part is steepest, in words.
+/// The angles at which a part of a feel is steepest, as text.
 fn place(part: &PartAtSteepest) -> String {
     match (part.cell_rad, part.every_rad) {
         (None, _) => "at any angle".to_owned(),

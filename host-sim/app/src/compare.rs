@@ -37,8 +37,9 @@ pub struct Options {
     /// scorecard's programme of motions.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
-    /// With --hand programme: another recording, with the wall's surface at another place within an encoder count (`touchstone
-    /// scorecard --programme FILE --place SHARE`), so that the board has a scatter, too. May be given several times.
+    /// With --hand programme: another recording of the board, with the wall's surface at another place within an encoder count
+    /// (`touchstone scorecard --programme FILE --place SHARE`). Several recordings show the scatter of the board's figures. May be
+    /// given several times.
     #[arg(long, value_name = "FILE.csv")]
     also: Vec<PathBuf>,
     /// Begins at this time of the recording, s.
@@ -48,7 +49,8 @@ pub struct Options {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     to: Option<f64>,
     /// Ends with exit code 3 if the rms difference of position or force exceeds this fraction of the recorded range. With --hand
-    /// programme: if a figure differs from the scene's by more than this fraction, and by more than the scene's own scatter.
+    /// programme: if one of the board's figures differs from the scene's by more than this fraction and by more than the scene's
+    /// own scatter.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = number::not_negative("a share"))]
     tolerance: Option<f64>,
     /// Folder for the page, its numbers, and the hand's motion.
@@ -159,7 +161,7 @@ fn print(found: &Beside) -> Result<()> {
     }
     if found.limited_ticks > 0 {
         tell!(
-            "in {} ticks a limit of the device acted, which the simulation does not have",
+            "in {} control periods a limit of the device reduced the force; the simulation does not model it",
             found.limited_ticks
         );
     }
@@ -182,7 +184,7 @@ fn print(found: &Beside) -> Result<()> {
     match found.fits.first() {
         Some(best) if (best.factor - 1.0).abs() > SAME && best.rms_rad < EXPLAINS * as_it_is => {
             say!(
-                "it is more like a knob with {:.2} times the scene's {}: rms {:.3e} rad then",
+                "a knob with {:.2} times the scene's {} would fit better: rms {:.3e} rad",
                 best.factor,
                 best.field,
                 best.rms_rad

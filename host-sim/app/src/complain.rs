@@ -110,8 +110,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::MissingRequiredArgument => (
             "command line".to_owned(),
             format!("{} is missing", many(ContextKind::InvalidArg)),
-            "give it, or leave out the option that goes with it only; see the command's --help"
-                .to_owned(),
+            "give it, or leave out the option that needs it; see the command's --help".to_owned(),
         ),
         ErrorKind::MissingSubcommand => (
             "command line".to_owned(),
@@ -122,7 +121,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
             let prior = many(ContextKind::PriorArg);
             let problem = match prior.is_empty() || prior.starts_with(&place) {
                 true => "was given twice".to_owned(),
-                false => format!("does not go with {prior}"),
+                false => format!("cannot be used together with {prior}"),
             };
             (place, problem, "leave one of them out".to_owned())
         }

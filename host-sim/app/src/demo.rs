@@ -53,7 +53,7 @@ pub fn main(options: &Options) -> Result<()> {
         Error::device(
             place.to_string(),
             format!("the simulated knob cannot listen there: {error}"),
-            "choose another place with --listen, as 127.0.0.1:0 for any free port",
+            "choose another address with --listen, such as 127.0.0.1:0 for any free port",
         )
     };
     let listener = TcpListener::bind(place).map_err(failed)?;
@@ -100,7 +100,7 @@ fn lines() -> Receiver<String> {
         let mut line = Vec::new();
         while let Ok(1..) = (&mut input).take(LINE_MAX).read_until(b'\n', &mut line) {
             if line.len() as u64 == LINE_MAX {
-                note!("note: standard input is no lines of words, and is not read any more");
+                note!("note: standard input is not text, and is ignored from now on");
                 break;
             }
             let words = String::from_utf8_lossy(&line).trim_end().to_owned();

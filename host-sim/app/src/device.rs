@@ -39,7 +39,7 @@ pub struct Options {
 #[derive(Debug, Clone, Subcommand)]
 #[expect(
     clippy::large_enum_variant,
-    reason = "there is one in a run of the program"
+    reason = "a run of the program has only one"
 )]
 enum Action {
     #[command(flatten)]
@@ -163,18 +163,18 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
 pub fn warn_unwatched(settings: &DeviceSettings) {
     if settings.limits.host_silence_s == Si::ZERO {
         note!(
-            "nothing switches this device off when its desktop hangs or is gone; `touchstone config set limits.host_silence_s 2` does, after 2 s"
+            "this device stays on when the computer hangs or is disconnected. To switch it off after 2 s of silence: touchstone config set limits.host_silence_s 2"
         );
     }
 }
 
-/// Prints after which silence of the computer an armed device switches off, or that it never does.
+/// Prints after which time without a request from the computer an armed device switches off, or that it never does.
 fn note_silence(settings: &DeviceSettings) {
     warn_unwatched(settings);
     let silence_s = settings.limits.host_silence_s;
     if silence_s != Si::ZERO {
         note!(
-            "it switches off {silence_s} s after the last word of a program: keep `touchstone monitor` or `live` running (limits.host_silence_s; 0 for a knob that needs no desktop)"
+            "the device switches off if no program sends a request for {silence_s} s, so keep `touchstone monitor` or `touchstone live` running. With limits.host_silence_s = 0 it stays on without a computer"
         );
     }
 }
@@ -219,12 +219,12 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
                         "the calibration did not end within {} s, and was stopped",
                         limit.as_secs()
                     ),
-                    "look for what slows it: touchstone device ring; or wait longer by hand: touchstone device calibrate --no-wait",
+                    "find the cause in the record of `touchstone device ring`; or start a calibration without this time limit: touchstone device calibrate --no-wait",
                 )
             }
             Phase::Fault if status.fault.as_ref().is_some_and(is_of_kept) => (
-                "the check of the kept alignment failed: it is wrong, or the shaft was held, loaded or turning".to_owned(),
-                "hands off, and once more; or look for it anew: touchstone device stop, touchstone device calibrate --anew",
+                "the check of the stored alignment failed: the alignment is wrong, or the shaft was held, loaded or turning".to_owned(),
+                "take your hand off the knob and repeat the command; or measure the alignment again: touchstone device stop, touchstone device calibrate --anew",
             ),
             Phase::Fault => (
                 format!(
@@ -233,7 +233,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
                         .fault
                         .map_or("unknown".into(), |fault| name_of(&fault))
                 ),
-                "look at it: touchstone device fault",
+                "see its cause and remedy: touchstone device fault",
             ),
             Phase::Boot | Phase::Stopped => (
                 "the calibration was stopped".to_owned(),
@@ -306,7 +306,7 @@ fn status(client: &mut Client) -> Result<()> {
             say!("fault     {}", name_of(fault));
         }
         let kept = if status.unsaved {
-            "changed and not saved: touchstone config save"
+            "changed but not saved; to save: touchstone config save"
         } else {
             "as after a restart"
         };

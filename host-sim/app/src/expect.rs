@@ -21,7 +21,7 @@ pub const NOT_MET: u8 = 3;
 
 /// Options that each make a demand on the simulation runs.
 #[derive(Debug, Clone, Default, clap::Args)]
-#[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
+#[command(next_help_heading = "Demands on the run (exit code 3 if one is not met)")]
 pub struct Expectations {
     /// Demands this verdict; given several times, one of these verdicts.
     #[arg(long, value_name = "VERDICT", value_parser = verdicts())]
@@ -61,7 +61,7 @@ impl Expectations {
         first.map(|(option, _)| option)
     }
 
-    /// The name of the first option given by the user that has a meaning only in one axis: in rad, or of an earlier run in one axis.
+    /// The name of the first option given by the user that applies only to runs in one axis; `None` without any.
     pub fn first_of_one_axis(&self) -> Option<&'static str> {
         let given = [
             ("--max-penetration", self.max_penetration.is_some()),
@@ -97,7 +97,7 @@ impl Expectations {
         if self.junit.is_some() && !asked {
             return Err(Error::Option {
                 option: "--junit".to_owned(),
-                problem: "nothing is asked of the run, so there is no test to write".to_owned(),
+                problem: "there is no demand on the run, so there is no test to write".to_owned(),
                 fix: "add --expect, --max-penetration, --min-stiffness, --max-energy-out, --baseline or --strict-passive".to_owned(),
             });
         }
@@ -180,7 +180,7 @@ impl Expectations {
                 run.k_displayed.is_some_and(|came| came >= least),
                 format!("at least {least} N·m/rad"),
                 run.k_displayed.map_or_else(
-                    || "none: no hold in which the wall stayed".to_owned(),
+                    || "none: the knob did not stay in the wall during the hold".to_owned(),
                     |came| format!("{came:.6} N·m/rad"),
                 ),
             );
@@ -190,18 +190,27 @@ impl Expectations {
                 "--max-energy-out",
                 out <= most,
                 format!("at most {most} J"),
-                format!("{out:.6e} J"),
+                joules(out),
             );
         }
         if strict {
             add(
                 "--strict-passive",
                 out <= 0.0,
-                "no energy out of the user's port beyond what it took".to_owned(),
-                format!("{out:.6e} J"),
+                "that the hand gets out no more energy than it put in".to_owned(),
+                joules(out),
             );
         }
         checks
+    }
+}
+
+/// An energy in joules, with the exponent that small energies need.
+fn joules(energy_j: f64) -> String {
+    if energy_j.abs() < 1e-3 {
+        format!("{energy_j:.6e} J")
+    } else {
+        format!("{energy_j:.6} J")
     }
 }
 
@@ -220,8 +229,8 @@ impl Checked {
         (!self.checks.is_empty()).then(|| self.checks.iter().map(entry).collect())
     }
 
-    /// Writes the JUnit file, prints the demands that are not met, and returns the exit code. Also prints which runs meet demands but
-    /// were not judged.
+    /// Writes the JUnit file, prints the demands that are not met, and returns the exit code. Also prints which runs were not
+    /// judged although they meet their demands.
     pub fn conclude(&self) -> Result<ExitCode> {
         if let Some(file) = &self.junit {
             self.write(file)?;
@@ -231,7 +240,7 @@ impl Checked {
             for check in checks.iter().filter(|check| !check.met) {
                 let (wanted, came) = (&check.wanted, &check.came);
                 let line = format!(
-                    "not met: {}: wanted {wanted}, came {came} ({})",
+                    "not met: {}: required {wanted}, result {came} ({})",
                     check.option, check.run
                 );
                 eprintln!("{}", one_line(&line));
@@ -239,7 +248,7 @@ impl Checked {
             }
             if let (Some(why), true) = (unsaid(checks), checks.iter().any(|check| check.met)) {
                 note!(
-                    "note: not judged, so that what is met says nothing of the wall's rest: {why} ({})",
+                    "note: the run is not judged, so a met demand does not show that the wall comes to rest: {why} ({})",
                     checks[0].run
                 );
             }
@@ -283,9 +292,9 @@ fn unsaid(checks: &[Check]) -> Option<&str> {
     why.filter(|_| !checks.iter().any(of_verdict))
 }
 
-/// The JUnit tests of one run. If the run was not judged, it also has a skipped test with the reason, unless the test of its
-/// verdict names the reason. Its met demands then show the measured values. Otherwise a list of passed tests would look like a wall
-/// that comes to rest.
+/// The JUnit tests of one run. If the run was not judged, a skipped test states the reason, unless the test of the verdict states
+/// it. The demands that the run meets then show the measured values. Otherwise a list of passed tests would look like a wall that
+/// comes to rest.
 fn suite_of(checks: &[Check]) -> TestSuite {
     let run = &checks[0].run;
     let mut suite = TestSuite::new(run);
@@ -302,13 +311,13 @@ fn suite_of(checks: &[Check]) -> TestSuite {
             TestCaseStatus::success()
         } else {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_message(format!("wanted {}, came {}", check.wanted, check.came));
+            status.set_message(format!("required {}, result {}", check.wanted, check.came));
             status
         };
         let why = check.not_judged.as_ref().filter(|_| check.met);
         let said = why.map(|why| match check.option {
-            "--expect" => format!("came {}", check.came),
-            _ => format!("came {}; the run is {NOT_JUDGED}: {why}", check.came),
+            "--expect" => format!("result {}", check.came),
+            _ => format!("result {}; the run is {NOT_JUDGED}: {why}", check.came),
         });
         add(format!("{} {}", check.option, check.wanted), status, said);
     }

@@ -101,7 +101,7 @@ pub fn main(options: &Options) -> Result<()> {
     )
 }
 
-/// Names of the variables of an FMU that the importing program sets, or reads.
+/// Names of an FMU's variables with this causality: the inputs that the importing program sets, or the outputs that it reads.
 fn names(scene: &Scene, half: Half, causality: Causality) -> Vec<&'static str> {
     let variables = variables::of(scene, half).filter(|it| it.causality == causality);
     variables.map(|variable| variable.text).collect()
@@ -124,12 +124,12 @@ fn library(given: Option<&Path>) -> Result<PathBuf> {
     let name = export::library_name();
     let program = std::env::current_exe().unwrap_or_default();
     let folder = program.parent().unwrap_or(Path::new("."));
-    // A wheel has programs in `bin` and libraries in `lib`.
+    // An installed Python wheel has programs in `bin` and libraries in `lib`.
     let places = [folder.join(&name), folder.join("../lib").join(&name)];
     let found = places.into_iter().find(|place| place.is_file());
     found.ok_or_else(|| Error::Io {
         path: folder.join(&name),
-        problem: "no such file: the shared library for the FMUs".to_owned(),
+        problem: "the shared library for FMUs is missing".to_owned(),
         fix: format!(
             "build it in a clone with `cargo build --release -p touchstone-fmi`, and give --library target/release/{name}"
         ),

@@ -14,13 +14,13 @@ use touchstone_sim::scene::Scene;
 /// Options of the test on a set of varied devices.
 #[derive(Debug, Clone, clap::Args)]
 #[group(id = "family-options")]
-#[command(next_help_heading = "The family: all of a device different at once, one setting")]
+#[command(next_help_heading = "Variants of the device, all with the same settings")]
 pub struct Options {
     /// Touches and presses 216 device variants: three simulated grips (light, medium, firm), two encoders, half, once and double
     /// inertia and damping, and four delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
-    /// Also this many random device variants between those, with hands between and a little beyond the grips, drawn by --seed.
+    /// Adds this many random device variants between those, with hands between the grips and a little beyond, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
     /// Stiffnesses of the wall, N·m/rad; default: the scene's.
@@ -32,8 +32,8 @@ pub struct Options {
     /// Noise of the position sensor, degrees rms; default: the scene's.
     #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Vec<f64>,
-    /// Number of device variants on which each wall may be lost (a press too deep, or its stiffness far off), not counting those on
-    /// which any tuned law loses it.
+    /// Number of device variants on which each wall may be lost (a press too deep, or its stiffness far off). Does not count
+    /// variants on which no tuned law can hold the wall.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,
     /// Largest allowed depth of press and touch, as a multiple of F/k_de (force over stiffness of the wall).
@@ -88,14 +88,19 @@ impl Options {
             let deepest = family.deepest_press.max(family.deepest_touch);
             let mut fails = Vec::new();
             if lost > self.most_lost {
-                fails.push(format!("{lost} are lost, {} may be", self.most_lost));
+                fails.push(format!(
+                    "{lost} are lost, at most {} are allowed",
+                    self.most_lost
+                ));
             }
             if let Some(most) = self.deepest.filter(|most| deepest > *most) {
-                fails.push(format!("the deepest is {deepest:.3}, {most} may be"));
+                fails.push(format!(
+                    "the deepest is {deepest:.3}, at most {most} is allowed"
+                ));
             }
             if !fails.is_empty() {
                 eprintln!(
-                    "error: {} at {} N·m/rad: of {} members {}; tune the law, or ask for less with --most-lost and --deepest",
+                    "error: {} at {} N·m/rad: of {} variants {}; tune the law, or relax --most-lost and --deepest",
                     family.law,
                     family.k_desired,
                     family.members,

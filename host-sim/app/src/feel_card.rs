@@ -12,7 +12,7 @@ use touchstone_protocol::{Board, DeviceSettings};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{self, Scene};
 
-/// Largest motion at rest that is no buzz, encoder counts.
+/// Largest motion of the resting knob that does not count as a buzz, encoder counts.
 const QUIET_COUNTS: f64 = 2.0;
 /// Largest difference between the largest commanded and the largest drawn torque, as a fraction of the drawn one.
 const AS_DRAWN: f64 = 0.05;
@@ -23,7 +23,7 @@ const DELAY_PERIODS: f64 = 1.5;
 #[derive(Debug, Clone, clap::Args)]
 #[group(id = "feel-options")]
 #[command(
-    next_help_heading = "A feel: torque, rest and positions (exit code 3 where a demand does not hold)"
+    next_help_heading = "A feel: torque, rest and positions (exit code 3 if a demand is not met)"
 )]
 pub struct Options {
     /// Judges the scene's feel (detents, profile, friction, clicks) under three simulated grips, instead of its wall.
@@ -35,7 +35,7 @@ pub struct Options {
     /// With --feel: judges the feel with the encoder, rate, delay, torque and guard of each of the five boards.
     #[arg(long, requires = "feel")]
     boards: bool,
-    /// With --feel: positions that each grip crosses at least, at 2 to 20 rad/s.
+    /// With --feel: least number of positions that each grip crosses, at 2 to 20 rad/s.
     #[arg(long, value_name = "N", requires = "feel", default_value_t = 200, value_parser = number::within(1_u64, 100_000_000, "of positions"))]
     crossings: u64,
     /// With --feel: demands at most two encoder counts of motion at rest.
@@ -98,8 +98,8 @@ impl Options {
         Ok(self.conclude(&cards))
     }
 
-    /// Prints every demand that does not hold, and returns the exit code. That the hand gets no more energy than the guard allows is
-    /// always demanded.
+    /// Prints every demand that is not met, and returns the exit code. It is always demanded that the hand gets no more energy than
+    /// the guard allows.
     fn conclude(&self, cards: &[(&str, FeelCard)]) -> ExitCode {
         let mut code = ExitCode::SUCCESS;
         for (board, card, felt) in rows(cards) {
@@ -118,7 +118,7 @@ impl Options {
                     self.no_buzz,
                     felt.buzz_counts <= QUIET_COUNTS,
                     format!(
-                        "--no-buzz: {:.1} counts at rest, {QUIET_COUNTS} may be",
+                        "--no-buzz: the knob moves by {:.1} counts at rest, at most {QUIET_COUNTS} are allowed",
                         felt.buzz_counts
                     ),
                 ),
@@ -148,7 +148,7 @@ impl Options {
                 );
             }
         }
-        // Nothing was lost where nothing was counted, but that shows nothing. Of all shipped feels some have no positions.
+        // With no counted crossings the demand proves nothing. With --all-feels, feels without positions are allowed.
         for (board, card) in cards.iter().filter(|_| self.positions) {
             let has_none = card.pitch_rad.is_none() && !self.all_feels;
             let counted = card.grips.iter().any(|felt| felt.crossings > 0);
@@ -255,8 +255,8 @@ fn text(cards: &[(&str, FeelCard)]) -> String {
     text + &format!("{sum} positions crossed\n")
 }
 
-/// A feel on a board: on the knob for which the board's first settings are, with their encoder and rate and the board's delay and step
-/// of current. Law and energy guard are those of that knob's scene.
+/// A feel on the knob that the board's default settings are made for: device, law and energy guard are from that knob's scene.
+/// Encoder and control rate are from the default settings; delay and current resolution are the board's.
 fn on_board(feel: &Scene, board: Board) -> Result<Scene> {
     let settings = DeviceSettings::defaults(board);
     let board_hardware: &Hardware = hardware(board);
@@ -276,7 +276,8 @@ fn on_board(feel: &Scene, board: Board) -> Result<Scene> {
         if board.senses_current() {
             let constant: f64 = settings.motor.torque_constant_n_m_per_a.to_num();
             let step: f64 = board_hardware.amps_per_code.to_num();
-            // The current is read once in every PWM period; the mean over a control period is finer by the root of their number.
+            // The current is read once per PWM period. The mean of the n readings in a control period has a step that is finer by
+            // the root of n.
             let readings = f64::from(board_hardware.pwm_hz) / f64::from(settings.timing.rate_hz);
             let step_n_m = constant * step.abs() / readings.sqrt();
             scene.device.amplifier_step_n_m = Some(step_n_m);

@@ -24,8 +24,8 @@ pub use means::{log, probes, there};
 /// Options of the command `touchstone flash`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// The firmware's ELF file; without it, the one that came with touchstone, else the one that `cargo xtask firmware` built for
-    /// the board.
+    /// The firmware's ELF file; without it, the one shipped with touchstone, else the one that `cargo xtask firmware` built for the
+    /// board.
     elf: Option<PathBuf>,
     /// The board to write to.
     #[arg(long)]
@@ -56,8 +56,8 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Makes a job for the named file or, without one, for the firmware that came with touchstone or was built. Errors: the file
-    /// cannot be read, or is no program for a 32-bit Arm.
+    /// Makes a job for the named file, else for the shipped or built firmware. Errors: the file cannot be read, or is not a program
+    /// for a 32-bit Arm.
     pub fn new(board: BoardName, elf: Option<PathBuf>, probe: Option<&'a str>) -> Result<Self> {
         let elf = elf.unwrap_or_else(|| board.program());
         let job = Self { board, elf, probe };
@@ -90,13 +90,13 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let problem = match &marks[..] {
-            [] => format!("does not say which board it is for, so not that it is {board}'s"),
+            [] => format!("does not name its board, so it may not be for {board}"),
             marks => format!("is the program of {}, not of {board}", marks.join(", ")),
         };
         Err(Error::Io {
             path: self.elf.clone(),
             problem,
-            fix: "build or name the board's own program, or write this one nevertheless by `touchstone flash --force`".to_owned(),
+            fix: "build or name the program of this board, or write this one anyway with `touchstone flash --force`".to_owned(),
         })
     }
 
@@ -118,7 +118,7 @@ impl<'a> Job<'a> {
         if file.starts_with(START) && file.get(18..20) == Some(ARM) {
             Ok(())
         } else {
-            Err(self.wrong("is no ELF program for a 32-bit Arm"))
+            Err(self.wrong("is not an ELF program for a 32-bit Arm"))
         }
     }
 }
@@ -145,7 +145,7 @@ impl BoardName {
         self.0.name()
     }
 
-    /// Path of the board's firmware: the file that came with this program, else the file that `cargo xtask firmware` builds.
+    /// Path of the board's firmware: the file shipped with this program, else the file that `cargo xtask firmware` builds.
     pub fn program(self) -> PathBuf {
         self.shipped().unwrap_or_else(|| {
             let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
@@ -186,13 +186,13 @@ pub fn main(options: &Options) -> Result<()> {
     let log = Log::until(interrupt::noted()?);
     into(&job, options.log.then_some(&log))?;
     if !options.log && log.stop.load(Ordering::Relaxed) {
-        eprintln!("interrupted, after the program was written: it is whole, and runs");
+        eprintln!("interrupted after the program was written; it is complete and runs");
         std::process::exit(interrupt::INTERRUPTED);
     }
     Ok(())
 }
 
-/// Writes to the board the firmware that came with this program or was built.
+/// Writes the board's shipped firmware to the board, or the built one if none is shipped.
 pub fn write(board: BoardName) -> Result<()> {
     let job = Job::new(board, None, None)?;
     job.is_this_boards()?;

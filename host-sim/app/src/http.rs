@@ -1,4 +1,5 @@
-//! What the program's servers need of HTTP: a request's header with limits of size and time, its secret token, answers.
+//! The parts of HTTP that the program's servers use: reading a request's header with limits on size and time, the secret token,
+//! answers.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -11,14 +12,14 @@ use touchstone_sim::error::{Error, Result};
 const HEAD_MAX: usize = 8192;
 /// Time in which the header of a request must be complete, from its first byte on.
 pub const HEAD_LIMIT: Duration = Duration::from_secs(2);
-/// Time for which a connection may be open without a first byte: browsers open connections before they need them.
+/// Time for which a connection may stay open without a first byte. Browsers open connections before they need them.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
 
 /// Largest number of connections whose request is read at the same time.
 const VISITORS: usize = 32;
 
-/// Takes connections until the program ends, and calls `welcome` with each in a thread of its own. Connections beyond the largest
-/// number are closed.
+/// Accepts connections until the program ends, and calls `welcome` for each in a thread of its own. Closes connections beyond
+/// `VISITORS`.
 pub fn serve(listener: TcpListener, welcome: impl Fn(TcpStream) + Send + Sync + 'static) {
     let shared = Arc::new((welcome, AtomicUsize::new(0)));
     std::thread::spawn(move || {
@@ -44,7 +45,7 @@ pub fn token() -> Result<String> {
         Error::device(
             "random numbers",
             error.to_string(),
-            "the system has none; try again",
+            "try again; if it fails again, restart the computer",
         )
     })?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
@@ -61,7 +62,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// Parses a request's header; `None` if it is none.
+    /// Parses a request's header; `None` if the bytes are not a complete HTTP header.
     pub fn read(head: &[u8]) -> Option<Self> {
         let mut headers = [httparse::EMPTY_HEADER; 64];
         let mut request = httparse::Request::new(&mut headers);
@@ -82,8 +83,8 @@ impl Request {
         })
     }
 
-    /// The value of a header, whose name is given in small letters, and whether the header occurs again. A header that occurs twice
-    /// is as invalid as one with another value.
+    /// The value of the header with this lower-case name, and whether the header occurs more than once. Callers treat a repeated
+    /// header as invalid.
     pub fn header(&self, name: &str) -> (Option<&[u8]>, bool) {
         let mut all = self
             .headers
@@ -93,7 +94,7 @@ impl Request {
         (all.next(), all.next().is_some())
     }
 
-    /// Whether the request has this token as its query.
+    /// Whether the request's query contains this token.
     pub fn has_token(&self, token: &str) -> bool {
         same(self.query.strip_prefix("token=").unwrap_or(""), token)
     }
@@ -161,7 +162,7 @@ pub fn refuse(stream: &mut TcpStream, status: &str, why: &str) -> std::io::Resul
     answer(stream, status, kind, &format!("{why}\n"))
 }
 
-/// Answers a request; `head` has further lines of the answer's header.
+/// Answers a request. `head` contains further header lines of the answer.
 pub fn answer(stream: &mut TcpStream, status: &str, head: &str, body: &str) -> std::io::Result<()> {
     let head = format!(
         "HTTP/1.1 {status}\r\n{head}Content-Length: {}\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n\r\n",

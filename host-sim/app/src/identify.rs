@@ -47,7 +47,10 @@ pub fn main(options: &Options) -> Result<()> {
     if options.high <= options.low {
         return Err(Error::Option {
             option: "--low/--high".to_owned(),
-            problem: format!("{} to {} is no interval", options.low, options.high),
+            problem: format!(
+                "{} to {} is not a valid interval",
+                options.low, options.high
+            ),
             fix: "give 0 <= low < high, in N·m·s/rad".to_owned(),
         });
     }
@@ -56,7 +59,7 @@ pub fn main(options: &Options) -> Result<()> {
     if scene.hold_window_s().is_none() {
         return Err(scene.error(
             "operator.motion.kind",
-            "has no quiet hold to judge stability by",
+            "does not hold the knob still, so stability cannot be judged",
             "use ramp-and-hold, press-wiggle-release or touch-and-press",
         ));
     }
@@ -134,7 +137,7 @@ pub fn main(options: &Options) -> Result<()> {
     say!("k_c = 2 c_i/T     {k_critical:.3} N·m/rad");
     if found.friction_share > found.resolution {
         say!(
-            "of which dry friction makes some {:.1e} N·m·s/rad at the amplitude at which this was judged; it makes less of a larger one",
+            "of which dry friction accounts for about {:.1e} N·m·s/rad at the small amplitude of this measurement, and for less at a larger one",
             found.friction_share
         );
     }
@@ -155,7 +158,7 @@ fn swings(scene: &Scene, options: &Options) -> Result<Mechanics> {
     let refused = |not: NotFound| Error::Option {
         option: format!("--push {}", options.push),
         problem: not.to_string(),
-        fix: "push harder (--push, N·m), or see that the device turns freely".to_owned(),
+        fix: "push harder (--push, N·m), or check that the device turns freely".to_owned(),
     };
     let done = swing::swing(scene, &swings)?.map_err(refused)?;
     swing::mechanics(&done, scene.timing.period_s(), Torques::Exact).map_err(refused)
@@ -167,12 +170,12 @@ fn unchanged(bracket: Bracket, options: &Options) -> Error {
     let (option, problem, fix) = match bracket {
         Bracket::TooHigh => (
             format!("--low {}", options.low),
-            "the press grows already there, so the damping is below it",
+            "the motion grows already at this damping, so the device's damping is lower",
             "give a lower one, 0 if need be, in N·m·s/rad",
         ),
         Bracket::TooLow | Bracket::Holds => (
             format!("--high {}", options.high),
-            "the press still settles there, so the damping is above it",
+            "the motion still settles at this damping, so the device's damping is higher",
             "give a higher one, in N·m·s/rad",
         ),
     };

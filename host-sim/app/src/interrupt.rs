@@ -11,7 +11,7 @@ pub const INTERRUPTED: i32 = 130;
 
 /// Installs the handler for Ctrl-C and SIGTERM, which removes half-written files and ends the program.
 pub fn clean_up() -> Result<()> {
-    clean_up_keeping("interrupted: nothing half-written is left")
+    clean_up_keeping("interrupted: no incomplete file is left")
 }
 
 /// Same as [`clean_up`], for a command that keeps its finished results; prints `words` if no half-written files had to be removed.
@@ -49,7 +49,7 @@ fn handle(handler: impl FnMut() + Send + 'static) -> Result<()> {
         Error::device(
             "Ctrl-C",
             error.to_string(),
-            "end the other handler of the signal",
+            "another part of the program already handles this signal; report this",
         )
     })
 }
@@ -64,7 +64,7 @@ pub fn sweep(folder: &std::path::Path) {
             );
         } else {
             super::out::note!(
-                "note: {place} may be left of a run that was ended; remove it if none is at work"
+                "note: {place} may be the remainder of an interrupted run; remove it if no run is in progress"
             );
         }
     }

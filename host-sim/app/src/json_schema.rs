@@ -48,7 +48,7 @@ pub fn scene() -> Value {
         };
         (field.path, described(value, &about, field.unit_shown()))
     });
-    let about = "the shipped scene from which everything comes that is not written here";
+    let about = "the shipped scene that gives all values that this file leaves out";
     let base = json!({"type": "string", "enum": names()});
     let base = std::iter::once(("base", described(base, about, "")));
     let about = "CSV file of the profile, with a column of angles and one of torques; in place of start_rad, end_rad, strength_n_m and shape";

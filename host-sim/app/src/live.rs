@@ -30,7 +30,7 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// HTML file to write; an existing file that is no such page is not replaced.
+    /// HTML file to write; an existing file is replaced only if it is such a page.
     #[arg(
         long,
         value_name = "PAGE.html",
@@ -41,7 +41,7 @@ pub struct Options {
     /// Writes the page without opening it.
     #[arg(long)]
     no_open: bool,
-    /// Shows a board instead: serial port (/dev/ttyACM0, COM3) or tcp:HOST:PORT. Serves a page to this machine alone, until Ctrl-C.
+    /// Shows a board instead: serial port (/dev/ttyACM0, COM3) or tcp:HOST:PORT. Serves a page only to this machine, until Ctrl-C.
     #[arg(long, value_name = "PORT", conflicts_with_all = ["scene", "out", "SceneOptions"])]
     port: Option<Address>,
     /// Writes a page that connects to a board itself, without this program. Needs a browser with WebSerial (Chromium and
@@ -83,7 +83,7 @@ pub struct EditOptions {
     pub scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// HTML file to write; an existing file that is no such page is not replaced.
+    /// HTML file to write; an existing file is replaced only if it is such a page.
     #[arg(long, value_name = "PAGE.html", default_value = "touchstone-feel.html")]
     out: PathBuf,
     /// Writes the page without opening it.
@@ -208,7 +208,7 @@ fn write(path: &Path, page: &str) -> Result<()> {
     if is_other {
         return Err(Error::Io {
             path: path.to_owned(),
-            problem: "is there, and is no page of `touchstone live`".to_owned(),
+            problem: "exists, and is not a page of `touchstone live`".to_owned(),
             fix: "give another file with --out, or remove it".to_owned(),
         });
     }

@@ -1,4 +1,4 @@
-//! The command line: `touchstone [thesis | run | live | demo | identify | certify | plan | scorecard | tune | accuracy | hard | sweep | boundary | scenes | export-fmu | setup | compare | flash | log | monitor | config | device | doctor | completions | man]`.
+//! The command line of the program `touchstone`; the enum `Command` lists the commands.
 
 mod accuracy;
 mod baseline;
@@ -68,10 +68,10 @@ use touchstone_sim::scene::{self, Scene};
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
-  1    a device, or what is needed to reach it, failed
-  2    a mistake in what was asked: option, scene, file
-  3    done, but something that was asked of the run does not hold (--expect and the like, a hard case, a tuning, a family)
-  130  interrupted: nothing half-written is left";
+  1    a device, or the connection to it, failed
+  2    an invalid option, scene or file
+  3    done, but a demand is not met (--expect and similar options, a hard case, a tuning, device variants)
+  130  interrupted: no incomplete file is left";
 
 /// Hard virtual walls: simulate them, compare control laws, and see which walls are stable.
 ///
@@ -164,13 +164,16 @@ impl Command {
     /// Returns an error if `--json` is given to a command that prints nothing as JSON.
     fn as_json(&self) -> Result<()> {
         let (command, fix) = match self {
-            Command::Flash(_) => ("flash", "leave it out: its exit code says all"),
-            Command::Log(_) => ("log", "leave it out: its lines are for people"),
+            Command::Flash(_) => (
+                "flash",
+                "leave it out: this command's result is its exit code",
+            ),
+            Command::Log(_) => ("log", "leave it out: this command prints text for people"),
             Command::Completions(_) => (
                 "completions",
-                "leave it out: they are a program for a shell",
+                "leave it out: completions are a script for a shell",
             ),
-            Command::Man(_) => ("man", "leave it out: it is a page for people"),
+            Command::Man(_) => ("man", "leave it out: the manual is text for people"),
             Command::Config(options) if options.exports() => {
                 ("config export", "use `touchstone config get --json`")
             }

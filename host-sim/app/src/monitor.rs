@@ -89,7 +89,7 @@ pub fn main(options: &Options) -> Result<()> {
         || {
             tell!("");
             tell!(
-                "{} records, {} lost on the way ({dropped} dropped by the device, {} frames damaged)",
+                "{} records, {} lost ({dropped} dropped by the device, {} damaged in transmission)",
                 counted.records,
                 counted.lost,
                 client.decode_errors()
@@ -102,7 +102,7 @@ pub fn main(options: &Options) -> Result<()> {
     )
 }
 
-/// The error of a device that is out of reach. A device that was on in its last record may still be on.
+/// Adds to the error of an unreachable device that it may still be on, if it was on in its last record.
 fn left_on(failure: Error, last: Option<Phase>) -> Error {
     match failure {
         Error::Device {
@@ -254,7 +254,7 @@ impl<'a> Table<'a> {
         let begun = table.file.write_record(COLUMNS);
         begun.map_err(|error| place.error(&error.into()))?;
         if let Err(error) = table.flush() {
-            // An empty file is not left. A device or a pipe is not the program's.
+            // Removes the file, because it has no rows. A device or a pipe stays.
             if place.path.symlink_metadata().is_ok_and(|it| it.is_file()) {
                 let _ = std::fs::remove_file(place.path);
             }

@@ -1,11 +1,11 @@
-//! Messages of Open Sound Control (OSC 1.0) over UDP, as music and lighting programs send and read them: an address and numbers or
-//! texts. Bundles and other types of arguments are not read.
+//! Sends and receives messages of Open Sound Control (OSC 1.0) over UDP, as music and lighting programs use them. A message has an
+//! address and arguments: numbers or texts. Received bundles and arguments of other types are ignored.
 
 use super::out::note;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use touchstone_sim::error::{Error, Result};
 
-/// Longest datagram that is read, bytes.
+/// Largest size of a received datagram, bytes.
 const LONGEST: usize = 1024;
 
 /// An argument of a message.
@@ -24,7 +24,7 @@ pub struct Message {
 }
 
 impl Message {
-    /// A message with these arguments.
+    /// Creates a message with this address and these arguments.
     pub fn new(address: &str, values: impl Into<Vec<Value>>) -> Self {
         Self {
             address: address.to_owned(),
@@ -32,7 +32,8 @@ impl Message {
         }
     }
 
-    /// The message as a datagram. Every text ends in one to four zero bytes, so that the next part begins at a multiple of four.
+    /// Encodes the message as a datagram. Every text ends with one to four zero bytes, so that the next part begins at a multiple
+    /// of four.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let text = |bytes: &mut Vec<u8>, text: &str| {
@@ -58,7 +59,7 @@ impl Message {
         bytes
     }
 
-    /// The message in a datagram; `None` if there is none that is understood.
+    /// Decodes a datagram; `None` if it is not a message, or has an argument of another type.
     pub fn read(bytes: &[u8]) -> Option<Self> {
         let mut rest = bytes;
         let address = text(&mut rest)?;
@@ -88,20 +89,21 @@ fn text(rest: &mut &[u8]) -> Option<String> {
     Some(text)
 }
 
-/// Sockets to and from the programs that use the knob.
+/// The UDP sockets for the programs that use the knob.
 #[derive(Debug, Default)]
 pub struct Osc {
-    /// Where messages are sent.
+    /// Socket and destination of sent messages.
     to: Option<(UdpSocket, SocketAddr)>,
-    /// Where messages are received.
+    /// Socket for received messages.
     from: Option<UdpSocket>,
 }
 
 impl Osc {
-    /// Opens the sockets. `to` is a port on this computer or HOST:PORT. Messages are received from this computer alone.
+    /// Opens the sockets. Sends to `to`, a port on this computer or HOST:PORT. Receives on the port `from`, only from this
+    /// computer.
     ///
     /// # Errors
-    /// The address is none, or the port is in use.
+    /// The address is invalid, or the port is in use.
     pub fn open(to: Option<&str>, from: Option<u16>) -> Result<Self> {
         let failed = |option: &'static str, problem: String, fix: &str| Error::Option {
             option: option.into(),
@@ -117,7 +119,7 @@ impl Osc {
                 };
                 let place = place.to_socket_addrs().ok().and_then(|mut all| all.next());
                 let place = place.ok_or_else(|| {
-                    let problem = format!("{text} is no address");
+                    let problem = format!("{text} is not an address");
                     failed("--osc", problem, "give a port, e.g. 9000, or HOST:PORT")
                 })?;
                 let own = match place {
@@ -158,14 +160,14 @@ impl Osc {
         self.from.is_some()
     }
 
-    /// Sends a message. A message that nobody receives is lost, as UDP's are.
+    /// Sends a message. If no program receives it, it is lost without an error.
     pub fn send(&self, address: &str, values: impl Into<Vec<Value>>) {
         if let Some((socket, place)) = &self.to {
             let _ = socket.send_to(&Message::new(address, values).bytes(), place);
         }
     }
 
-    /// The next received message; `None` if none waits. A datagram that is no message is noted and left out.
+    /// The next received message; `None` if none is waiting. Invalid datagrams are skipped with a note.
     pub fn next(&self) -> Option<Message> {
         let socket = self.from.as_ref()?;
         let mut bytes = [0; LONGEST];
@@ -175,7 +177,7 @@ impl Osc {
                 return read;
             }
             note!(
-                "note: --osc-listen: {length} bytes that are no OSC message of ints, floats and texts"
+                "note: --osc-listen: ignored {length} bytes that are not an OSC message of integers, floats and texts"
             );
         }
         None

@@ -54,13 +54,13 @@ fn put(text: &str) -> Result<()> {
     put_out(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// The outcome of writing to standard output: a pipe that its reader closed is no error.
+/// Converts the outcome of writing to standard output. A pipe that its reader closed is not an error.
 pub fn put_out(written: std::io::Result<()>) -> Result<()> {
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Io {
             path: "standard output".into(),
             problem: error.to_string(),
-            fix: "give it room, or another place".to_owned(),
+            fix: "free some space, or give another path".to_owned(),
         }),
         Err(_) => {
             CLOSED.store(true, Ordering::Relaxed);
@@ -95,7 +95,7 @@ pub fn json_text(value: &serde_json::Value) -> String {
     text
 }
 
-/// The path of an input as one line: a name may hold line ends, and could begin a line that a CI service obeys.
+/// The path of an input as one line. A file name may contain line ends, and the text after one could be a command to a CI service.
 pub fn path_line(path: &std::path::Path) -> String {
     one_line(&path.display().to_string())
 }
@@ -119,7 +119,8 @@ macro_rules! say {
 macro_rules! tell {
     ($($text:tt)*) => { if !$crate::out::json() && !$crate::out::quiet() { $crate::out::say!($($text)*) } };
 }
-/// Prints a note or a warning on standard error, as one line: names from files could otherwise begin a line that a CI service obeys.
+/// Prints a note or a warning on standard error, as one line. Text after a line end in a file's name could be a command to a CI
+/// service.
 macro_rules! note {
     ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", touchstone_sim::harmless::one_line(&format!($($text)*))) } };
 }

@@ -31,7 +31,7 @@ pub fn main(options: &Options) -> Result<()> {
     if !(tolerance >= 0.0 && tolerance.is_finite()) {
         return Err(Error::Option {
             option: "--tolerance".to_owned(),
-            problem: format!("{tolerance} is no share"),
+            problem: format!("{tolerance} is not a fraction"),
             fix: "give 0 or more, e.g. 0.05".to_owned(),
         });
     }

@@ -79,7 +79,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         note!("note: {note}");
         notes.push(note);
     }
-    // A shipped scene is part of the program, so that it is no input file.
+    // A shipped scene is part of the program, so that it is not an input file.
     let mut inputs = vec![PathBuf::from(&options.scene)];
     inputs.retain(|_| !scene::is_shipped(&options.scene));
     let input = ReportInput {

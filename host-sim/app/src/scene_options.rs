@@ -47,12 +47,12 @@ pub struct SceneOptions {
     /// `plant.substeps`.
     #[arg(long, value_parser = Words("plant.integrator"))]
     integrator: Option<String>,
-    /// Default parameters of the control law, for those that the scene leaves out. shipped: tuned, with estimated position and
-    /// velocity and the energy guard; thesis: below the thesis' own bounds, with measured ones, without a guard.
+    /// Defaults for the parameters of the control law that the scene leaves out. shipped: tuned, with estimated position and
+    /// velocity and the energy guard; thesis: below the thesis' own bounds, with measured position and velocity, without a guard.
     #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
     preset: Preset,
-    /// Reads control rate, stiffness and control law from a settings file, as `touchstone tune --out` writes it; --set and the like
-    /// override it.
+    /// Reads control rate, stiffness and control law from a settings file, as `touchstone tune --out` writes it. Options such as
+    /// --set override it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
@@ -133,7 +133,7 @@ impl SceneOptions {
     }
 }
 
-/// Prints what a scene took from other files than they say.
+/// Prints notes on values that were changed when the scene was read, and on parts of the scene that have no effect.
 pub fn say_notes(scene: &Scene) {
     for sentence in scene.origin.notes() {
         note!("note: {sentence}");
@@ -173,7 +173,7 @@ fn found<'a>(path: &str, replaced: &[(&'a str, &'a str)]) -> Option<(&'a str, &'
 fn lost(command: &str, option: &str, what: &str) -> Error {
     Error::Option {
         option: option.to_owned(),
-        problem: format!("{command} cannot change it, for it runs {what} of its own"),
+        problem: format!("{command} cannot change it, because it runs its own {what}"),
         fix: format!("leave it out, or use it with: touchstone run SCENE {option}"),
     }
 }

@@ -54,8 +54,8 @@ pub struct Options {
     /// Replaces files that another command left in the folder, and an existing programme file.
     #[arg(long)]
     force: bool,
-    /// Only writes the hand's motion, with a row per control period for every grip, to this file: for a hand on a test stand or in
-    /// the emulator. `touchstone compare --hand programme` compares its recording with the scorecard.
+    /// Only writes the hand's motion to this file, with a row per control period for every grip: for a hand on a test stand or in
+    /// the emulator. `touchstone compare --hand programme` compares a recording of this motion with the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
     /// With --programme: shifts the wall's surface by this fraction of an encoder count.
@@ -113,7 +113,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         let title = format!("Scorecard: {}", card.scene);
         let page = pages::Page {
             title: &title,
-            intro: "What a hand feels of a wall under several laws, on the device as it is and as it may also be.",
+            intro: "What a hand feels of a wall under several control laws, on this device and on devices near it.",
             command: &command,
             program: program(),
             sections: &sections,
@@ -141,7 +141,7 @@ fn deed(word: &str) -> std::result::Result<String, String> {
     let words = deed_words();
     match words.iter().any(|it| it == word) {
         true => Ok(word.to_owned()),
-        false => Err(format!("is none of {}", words.join(", "))),
+        false => Err(format!("is not one of {}", words.join(", "))),
     }
 }
 

@@ -14,7 +14,7 @@ use touchstone_sim::error::{Error, Result};
 /// Name, description and TOML text of the three-axis scene that comes with the program.
 pub const SHIPPED: (&str, &str, &str) = (
     "delta-ball",
-    "three axes: a ball before a simulated delta device; probed, held, slid along and let go",
+    "three axes: a ball touched with a simulated delta device; pressed, held, slid along and released",
     include_str!("../../../scenes/delta-ball.toml"),
 );
 
@@ -73,7 +73,7 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     if let Some(option) = asked.lost.or(asked.expectations.first_of_one_axis()) {
         return Err(Error::Option {
             option: option.to_owned(),
-            problem: "has no meaning in a scene of three axes".to_owned(),
+            problem: "does not apply to a scene of three axes".to_owned(),
             fix: "leave it out, or change the scene's file".to_owned(),
         });
     }
@@ -101,7 +101,7 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     let record = space::run(&scene.cell()).map_err(|why| Error::Option {
         option: "law".to_owned(),
         problem: why.to_string(),
-        fix: "ask for another stiffness".to_owned(),
+        fix: "choose another stiffness".to_owned(),
     })?;
     let runs = [record];
     let input = page::Input {
@@ -156,13 +156,13 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
         false => Ok(code),
         true => Err(Error::device(
             scene.mechanism.kind.about(),
-            "came to a place that its arms do not have",
-            "ask for a softer wall, or another object",
+            "left the positions that its arms can reach",
+            "choose a softer wall, or another object",
         )),
     }
 }
 
-/// The run, as demands are made on it.
+/// The values of the run that the demands are checked against.
 fn subject(scene: &SpaceScene, run: &Record) -> Subject {
     let (cell, (verdict, why)) = (scene.cell(), run.judged());
     Subject {

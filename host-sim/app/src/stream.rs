@@ -10,8 +10,8 @@ use touchstone_sim::error::{Error, Result};
 /// Time without telemetry after which a device that should send telemetry counts as disconnected.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
-/// Longest time between two messages to the device, as a sign of life. It is half of the shortest useful limit on the computer's
-/// silence, after which a device switches off.
+/// Longest time between two requests to the device. It is half of the shortest useful limit on the time without a request, after
+/// which a device switches off.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Conditions that end the reception of a device's telemetry.
@@ -26,7 +26,7 @@ pub struct Until<'a> {
 }
 
 /// Passes every telemetry record to `take`, until `take` returns false or an end condition in `until` is met. Meanwhile sends
-/// requests to the device, which would otherwise switch off because of the computer's silence.
+/// requests to the device, which would otherwise switch off after its limit on the time without a request.
 ///
 /// # Errors
 /// The device fails, or sends nothing for two seconds; `take` returns an error.
@@ -58,7 +58,7 @@ pub fn records(
                 return Err(Error::device(
                     client.place(),
                     "no telemetry for 2 s",
-                    "look with `touchstone device status`",
+                    "check it with `touchstone device status`",
                 ));
             }
             None => {}

@@ -12,7 +12,7 @@ use touchstone_lab::sweep::{Filled, Sweep, gathered};
 use touchstone_sim::error::{Error, Result};
 
 /// Message after an interrupt: finished cells of the map are kept.
-const KEPT: &str = "interrupted: what is done is kept; the same command goes on";
+const KEPT: &str = "interrupted: finished cells are saved; run the same command again to continue";
 
 /// Options of `touchstone sweep`.
 #[derive(Debug, Clone, clap::Args)]
@@ -213,10 +213,10 @@ fn own_cells(cells: &Cells, shard: Shard) -> Cells {
 
 fn speak(filled: &Filled, begun: Instant) {
     if let Some((cell, error)) = &filled.refusal {
-        note!("note: cells are refused; the first is {cell}: {error}");
+        note!("note: some cells are invalid scenes; the first is {cell}: {error}");
     }
     if filled.before > 0 {
-        note!("note: {} cells were there already", filled.before);
+        note!("note: {} cells were already computed", filled.before);
     }
     if filled.computed > 0 {
         let seconds = begun.elapsed().as_secs_f64();

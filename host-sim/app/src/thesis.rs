@@ -69,7 +69,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             if let Some(option) = options.space.any() {
                 return Err(Error::Option {
                     option: option.to_owned(),
-                    problem: "has no meaning with one degree of freedom".to_owned(),
+                    problem: "does not apply to one degree of freedom".to_owned(),
                     fix: "add --dof 3, or leave it out".to_owned(),
                 });
             }
@@ -78,7 +78,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         other => {
             return Err(Error::Option {
                 option: format!("--dof {other}"),
-                problem: "no comparison has so many degrees of freedom".to_owned(),
+                problem: "there is no comparison with this number of degrees of freedom".to_owned(),
                 fix: "give 1 or 3".to_owned(),
             });
         }
@@ -143,8 +143,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .collect();
     let input = ReportInput {
         title: "Stiff virtual walls on a knob: five control laws, and what ships",
-        intro: "The thesis' comparison in one degree of freedom (§5.1), simulated: a light touch, then a press, held and released. \
-                The five laws have the thesis' settings; the last column is the wall that ships, tuned and behind the energy guard.",
+        intro: "The thesis' comparison in one degree of freedom (§5.1), simulated: a light touch, then a press that is held and released. The first five columns are control laws with the thesis' settings. The last column is the wall that ships: tuned, and followed by the energy guard.",
         command: &command,
         program: program(),
         scenes: &scenes,
@@ -189,7 +188,7 @@ fn space(options: &Options) -> Result<ExitCode> {
     if let Some(option) = lost.or(options.expectations.first_given()) {
         return Err(Error::Option {
             option: option.to_owned(),
-            problem: "has no meaning with --dof 3, whose settings are its own".to_owned(),
+            problem: "does not apply to --dof 3, which has its own settings".to_owned(),
             fix: "leave it out".to_owned(),
         });
     }
@@ -260,7 +259,7 @@ fn claims_section(claims: &[claims::Claim]) -> Section {
         title: "What the thesis claims, and what the simulation shows".to_owned(),
         folded: true,
         body: vec![
-            Block::Text("Each statement is checked against the runs of this report and a few more. One that does not reproduce is listed so.".to_owned()),
+            Block::Text("Each claim is checked against the runs of this report and a few more. A claim that the simulation does not confirm is marked.".to_owned()),
             Block::Table {
                 caption: "Claims of the thesis in one degree of freedom".to_owned(),
                 header: ["Claim", "Where", "Statement", "Outcome", "Measured"].map(str::to_owned).to_vec(),

@@ -36,7 +36,7 @@ fn mechanism(word: &str) -> std::result::Result<Mechanism, String> {
     let found = Mechanism::ALL.iter().find(|it| it.word() == word);
     found
         .copied()
-        .ok_or_else(|| format!("\"{word}\" is no mechanism; give cartesian or delta"))
+        .ok_or_else(|| format!("\"{word}\" is not a mechanism; give cartesian or delta"))
 }
 
 /// Runs the comparison: prints the checked claims, and writes the report to a folder.

@@ -42,8 +42,8 @@ pub struct Options {
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
     /// Writes the settings to this file: FILE.toml for `touchstone config import` and for `--settings`, FILE.rs, FILE.c or FILE.h
-    /// for a firmware of your own. Not if they fail a limit (exit code 3). Of an existing file, only settings of the same law and
-    /// scene are replaced.
+    /// for a firmware of your own. Writes nothing if the settings fail a limit (exit code 3). Replaces an existing file only if it
+    /// has settings of the same law and scene.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
@@ -54,7 +54,7 @@ pub struct Options {
     force: bool,
 }
 
-/// The language of a settings file, which follows from the file's ending; TOML without one.
+/// The language of a settings file, chosen by the file name's extension; TOML without an extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Language {
     Toml,
@@ -165,12 +165,12 @@ pub fn main(options: &Options) -> Result<ExitCode> {
 fn complain(scene: &Scene, options: &Options, fails: &[String], cause: FailureCause) {
     let worst = fails.first().map_or("no run was possible", String::as_str);
     let unwritten = options.out.is_some() || options.report.is_some();
-    let mut fix = vec!["ask for a softer wall"];
+    let mut fix = vec!["choose a softer wall"];
     if options.quick {
-        fix.push("look longer: without --quick");
+        fix.push("search longer without --quick");
     }
     if unwritten && !options.force {
-        fix.push("write it all the same: with --force");
+        fix.push("to write it anyway: --force");
     }
     eprintln!(
         "error: {}: no setting was found that holds every device within every limit: {worst}; cause: {}{}; {}",
@@ -195,7 +195,7 @@ fn refuse_late(scene: &Scene) -> Result<()> {
     Err(Error::Option {
         option: "timing.computational_delay_s".to_owned(),
         problem: format!(
-            "with the guard's own delay it is {ticks:.3} ticks, and the energy guard answers for one at most"
+            "with the guard's own delay it is {ticks:.3} control periods, and the energy guard covers at most one"
         ),
         fix: format!(
             "take a rate of {rate_hz:.0} Hz or less (--set timing.rate_hz=), or shorten the delay"
@@ -225,7 +225,7 @@ fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
     say!("{}", page::devices(card).trim_end());
     say!("");
     say!(
-        "{} settings were looked at (seed {})",
+        "{} settings were tried (seed {})",
         tuned.evaluations,
         tuned.seed
     );
@@ -234,10 +234,12 @@ fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
     }
     say!("");
     if points.is_empty() {
-        say!("no setting near this one holds every device, so there is nothing to weigh");
+        say!("no other setting nearby holds every device, so there is no choice to show");
         return Ok(());
     }
-    say!("what it costs: settings that hold every device, none better in all three than another");
+    say!(
+        "alternatives: settings that hold every device; none is better than another in stiffness, ripple and delay together"
+    );
     for row in table(points).iter().map(|row| row.join("  ")) {
         say!("  {row}");
     }
@@ -284,7 +286,7 @@ fn written(
         body: vec![
             Block::Figure(picture.clone()),
             Block::Table {
-                caption: "Settings that hold every device, none better in stiffness, ripple and delay at once than another.".to_owned(),
+                caption: "Settings that hold every device. None is better than another in stiffness, ripple and delay together.".to_owned(),
                 header,
                 rows,
             },

@@ -1,6 +1,7 @@
-//! A WebSocket for programs and web pages that use the knob: every client gets the same lines of JSON, and may send requests.
+//! A WebSocket server for programs and web pages that use the knob. Every client gets the same lines of JSON, and may send
+//! requests.
 //!
-//! Any page in the browser can try to connect to this port. Three checks keep strange pages out:
+//! Any page in the browser can try to connect to this port. Three checks refuse pages of other sites:
 //! - the address must have the secret token;
 //! - the header `Origin` must name a page of this computer or a given one;
 //! - the header `Host` must not name a foreign host that resolves to this computer (DNS rebinding).
@@ -22,9 +23,10 @@ use tungstenite::{Message, WebSocket};
 const CLIENTS: usize = 8;
 /// Largest message from a client, bytes.
 const MESSAGE_MAX: usize = 4096;
-/// Most bytes that wait for a client, beyond what the system's own buffers hold.
+/// Largest number of bytes that wait for a client in this program, beyond the operating system's buffers.
 const WAITING_MAX: usize = 64 * 1024;
-/// Most messages that are read from a client at a time, so that a client that sends without end does not hold up the others.
+/// Largest number of messages that are read from a client in one turn. A client that sends without pause then does not delay the
+/// others.
 const AT_A_TIME: usize = 8;
 /// Time between two pings to a client.
 const PING: Duration = Duration::from_secs(3);
@@ -34,11 +36,11 @@ const HANGS: Duration = Duration::from_secs(10);
 /// The WebSocket server with its clients.
 #[derive(Debug)]
 pub struct WebSocketServer {
-    /// The address for clients; it has the token.
+    /// The address for clients; it contains the token.
     pub address: String,
     arrivals: Receiver<WebSocket<TcpStream>>,
     clients: Vec<Client>,
-    /// Number of clients, and of those whose connection is being opened.
+    /// Number of clients, including those whose connection is being opened.
     taken: Arc<AtomicUsize>,
     next: u64,
 }
@@ -71,7 +73,7 @@ pub struct News {
 /// Data that the server's threads share.
 struct Inside {
     token: String,
-    /// The host that was given as the server's address.
+    /// The host in the address of the option `--websocket`.
     host: String,
     origins: Vec<String>,
     arrivals: Sender<WebSocket<TcpStream>>,
@@ -87,11 +89,11 @@ fn failed(problem: String, fix: &str) -> Error {
 }
 
 impl WebSocketServer {
-    /// Opens the server. `place` is a port on this computer, 0 for any free one, or HOST:PORT. Pages of `origins` may connect, beside
-    /// those of this computer.
+    /// Opens the server. `place` is a port on this computer (0: any free one) or HOST:PORT. Pages of `origins` may connect as well
+    /// as those of this computer.
     ///
     /// # Errors
-    /// The address is none, or the port is in use.
+    /// The address is invalid, or the port is in use.
     pub fn open(place: &str, origins: &[String]) -> Result<Self> {
         let full = match place.parse::<u16>() {
             Ok(port) => format!("{}:{port}", Ipv4Addr::LOCALHOST),
@@ -121,7 +123,7 @@ impl WebSocketServer {
             taken: Arc::clone(&taken),
         };
         serve(listener, move |stream| {
-            // A client that closes the connection again is no error of this program.
+            // A client that closes its connection early is no error of this program.
             let _ = inside.welcome(stream);
         });
         Ok(Self {
@@ -133,7 +135,7 @@ impl WebSocketServer {
         })
     }
 
-    /// Accepts new clients, reads the messages of all, and disconnects clients that do not respond. Never waits.
+    /// Accepts new clients, reads the messages of all clients, and disconnects clients that do not respond. Does not block.
     pub fn turn(&mut self) -> News {
         let mut news = News::default();
         while let Ok(socket) = self.arrivals.try_recv() {
@@ -175,7 +177,7 @@ impl WebSocketServer {
         });
     }
 
-    /// Does something with every client, and disconnects those with which it fails.
+    /// Calls `each` for every client, and disconnects the clients for which it returns an error.
     fn keep(&mut self, mut each: impl FnMut(&mut Client) -> std::result::Result<(), Gone>) {
         let taken = &self.taken;
         self.clients.retain_mut(|client| {
@@ -211,7 +213,7 @@ impl Client {
                 Err(tungstenite::Error::Capacity(_)) => {
                     return Err(Some("sent a message of more than 4096 bytes"));
                 }
-                Err(_) => return Err(Some("sent what is no message of a WebSocket")),
+                Err(_) => return Err(Some("sent an invalid WebSocket message")),
             }
         }
         if self.heard.elapsed() > HANGS {
@@ -227,7 +229,7 @@ impl Client {
     fn send(&mut self, message: Message) -> std::result::Result<(), Gone> {
         match self.socket.send(message) {
             Ok(()) => Ok(()),
-            // What does not fit into the system's buffer now is sent with the next message.
+            // Bytes that do not fit into the system's buffer now are sent with the next message.
             Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => Ok(()),
             Err(tungstenite::Error::WriteBufferFull(_)) => Err(Some("does not read its messages")),
             Err(_) => Err(None),
@@ -244,7 +246,11 @@ impl Inside {
             Head::Silent => return Ok(()),
             Head::Broken => {
                 note!("note: --websocket: a connection without a request was refused");
-                return refuse(&mut stream, "400 Bad Request", "this is no request");
+                return refuse(
+                    &mut stream,
+                    "400 Bad Request",
+                    "this is not a valid HTTP request",
+                );
             }
         };
         if let Err((status, why)) = self.check(&head) {
@@ -273,11 +279,14 @@ impl Inside {
         Ok(())
     }
 
-    /// Returns the HTTP status and the reason with which a request is refused.
+    /// Checks a request's header. The error holds the HTTP status and the reason with which the request is refused.
     fn check(&self, head: &[u8]) -> std::result::Result<(), (&'static str, String)> {
         let forbidden = |why: &str| ("403 Forbidden", why.to_owned());
         let Some(request) = Request::read(head) else {
-            return Err(("400 Bad Request", "this is no request".to_owned()));
+            return Err((
+                "400 Bad Request",
+                "this is not a valid HTTP request".to_owned(),
+            ));
         };
         let text = |name| match request.header(name) {
             (None, _) => Some(""),
@@ -310,7 +319,7 @@ impl Inside {
         {
             return Err((
                 "426 Upgrade Required",
-                "this is a WebSocket and no page\n".to_owned(),
+                "this address serves a WebSocket, not a page\n".to_owned(),
             ));
         }
         Ok(())
@@ -336,12 +345,12 @@ fn host_of(place: &str) -> &str {
         .unwrap_or(host)
 }
 
-/// Whether a host is named by its number, which no foreign name server can give, or is this computer's own name for itself.
+/// Whether the host is an IP address or `localhost`. A foreign name server cannot make these names point to this computer.
 fn is_named_here(host: &str) -> bool {
     host.eq_ignore_ascii_case("localhost") || host.parse::<IpAddr>().is_ok()
 }
 
-/// Whether an origin is a page that this computer serves to itself.
+/// Whether an origin is a page from a server on this computer (`localhost` or a loopback address).
 fn is_page_of_here(origin: &str) -> bool {
     let place = origin
         .strip_prefix("http://")
@@ -386,7 +395,8 @@ mod tests {
         assert_eq!(host_of("a.example"), "a.example");
     }
 
-    /// Checks that a client that reads nothing is disconnected when its buffers are full, and that no call waits for it.
+    /// Checks that a client that reads nothing is disconnected when its buffers are full, and that the server does not block
+    /// meanwhile.
     #[test]
     fn a_client_that_never_reads_is_disconnected() {
         let mut server = WebSocketServer::open("0", &[]).unwrap();

@@ -48,7 +48,7 @@ impl Named<'_> {
         let option = self.option;
         let (problem, fix) = match error.kind() {
             ErrorKind::AlreadyExists => (
-                "is there already".to_owned(),
+                "already exists".to_owned(),
                 format!("give another file with {option}, or add --force to replace it"),
             ),
             _ => (

@@ -1,27 +1,28 @@
-//! Notices when the angles that a board reports begin at another zero: after a reset of the board, and after a calibration.
+//! Detects when the zero of the angles in a board's records changes: after a reset of the board, and after a calibration.
 
 use touchstone_protocol::{Phase, Telemetry};
 
-/// Longest gap between two records that is no reset, s. Longer ones end the reception.
+/// A larger gap between the control periods of two records is a reset of the board, s. After such a gap without telemetry,
+/// reception has ended.
 const LONGEST_GAP_S: u32 = 10;
 
-/// What a record's angle is worth.
+/// How the angle of a record relates to earlier angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angles {
-    /// It continues those before.
+    /// The angle has the same zero as the angles before.
     Same,
-    /// The calibration turns the shaft.
+    /// A calibration is turning the shaft.
     Calibrating,
-    /// A calibration has set another zero.
+    /// A calibration has set a new zero.
     Calibrated,
-    /// The board was reset: it has its stored settings, and another zero.
+    /// The board was reset: it has its stored settings and a new zero.
     Reset {
-        /// Number of the control period of the last record before.
+        /// Number of the control period of the last record before the reset.
         before: u32,
     },
 }
 
-/// Compares each record with the one before.
+/// Detects a change of zero by comparing each record with the one before.
 #[derive(Debug, Clone, Copy)]
 pub struct Zero {
     most_ticks: u32,
@@ -29,7 +30,7 @@ pub struct Zero {
 }
 
 impl Zero {
-    /// For a board with this rate of control periods.
+    /// Creates the detector for a board with this control rate.
     pub const fn new(rate_hz: u32) -> Self {
         Self {
             most_ticks: rate_hz.saturating_mul(LONGEST_GAP_S),
@@ -37,10 +38,10 @@ impl Zero {
         }
     }
 
-    /// Takes a record.
+    /// Compares a record with the one before.
     pub fn see(&mut self, record: &Telemetry) -> Angles {
         let before = self.before.replace((record.tick, record.phase));
-        // A reset sets the number of the control period to 0, which is a gap of many, since these numbers wrap.
+        // A reset sets the number of the control period to 0. The wrapped difference from the number before is then a large gap.
         match before {
             Some((before, _)) if record.tick.wrapping_sub(before) > self.most_ticks => {
                 Angles::Reset { before }
@@ -88,7 +89,7 @@ mod tests {
             (29_080, Phase::Armed, Angles::Same),
             (400, Phase::Boot, Angles::Reset { before: 29_080 }),
             (440, Phase::Boot, Angles::Same),
-            // The numbers of control periods wrap, which is no reset; then a reset after days.
+            // The wrap of the number is not taken for a reset. Then comes a reset after days.
             (u32::MAX, Phase::Boot, Angles::Reset { before: 440 }),
             (39, Phase::Boot, Angles::Same),
             (u32::MAX - 5, Phase::Boot, Angles::Reset { before: 39 }),

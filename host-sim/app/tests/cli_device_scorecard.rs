@@ -162,7 +162,7 @@ fn the_default_wall_of_an_omega3_is_within_the_limits() {
     assert_eq!(beyond(&found["scorecard"]), 6, "{found:#}");
     assert_eq!(found["wall"]["k_desired_n_per_m"], 5000.0);
     let said = String::from_utf8_lossy(&ran(&folder, thesis).stderr).into_owned();
-    assert!(said.contains("--preset tuned is within them"), "{said}");
+    assert!(said.contains("--preset tuned keeps them"), "{said}");
     // No wall was tuned for rates between 1500 and 2000 Hz.
     let between = "device run plane --device simulated --fast --seconds 1 --rate-hz 1750";
     let said = String::from_utf8_lossy(&ran(&folder, between).stderr).into_owned();
@@ -266,7 +266,7 @@ fn what_does_not_go_together_is_refused() {
         ),
         (
             "device run plane --device simulated --preset tuned --rate-hz 1750",
-            "none was tuned",
+            "there is no tuned law",
         ),
     ] {
         let out = common::run_in(&folder, arguments.split(' '));

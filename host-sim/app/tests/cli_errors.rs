@@ -243,7 +243,7 @@ fn a_recording_that_is_none_is_refused_with_file_line_and_column() {
 fn a_folder_that_cannot_be_written_is_named_and_what_is_there_stays() {
     let folder = Folder::new("unwritable");
     folder.write("file", "kept\n");
-    // A path below a regular file stops everyone, also a user who may write anywhere.
+    // Writing to a path below a regular file fails for every user, also for root.
     for command in [
         &["run", "tap", "--out", "file/report"][..],
         &["run", "tap", "--out", "file"],
@@ -271,7 +271,10 @@ fn a_live_page_replaces_its_own_kind_only() {
     folder.write("thesis.html", "<!doctype html>\n<title>mine</title>\n");
     let words = ["live", "tap", "--no-open", "--out"];
     let with = |file| [&words[..], &[file]].concat();
-    folder.refused(&with("thesis.html"), &["thesis.html", "no page", "--out"]);
+    folder.refused(
+        &with("thesis.html"),
+        &["thesis.html", "is not a page", "--out"],
+    );
     folder.refused(&with("nowhere/page.html"), &["nowhere/page.html", "--out"]);
     folder.refused(&["live", "tapp", "--no-open"], &["tapp", "did you mean"]);
     for law in ["spring", "fba"] {

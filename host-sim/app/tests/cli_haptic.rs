@@ -73,7 +73,7 @@ fn without_the_library_it_is_said_what_where_and_how_to_mend_it() {
         &run,
         1,
         &[
-            "Force Dimension's library: libdrd and libdhd were not found; looked in",
+            "Force Dimension's library: libdrd and libdhd were not found in",
             &looked,
             "set FDSDK",
             "--library FILE",
@@ -249,7 +249,7 @@ fn a_fault_ends_with_its_line_and_a_released_device() {
                 "check its supply",
             ][..],
         ),
-        ("nan 900", &["a position that is no number"]),
+        ("nan 900", &["a position that is not a number"]),
         (
             "off 20 2",
             &["it switched its motors off: its velocity limit"],
@@ -270,7 +270,7 @@ fn a_fault_ends_with_its_line_and_a_released_device() {
     failed(
         &ran(&folder, "absent", &["device", "run", "plane"]),
         1,
-        &["no device at the USB", "docs/devices.md"],
+        &["no device found on USB", "docs/devices.md"],
     );
 }
 
@@ -405,7 +405,7 @@ fn what_does_not_go_together_is_said() {
         ),
         (
             &["device", "run", "plane", "--fast"],
-            &["--fast", "a real device has its own time"],
+            &["--fast", "a real device runs in real time only"],
         ),
         (
             &[
@@ -423,7 +423,7 @@ fn what_does_not_go_together_is_said() {
             &[
                 "device", "run", "plane", "--device", "omega3", "--twin", "x",
             ],
-            &["--twin", "is for simulated alone"],
+            &["--twin", "is for simulated only"],
         ),
         (
             &["device", "run", "plane", "--port", "COM3"],
@@ -431,7 +431,7 @@ fn what_does_not_go_together_is_said() {
         ),
         (
             &["device", "survey", "--device", "simulated", "--out", "x"],
-            &["nothing is known that could be surveyed"],
+            &["the program does not know the mechanism"],
         ),
         (&["device", "lst"], &["did you mean"]),
     ] {

@@ -22,7 +22,7 @@ const BOUNDS: [(&str, &str, &[&str]); 3] = [
         &[
             "k_v = 1.01",
             "k_c = 2 c_i/T = 1:",
-            "not stable",
+            "unstable by itself",
             "give 1 or less",
         ],
     ),
@@ -77,7 +77,7 @@ fn a_setting_beyond_a_passivity_bound_runs_with_a_warning_and_is_refused_when_st
         for part in parts {
             assert!(err.contains(part), "{err:?} does not say {part:?}");
         }
-        // The warning is no part of the results.
+        // The warning is not part of the results.
         serde_json::from_slice::<serde_json::Value>(&warned.stdout).unwrap();
 
         // `--strict-passive` also refuses the energy credit. With a credit of 0, only the passivity bound can cause a refusal.
@@ -184,7 +184,7 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     // A progress bar would leave carriage returns, escapes or bar characters.
     assert!(!out.contains(['\r', '\u{1b}', '█', '░']), "{out:?}");
     assert!(!out.contains("runs  0s") && out.contains("Enhanced SFA"));
-    // Standard error is no terminal either, so it must stay empty.
+    // Standard error is not a terminal either, so it must stay empty.
     assert_eq!(text(&output.stderr), "");
 
     let report = here.join("report");

@@ -100,7 +100,7 @@ fn a_scene_of_three_axes_is_run_and_printed_with_its_defaults() {
     assert!(folder.join("page/index.html").exists());
 }
 
-/// Demands on a scene of three axes: verdict and energy, in table, JSON, JUnit file and exit code.
+/// Checks demands on verdict and energy of a scene of three axes: their results in table, JSON, JUnit file and exit code.
 #[test]
 fn a_scene_of_three_axes_has_a_verdict_that_can_be_asked_for() {
     let folder = common::folder("space-verdict");
@@ -129,7 +129,7 @@ fn a_scene_of_three_axes_has_a_verdict_that_can_be_asked_for() {
         );
         let other = run(name, &["--expect", "active", "--junit", "wall.xml"]);
         assert_eq!(other.status.code(), Some(3));
-        let not_met = format!("not met: --expect: wanted active, came {verdict} (three axes: ");
+        let not_met = format!("not met: --expect: required active, result {verdict} (three axes: ");
         assert!(
             said(&other.stderr).starts_with(&not_met),
             "{}",
@@ -137,11 +137,11 @@ fn a_scene_of_three_axes_has_a_verdict_that_can_be_asked_for() {
         );
         let junit = std::fs::read_to_string(folder.join("wall.xml")).unwrap();
         assert!(
-            junit.contains(&format!("wanted active, came {verdict}")),
+            junit.contains(&format!("required active, result {verdict}")),
             "{junit}"
         );
     }
-    // The spring that rings throws energy at the hand; the soft damped one takes it.
+    // The spring that oscillates gives energy to the hand; the soft damped one takes energy from the hand.
     let energy = |scene: &str| {
         let out = run(scene, &["--json", "--max-energy-out", "0.001"]);
         let results = json(&out.stdout);
@@ -155,7 +155,7 @@ fn a_scene_of_three_axes_has_a_verdict_that_can_be_asked_for() {
         assert!(err.contains(option) && err.contains("three axes"), "{err}");
     }
     let none = run("soft.toml", &["--junit", "none.xml"]);
-    assert_eq!(none.status.code(), Some(2), "nothing is asked");
+    assert_eq!(none.status.code(), Some(2), "there is no demand");
 }
 
 #[test]

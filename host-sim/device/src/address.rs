@@ -38,7 +38,7 @@ impl FromStr for Address {
                 Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => {
                     Ok(Address::Tcp(socket.into()))
                 }
-                _ => Err("is no HOST:PORT; give e.g. tcp:localhost:4000".into()),
+                _ => Err("is not HOST:PORT; give e.g. tcp:localhost:4000".into()),
             },
         }
     }

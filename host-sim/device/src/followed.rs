@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use touchstone_control::space::{Vector, VectorGuard, VectorGuardState};
 use touchstone_control::{Force, Position, SettingsError};
 
-/// How long a follower's force acts that no newer force replaces.
+/// How long a follower's force acts if no newer force replaces it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fading {
     /// Age up to which the whole force acts, s.
@@ -24,14 +24,14 @@ pub struct Fading {
 }
 
 impl Fading {
-    /// Share of a force that acts at this age, s: from 1 to 0. It is 0 at an age that is not a number.
+    /// Fraction of a force that acts at this age, s: 1 at first, then falling to 0. It is 0 for an age that is NaN.
     #[must_use]
     pub fn share(&self, age_s: f64) -> f64 {
         if age_s <= self.whole_s {
             return 1.0;
         }
         let left = 1.0 - (age_s - self.whole_s) / self.fade_s;
-        // A share that is not a number, of a fade in no time, is 0 as well.
+        // A fade time of 0 can make the fraction NaN, which counts as 0.
         if left > 0.0 { left.min(1.0) } else { 0.0 }
     }
 }
@@ -47,12 +47,12 @@ struct Sent {
 pub struct FollowerForces(Arc<Mutex<Option<Sent>>>);
 
 impl FollowerForces {
-    /// Replaces the follower's force on the hand, N, which was true `age` ago. Returns whether the force was taken: one with a
+    /// Replaces the follower's force on the hand, N, which is `age` old. Returns whether the force was taken: a force with a
     /// component that is not finite is refused, and the last one stays.
     #[must_use]
     pub fn send(&self, force_n: [f64; 3], age: Duration) -> bool {
         let now = Instant::now();
-        // A time before the clock's first is as old as any.
+        // The clock has no time as early as that: the force is too old to act.
         let Some(since) = now.checked_sub(age) else {
             return self.keep(None);
         };
@@ -87,7 +87,8 @@ pub struct FollowedWall<'m> {
 }
 
 impl<'m> FollowedWall<'m> {
-    /// The force law before the first touch, with a full energy account. Without an obstacle, only the follower's forces act.
+    /// Makes the force law in the state before the first touch, with a full energy account. Without an obstacle, only the
+    /// follower's forces act.
     ///
     /// # Errors
     /// The control law or the energy guard refuses the settings.
@@ -152,7 +153,7 @@ impl ForceLaw for FollowedWall<'_> {
     }
 
     fn commanded(&mut self, force_n: [f64; 3]) {
-        // The wall's estimator takes the whole force that moves the device.
+        // The wall's estimator gets the whole force that moves the device.
         if let Some(wall) = &mut self.wall {
             wall.commanded(force_n);
         }

@@ -52,7 +52,7 @@ impl Omega3 {
         match library.count()? {
             (0, _) => {
                 return Err(unusable(
-                    "no device at the USB",
+                    "no device found on USB",
                     "connect it, switch its supply on, and permit its use: docs/devices.md#permission",
                 ));
             }
@@ -88,8 +88,8 @@ impl Omega3 {
         let model = self.library.model(id)?;
         if !OMEGA3_TYPES.contains(&model.number) {
             return Err(unusable(
-                format!("{model} (type {}) is no omega.3", model.number),
-                "nothing is known here of its limits: docs/devices.md#other-devices-of-the-maker",
+                format!("{model} (type {}) is not an omega.3", model.number),
+                "this program does not know its limits: docs/devices.md#other-devices-of-the-maker",
             ));
         }
         self.sheet.name = touchstone_sim::harmless::one_line(&model.to_string());
@@ -158,8 +158,8 @@ impl HapticDevice for Omega3 {
             std::thread::sleep(ENGAGE_PAUSE);
         }
         Err(unusable(
-            "its motors do not go on",
-            "press its force button where it has one",
+            "its motors cannot be switched on",
+            "press its force button if it has one",
         ))
     }
 
@@ -186,7 +186,7 @@ impl HapticDevice for Omega3 {
             powered: status.power().unwrap_or(true),
             calibrated: !status.reset().unwrap_or(false),
             motors_on,
-            // While the motors are on, the cause is that of an earlier switch-off.
+            // While the motors are on, the reported cause is that of an earlier switch-off.
             switched_off: cause(&status).filter(|_| !motors_on),
         })
     }

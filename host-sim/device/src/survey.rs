@@ -102,7 +102,7 @@ impl Survey {
         let count = poses.len() as f64;
         if poses.is_empty() {
             return Err(HapticFault::Unusable(
-                "not one pose was read".into(),
+                "no pose was read".into(),
                 "survey it for longer".into(),
             ));
         }

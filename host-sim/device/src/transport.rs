@@ -67,19 +67,19 @@ fn remedy(kind: serialport::ErrorKind, said: &str) -> &'static str {
     use serialport::ErrorKind::{Io, NoDevice};
     match kind {
         _ if said.contains("busy") => {
-            "another program has it: close that one, or choose another port with --port"
+            "another program uses this port: close it, or choose another port with --port"
         }
         _ if ["typewriter", "Is a directory", "symbolic links"]
             .iter()
             .any(|part| said.contains(part)) =>
         {
-            "it is no serial port: choose one with --port, `touchstone doctor` lists them"
+            "this is not a serial port: choose one with --port; `touchstone doctor` lists them"
         }
         Io(ErrorKind::PermissionDenied) => "`touchstone doctor` shows how to get the permission",
         NoDevice | Io(ErrorKind::NotFound) => {
             "connect the board, or choose another port with --port"
         }
-        _ => "close what else uses it, or see `touchstone doctor`",
+        _ => "close other programs that use it, or see `touchstone doctor`",
     }
 }
 
@@ -100,12 +100,12 @@ fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
 pub(crate) fn connected(socket: &str, limit: Duration) -> std::io::Result<TcpStream> {
     let until = Instant::now() + limit;
     let left = || until.saturating_duration_since(Instant::now());
-    // The system's look-up knows no deadline: a thread is left waiting for a name server that does not answer.
+    // The system's look-up has no deadline, so it runs in a thread. If the name server does not answer, that thread keeps waiting.
     let (sender, receiver) = std::sync::mpsc::channel();
     let name = socket.to_owned();
     std::thread::spawn(move || {
         let places = name.to_socket_addrs();
-        // Nobody receives them after the deadline.
+        // After the deadline nobody receives the addresses.
         drop(sender.send(places.map(Vec::from_iter)));
     });
     let places = receiver.recv_timeout(left());
@@ -130,16 +130,15 @@ struct Stream<S> {
 
 impl<S: Read + Write> Stream<S> {
     fn gone(&self, why: impl std::fmt::Display) -> Error {
-        let fix =
-            "connect it again; a board that resets itself shows why in `touchstone device status`";
-        Error::device(&*self.name, format!("the connection is gone: {why}"), fix)
+        let fix = "connect it again; if the board restarts by itself, `touchstone device status` shows why";
+        Error::device(&*self.name, format!("the connection was lost: {why}"), fix)
     }
 }
 
 impl<S: Read + Write> Transport for Stream<S> {
     fn receive(&mut self, buffer: &mut [u8]) -> Result<Received> {
         match self.stream.read(buffer) {
-            Ok(0) => Err(self.gone("its other end closed it")),
+            Ok(0) => Err(self.gone("the other end closed it")),
             Ok(count) => Ok(Received::Bytes(count)),
             Err(error) => match error.kind() {
                 ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => {
@@ -155,12 +154,12 @@ impl<S: Read + Write> Transport for Stream<S> {
         let mut rest = bytes;
         while !rest.is_empty() {
             match self.stream.write(rest) {
-                Ok(0) => return Err(self.gone("its other end closed it")),
+                Ok(0) => return Err(self.gone("the other end closed it")),
                 Ok(count) => rest = rest.get(count..).unwrap_or_default(),
                 Err(error) => match error.kind() {
                     ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => {
                         if Instant::now() >= until {
-                            return Err(self.gone("it takes nothing any more"));
+                            return Err(self.gone("the device accepts no more data"));
                         }
                     }
                     _ => return Err(self.gone(error)),
@@ -194,7 +193,7 @@ mod tests {
         let begun = Instant::now();
         let error = sender.send(&vec![0; 100_000_000]).unwrap_err().to_string();
         assert!(
-            error.contains("the connection is gone: it takes nothing any more; "),
+            error.contains("the connection was lost: the device accepts no more data; "),
             "{error}"
         );
         assert!(begun.elapsed() < 2 * LIMIT, "{:?}", begun.elapsed());
@@ -206,7 +205,7 @@ mod tests {
             (
                 NoDevice,
                 "Device or resource busy",
-                "another program has it",
+                "another program uses this port",
             ),
             (NoDevice, "No such file or directory", "connect the board"),
             (
@@ -219,14 +218,18 @@ mod tests {
                 "Permission denied",
                 "the permission",
             ),
-            (Unknown, "Not a typewriter", "it is no serial port"),
-            (Unknown, "Is a directory", "it is no serial port"),
+            (Unknown, "Not a typewriter", "this is not a serial port"),
+            (Unknown, "Is a directory", "this is not a serial port"),
             (
                 Unknown,
                 "Too many symbolic links encountered",
-                "it is no serial port",
+                "this is not a serial port",
             ),
-            (Unknown, "Input/output error", "close what else uses it"),
+            (
+                Unknown,
+                "Input/output error",
+                "close other programs that use it",
+            ),
         ] {
             assert!(remedy(kind, said).contains(part), "{said}");
         }

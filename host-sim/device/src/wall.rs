@@ -44,8 +44,8 @@ pub struct WallSettings {
     pub count_m: f64,
 }
 
-/// Energy guard's settings for a device with three axes, in SI units: 40 mJ, 0.5 mW, and 1.5 m/s at most. The guard trusts a share of
-/// the damping, which is that of the least damped axis.
+/// Settings of the energy guard for a device with three axes, in SI units: capacity 40 mJ, refill 0.5 mW, over-speed limit 1.5 m/s.
+/// The damping to give is that of the least damped axis; the guard relies on a fraction of it.
 #[must_use]
 pub fn guard_settings(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
@@ -60,7 +60,7 @@ pub fn guard_settings(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> Gua
     }
 }
 
-/// A guard with its memory, at first with a full account.
+/// An energy guard and its state, at first with a full account.
 type FullGuard = (VectorGuard<N>, VectorGuardState<N>);
 
 impl WallSettings {
@@ -176,7 +176,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// Lowest energy that the energy guard had left so far, J; `None` without an energy guard or before the first control interval.
+    /// Lowest level of the energy account so far, J; `None` without an energy guard or before the first control interval.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

@@ -93,8 +93,8 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// Stops the service around the end of the run. Checks that a last command without an answer is reported, as the force of the one
-/// before may still act.
+/// Stops the service around the end of the run. Checks that a missing answer to the last command is reported, because the force of
+/// the command before it may still act.
 #[test]
 fn a_force_that_nothing_ends_is_said() {
     let mut unconfirmed = 0;

@@ -153,8 +153,8 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good. Checks that
-/// the force is zero and the device closed within two control intervals.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and permanently. Checks
+/// that the force is zero and the device closed within two control intervals.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -299,10 +299,10 @@ fn a_panic_of_the_law_closes_the_device() {
 #[test]
 fn what_cannot_be_used_is_said_and_not_held() {
     for (plan, part) in [
-        ("absent", "no device at the USB"),
+        ("absent", "no device found on USB"),
         ("held", "another program holds it"),
         ("uncalibrated", "not calibrated"),
-        ("type 63", "is no omega.3"),
+        ("type 63", "is not an omega.3"),
         ("fail dhdOpenID 0 1 20", "another program holds it"),
         ("fail dhdOpenID 0 1 12", "device not ready (12)"),
     ] {
@@ -339,7 +339,9 @@ fn older_libraries_do() {
         .load()
         .expect_err("no library");
     assert!(
-        missing.to_string().contains("it has no dhdSetForce"),
+        missing
+            .to_string()
+            .contains("the library has no dhdSetForce"),
         "{missing}"
     );
 }
@@ -391,7 +393,7 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
         "{due_s} s of ticks in {took_s} s"
     );
     assert_eq!(door.ask("count dhdGetPosition"), report.ticks as f64);
-    // Besides one force per tick, one force is sent at the begin and one at the end.
+    // Besides one force per tick, one force is sent at the beginning and one at the end.
     assert_eq!(door.ask("count dhdSetForce"), report.ticks as f64 + 2.0);
     assert_eq!(
         report

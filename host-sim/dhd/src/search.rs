@@ -33,7 +33,7 @@ pub struct LibrarySearch {
     pub file: Option<PathBuf>,
     /// Folders to search, in the order of trying.
     pub folders: Vec<PathBuf>,
-    /// Whether the program at last gives the bare file names to the operating system's loader.
+    /// Whether the program finally tries the bare file names, which the operating system's loader then searches for.
     pub system: bool,
 }
 
@@ -52,7 +52,7 @@ impl fmt::Display for NotLoaded {
             let (path, why) = &self.tried[0];
             return write!(f, "{} cannot be loaded: {why}", path.display());
         }
-        write!(f, "libdrd and libdhd were not found; looked in")?;
+        write!(f, "libdrd and libdhd were not found in")?;
         for (i, (path, why)) in self.tried.iter().enumerate() {
             let comma = if i > 0 { "," } else { "" };
             write!(f, "{comma} {} ({why})", path.display())?;

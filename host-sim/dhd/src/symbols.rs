@@ -1,5 +1,4 @@
-//! Loads Force Dimension's library and its functions. The desktop program has no other `unsafe` code than three lines in this
-//! module.
+//! Loads Force Dimension's library and its functions. The desktop program's only `unsafe` code is in this module.
 //!
 //! Loaded functions get safe Rust types. Where C has a pointer to memory that the function fills, the Rust type has a reference to
 //! as much memory as the function may write. A reference and a pointer are passed in the same way, and a reference cannot be null
@@ -110,8 +109,9 @@ impl Dhd {
         // name in a place that only its owner or an administrator can write. The same holds for every program that is linked with
         // the library.
         let library = unsafe { Library::new(path) }.map_err(|why| why.to_string())?;
-        let calls = Calls::of(&library)
-            .map_err(|name| format!("it has no {name}: it is not libdhd, or one far too old"))?;
+        let calls = Calls::of(&library).map_err(|name| {
+            format!("the library has no {name}: it is not libdhd, or it is too old")
+        })?;
         Ok(Self {
             calls,
             path: path.to_owned(),
@@ -134,7 +134,7 @@ impl Dhd {
         if name.is_null() {
             return None;
         }
-        // SAFETY: not null, and then a constant text of the library that ends with a zero.
+        // SAFETY: not null, so it is a constant text of the library that ends with a zero.
         let name = unsafe { CStr::from_ptr(name) };
         Some(name.to_string_lossy().into_owned())
     }

@@ -27,7 +27,7 @@ pub fn library(file: &Path) -> Result<Vec<u8>> {
     let bytes = bytes.map_err(|error| wrong(error.to_string()))?;
     let has = |part: &[u8]| bytes.windows(part.len()).any(|window| window == part);
     if !has(b"fmi3InstantiateCoSimulation") || !has(MARK.as_bytes()) {
-        return Err(wrong(format!("it is not the shared library of {MARK}")));
+        return Err(wrong(format!("this is not the shared library of {MARK}")));
     }
     Ok(bytes)
 }

@@ -35,7 +35,7 @@ impl Half {
         }
     }
 
-    /// Name of the scene's file in the FMU's resources. From it the library finds out which half (law or plant) it is.
+    /// Name of the scene's file in the FMU's resources. The name tells the library which half (law or plant) it is.
     #[must_use]
     pub const fn scene_file(self) -> &'static str {
         match self {

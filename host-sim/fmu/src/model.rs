@@ -190,7 +190,7 @@ impl Model {
         if variable.causality != Causality::Input {
             return Err(refused(
                 variable.text.to_owned(),
-                "it is no input".to_owned(),
+                "it is not an input".to_owned(),
                 "set inputs only",
             ));
         }
@@ -216,7 +216,7 @@ impl Model {
     pub fn ticks_of(&self, begins_s: f64, step_s: f64) -> Result<u64> {
         let rate_hz = f64::from(self.scene.timing.rate_hz);
         let begins = (finite("currentCommunicationPoint", begins_s)? - self.start_s) * rate_hz;
-        // A clock that adds up steps drifts; it is trusted while it cannot be meant for another period.
+        // The clock of a program that adds up steps drifts. It is accepted as long as the period that it means is clear.
         if (begins - self.ticks as f64).abs() > 0.25 {
             return Err(refused(
                 format!("currentCommunicationPoint = {begins_s}"),
@@ -229,7 +229,7 @@ impl Model {
         if (ticks - whole).abs() > ROUNDING || !(1.0..=MOST_TICKS).contains(&whole) {
             return Err(refused(
                 format!("communicationStepSize = {step_s}"),
-                "it is no whole number of control periods".to_owned(),
+                "it is not a whole number of control periods".to_owned(),
                 &format!("give {:?} s", self.scene.timing.period_s()),
             ));
         }
@@ -313,7 +313,7 @@ fn finite(name: &str, value: f64) -> Result<f64> {
 fn other_type(variable: &Variable, wanted: &str) -> Error {
     refused(
         variable.text.to_owned(),
-        format!("it is no {wanted}"),
+        format!("it is not of type {wanted}"),
         "read it by its type in modelDescription.xml",
     )
 }

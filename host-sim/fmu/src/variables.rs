@@ -192,7 +192,8 @@ const PLANT: [Variable; 8] = [
     ),
 ];
 
-/// The variables of one FMU of a scene. Without a guard, a hand or a second encoder reading, the FMU has none of their variables.
+/// The variables of one FMU of a scene. Variables of a guard, a hand or a second encoder reading are left out if the scene has
+/// none.
 pub fn of(scene: &Scene, half: Half) -> impl Iterator<Item = &'static Variable> {
     let guard = scene.law.guard.on;
     let change = guard && scene.law.guard.change == ChangeOfForce::Measured;

@@ -1,4 +1,4 @@
-//! Both halves of a scene, stepped in turn through their variables, give every bit of the run of the scene.
+//! Tests that both halves of a scene, stepped in turn through their variables, give the same bits as the run of the scene.
 
 use touchstone_control::ChangeOfForce;
 use touchstone_fmu::Half;
@@ -176,7 +176,7 @@ fn side_by_side_is_one_period_of_delay_more() {
     }
 }
 
-/// The input `hand_offset_rad` replaces the scene's motion: the rest points of a tap, given from outside.
+/// Checks that the input `hand_offset_rad` can replace the scene's motion: the rest points of a tap are given from outside.
 #[test]
 fn the_hand_can_be_moved_from_outside() {
     let tap = Scene::load("tap").expect("a scene");

@@ -10,13 +10,13 @@ use touchstone_sim::error::{Error, Result};
 pub fn open(_keys: &KeyPair) -> Result<Box<dyn Keyboard>> {
     let (problem, fix) = if cfg!(target_os = "linux") {
         (
-            "this program was built without key presses",
-            "build it with its feature, as in cargo run --release --features keys, or let a program of yours press keys that reads --json or --websocket",
+            "this program was built without the feature for key presses",
+            "build it with `--features keys`, as in `cargo run --release --features keys`; or write a program that reads --json or --websocket and presses keys",
         )
     } else {
         (
-            "this program presses keys on Linux alone",
-            "let a program of yours press keys that reads --json or --websocket",
+            "this program can press keys on Linux only",
+            "write a program that reads --json or --websocket and presses keys",
         )
     };
     Err(Error::Option {

@@ -47,7 +47,7 @@ pub struct KeyPair {
 impl FromStr for KeyPair {
     type Err = String;
 
-    /// Reads `UP,DOWN`, such as `volumeup,volumedown`. Whether the system has keys of these names is found by [`open`].
+    /// Reads `UP,DOWN`, such as `volumeup,volumedown`. [`open`] checks whether the system has keys of these names.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let is_name = |it: &str| {
             !it.is_empty()
@@ -64,7 +64,7 @@ impl FromStr for KeyPair {
                 down: down.to_lowercase(),
             }),
             _ => Err(format!(
-                "must be two names of keys, is {text}; give them as in volumeup,volumedown"
+                "must be two names of keys, is {text}; give two names with a comma, such as volumeup,volumedown"
             )),
         }
     }
@@ -74,7 +74,7 @@ impl KeyPair {
     /// Presses and releases the key for the direction of `change` as many times as the number of positions changed.
     ///
     /// # Errors
-    /// The keyboard's. A key that was pressed is released all the same.
+    /// The keyboard's error. A key that was pressed is released nevertheless.
     pub fn press(&self, keyboard: &mut dyn Keyboard, change: i64) -> std::io::Result<()> {
         let key = if change > 0 { &self.up } else { &self.down };
         for _ in 0..change.unsigned_abs() {
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use std::io::{Error, ErrorKind};
 
-    /// A keyboard that writes down what is pressed, and fails at presses of one key.
+    /// A keyboard that records what is pressed, and fails at presses of one key.
     #[derive(Default)]
     struct Written(Vec<String>, &'static str);
 

@@ -46,12 +46,12 @@ fn refused(error: &std::io::Error) -> Error {
             "load the kernel's module: sudo modprobe uinput",
         ),
         ErrorKind::PermissionDenied => (
-            "you may not write to /dev/uinput".to_owned(),
-            "allow it until the next start: sudo setfacl -m u:$USER:rw /dev/uinput; or for good by a rule of udev: KERNEL==\"uinput\", TAG+=\"uaccess\"",
+            "you have no permission to write to /dev/uinput".to_owned(),
+            "allow it until the next restart: sudo setfacl -m u:$USER:rw /dev/uinput; or permanently by a udev rule: KERNEL==\"uinput\", TAG+=\"uaccess\"",
         ),
         _ => (
-            format!("/dev/uinput makes no keyboard: {error}"),
-            "check that this is no container and that the kernel has uinput",
+            format!("/dev/uinput cannot create a keyboard: {error}"),
+            "check that the kernel has uinput and that this is not a container",
         ),
     };
     Error::Option {

@@ -109,8 +109,8 @@ fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
     }
 }
 
-/// The current sensors of a board. The parts of a real one differ from the constants in `drive`: offsets between two codes, and not
-/// those of the schematic.
+/// The current sensors of a board. As on a real board, their offsets lie between two codes and differ from the constants in
+/// `drive`.
 fn shunts(hardware: &Hardware) -> [Shunt; 2] {
     if *hardware == IHM08M1 || !hardware.senses_current {
         return [2_128.3, 2_099.8].map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset));

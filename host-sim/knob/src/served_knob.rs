@@ -111,7 +111,7 @@ impl ServedKnob {
             "turn" => self.turned_rad = Some(number.to_radians()),
             "press" => self.turned_rad = None,
             _ => eprintln!(
-                "note: {what}: not known; try turn DEGREES, press, gap N, noise N, volts V, pull or plug"
+                "note: unknown line `{what}`; known: turn DEGREES, press, gap N, noise N, volts V, pull or plug"
             ),
         }
     }

@@ -146,7 +146,8 @@ fn pwm(folder: &Path) -> Drawn {
         Table::read(folder, "pwm.csv")?,
         Table::read(folder, "pwm-ihm08m1.csv")?,
     );
-    // Between the falls of the two pins of the larger shield: its lower transistors switch on when low.
+    // Dead time of the larger shield, between the falling edges of its two pins. Its lower transistors are on while their pin is
+    // low.
     let falls = |name: &str| -> Result<f64, Box<dyn Error>> {
         let course = larger.course(name)?;
         let fall = course
@@ -267,7 +268,7 @@ fn press(folder: &Path) -> Drawn {
         ["penetration_rad", "force_n_m", "current_q_a"].map(|name| table.course(name));
     let (depth, force, current) = (depth?, force?, current?);
     let end = force.last().ok_or("an empty table")?.0;
-    // The force before the hand lets go: from the last force, the tenth of a second before it begins to fall.
+    // The held press: a tenth of a second that ends 50 ticks before the last tick with a force, when the hand already lets go.
     let falls = force.iter().rposition(|(_, newton)| *newton > 0.0);
     let falls = falls.ok_or("no force")?;
     let held = falls.saturating_sub(150)..falls.saturating_sub(50);

@@ -28,7 +28,10 @@ impl Journal {
     pub fn open<R: DeserializeOwned>(path: &Path) -> Result<(Self, Vec<R>)> {
         let wrong = |error: io::Error| problem(path, error.to_string());
         if std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_symlink()) {
-            return Err(problem(path, "is a link, which is not followed".to_owned()));
+            return Err(problem(
+                path,
+                "is a symbolic link, which this program does not follow".to_owned(),
+            ));
         }
         let mut file = OpenOptions::new()
             .read(true)
@@ -41,12 +44,12 @@ impl Journal {
             return Err(Error::Io {
                 path: path.to_owned(),
                 problem: "another program is writing it".to_owned(),
-                fix: "let that one end, or give another place".to_owned(),
+                fix: "wait until that program ends, or give another path".to_owned(),
             });
         }
         let meta = file.metadata().map_err(wrong)?;
         if !meta.is_file() || meta.len() > input::MOST_OF_CELLS {
-            return Err(problem(path, "is no file of cells".to_owned()));
+            return Err(problem(path, "is not a file of cells".to_owned()));
         }
         let mut text = Vec::new();
         file.read_to_end(&mut text).map_err(wrong)?;
@@ -91,7 +94,7 @@ impl Journal {
             .map_err(|error| wrong(error.to_string()))?;
         if let Err(error) = self.file.write_all(&text) {
             if self.empty {
-                // Nothing was finished, so that nothing is kept.
+                // No row was written, so the new file is removed.
                 let _ = std::fs::remove_file(&self.path);
             }
             return Err(wrong(error.to_string()));
@@ -125,7 +128,7 @@ fn problem(path: &Path, problem: String) -> Error {
     Error::Io {
         path: path.to_owned(),
         problem,
-        fix: "give another place, or remove the file".to_owned(),
+        fix: "give another path, or remove the file".to_owned(),
     }
 }
 

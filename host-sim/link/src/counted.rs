@@ -5,7 +5,7 @@
 pub struct Counted {
     /// Number of records that arrived.
     pub records: u64,
-    /// Number of records that were lost, by the gaps in the control ticks of the others.
+    /// Number of records that were lost, calculated from the gaps in the control ticks of those that arrived.
     pub lost: u64,
     last: Option<u32>,
 }

@@ -30,14 +30,14 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
     let mut found = Vec::new();
     let mut add = |path: &'static str, is_weaker: bool, why: String| {
         let shown = |settings| field(path).map(|field| value::shown(settings, field));
-        // A guard that was off promised nothing. When it is switched on, all its settings count as new.
+        // A guard that was off had no bound. When it is switched on, all its settings count as new.
         if is_weaker && (shown(before) != shown(after) || !old.on) {
             found.push(Weaker { path, problem: why });
         }
     };
     if !new.on {
         if old.on {
-            let why = "off: nothing bounds the energy that a hand gets out".to_owned();
+            let why = "off: the energy that a hand gets out then has no bound".to_owned();
             add(ON, true, why);
         }
         return found;
@@ -46,7 +46,7 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
     add(
         "law.guard.change",
         is_own_loop && new.change == ChangeOfForce::Estimated,
-        "estimated: the guard then takes the delay from the file, and this board has a longer one that it measures".to_owned(),
+        "estimated: the guard then uses the delay from the file, but this board's delay is longer, and the board measures it".to_owned(),
     );
     let late = |guard: &GuardSettings| guard.delay_s.saturating_add(guard.lag_s);
     let path = match new.delay_s < old.delay_s {
@@ -57,7 +57,7 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
         path,
         !is_own_loop && before.drive.kind == after.drive.kind && late(new) < late(old),
         format!(
-            "less delay than the board has been told, {:.9} s",
+            "less than the delay in the board's settings, {:.9} s",
             late(old)
         ),
     );
@@ -69,7 +69,7 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
         path,
         trusted(new) > trusted(old),
         format!(
-            "more damping than the board was told that its device has: {:.9} N·m·s/rad are trusted in place of {:.9}",
+            "more damping than in the board's settings: the guard would rely on {:.9} N·m·s/rad instead of {:.9}",
             trusted(new),
             trusted(old)
         ),
@@ -78,7 +78,7 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
         "law.position_error_rad",
         after.law.position_error_rad < before.law.position_error_rad,
         format!(
-            "less than the error of the encoder that the board was told, {:.6} rad",
+            "less than the encoder's error in the board's settings, {:.6} rad",
             before.law.position_error_rad
         ),
     );
@@ -139,26 +139,26 @@ pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
 #[must_use]
 pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     let Some(bound) = bound(settings, board) else {
-        return "this board, as it is set, promises nothing: law.guard.on = false, so that no bound holds for what a hand gets out".into();
+        return "with these settings the energy that a hand gets out has no bound, because law.guard.on = false".into();
     };
     let guard = &settings.law.guard;
     // Rounded up, so that the printed bound is never below the true one.
     let milli = |value: f64| (1e5 * value).ceil() / 100.0;
     let delay = match guard.change {
         ChangeOfForce::Measured => "",
-        ChangeOfForce::Estimated => ", the delay is the one told",
+        ChangeOfForce::Estimated => ", the delay is the configured one",
     };
     let joules = kinetic_j(settings);
     let moving = if joules > 0.0 {
         format!(
-            ". At {SHOWN_RAD_PER_S:.0} rad/s the knob's own motion is {:.2} mJ, by law.estimator.inertia_kg_m2",
+            ". The knob's own motion at {SHOWN_RAD_PER_S:.0} rad/s has {:.2} mJ, by law.estimator.inertia_kg_m2",
             milli(joules)
         )
     } else {
         String::new()
     };
     format!(
-        "this board, as it is set, gives a hand at most {:.2} mJ at once and {:.2} mW beside it, beyond what the hand put in and the knob's own motion; if the knob alone has {:.3e} N·m·s/rad of damping, {} counts a turn are right to half of one, and the motor gives the torque that it is told{delay} (docs/guard-promise.md){moving}",
+        "with these settings a hand gets out at most {:.2} mJ at once and {:.2} mW in addition, beyond what it put in and the knob's own motion. This holds if the knob alone has {:.3e} N·m·s/rad of damping, the encoder of {} counts a turn errs by at most half a count, and the motor gives the commanded torque{delay} (docs/guard-promise.md){moving}",
         milli(bound.at_once_j),
         milli(bound.refill_w),
         trusted(guard).to_num::<f64>(),
@@ -169,17 +169,17 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
 /// Speed for which the kinetic energy of a knob is printed, rad/s: a brisk turn by hand.
 const SHOWN_RAD_PER_S: f64 = 10.0;
 
-/// Kinetic energy of the knob at that speed, J, with the inertia that the estimator supposes.
+/// Kinetic energy of the knob at that speed, J, with the inertia that the estimator assumes.
 fn kinetic_j(settings: &DeviceSettings) -> f64 {
     let inertia: f64 = settings.law.estimator.inertia_kg_m2.to_num();
     0.5 * inertia * SHOWN_RAD_PER_S * SHOWN_RAD_PER_S
 }
 
-/// What an uncertain torque constant means for the bound, in a sentence. Takes the relative error that the constant may have.
+/// A sentence on how much an uncertain torque constant raises the bound. Takes the relative error that the constant may have.
 #[must_use]
 pub fn by_torque_constant(error: f64) -> String {
     format!(
-        "the torque constant is known to {:.1} %: with this error the bound is {:.3} times as large",
+        "the torque constant is uncertain by {:.1} %, so the bound may be {:.3} times as large",
         100.0 * error,
         1.0 + error
     )
@@ -315,23 +315,23 @@ mod tests {
         for board in Board::ALL {
             let mut settings = DeviceSettings::defaults(board);
             let bound = bound(&settings, board).unwrap();
-            // `board_window` of proofs/coq/Boards.v: 45.145 mJ, and 0.59 mJ in a second.
+            // `any_accepted_window` of proofs/coq/AcceptedWindow.v: at most 45.145 mJ, and 0.59 mJ in a second.
             assert!(bound.at_once_j <= 0.045_145, "{board:?} {bound:?}");
             assert!(bound.at_once_j > 0.045_13, "{board:?} {bound:?}");
             assert!(bound.refill_w <= 0.000_59 && bound.refill_w > 0.000_49);
             let text = promise(&settings, board);
             assert!(text.contains("at most 45.15 mJ at once"), "{text}");
-            // 1e-4 kg·m² at 10 rad/s; nothing is said of an inertia that is not known.
+            // 1e-4 kg·m² at 10 rad/s. The text does not have this energy if the inertia is not known.
             settings.law.estimator.inertia_kg_m2 = Si::lit("0.0001");
             let text = promise(&settings, board);
             assert!(
-                text.contains(". At 10 rad/s the knob's own motion is 5.01 mJ, by"),
+                text.contains("The knob's own motion at 10 rad/s has 5.01 mJ, by"),
                 "{text}"
             );
             settings.law.estimator.inertia_kg_m2 = Si::ZERO;
-            assert!(!promise(&settings, board).contains("rad/s the knob"));
+            assert!(!promise(&settings, board).contains("10 rad/s has"));
             settings.law.guard.on = false;
-            assert!(promise(&settings, board).contains("promises nothing"));
+            assert!(promise(&settings, board).contains("has no bound"));
             assert_eq!(super::bound(&settings, board), None);
         }
     }

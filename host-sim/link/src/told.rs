@@ -81,9 +81,9 @@ const fn limit_words(limit: Limit) -> &'static str {
         Limit::Force => "force limit",
         Limit::FadeIn => "fading in",
         Limit::Encoder => "bad encoder reading",
-        Limit::Beside => "more than the wall to touch",
+        Limit::Beside => "the force of other walls or detents is added",
         Limit::Reach => {
-            "a wall is off: the knob is more than 20 turns inside of it; turn it back, or zero it here"
+            "a wall is off: the knob is more than 20 turns inside it; turn the knob back, or make this position zero"
         }
     }
 }
@@ -107,11 +107,11 @@ pub const fn switched_off(phase: Phase) -> Option<(DeviceCommand, &'static str)>
     match phase {
         Phase::Armed => Some((
             DeviceCommand::Disarm,
-            "the device was armed, and is disarmed",
+            "the device was armed, and was disarmed now",
         )),
         Phase::Calibrating => Some((
             DeviceCommand::Stop,
-            "the device was calibrating, and is stopped",
+            "the device was calibrating, and was stopped now",
         )),
         _ => None,
     }

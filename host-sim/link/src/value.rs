@@ -19,12 +19,12 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     let outside = |value: &dyn std::fmt::Display| format!("{value} is outside {}", range(field));
     let bytes = match field.kind {
         Kind::Number { least, most } => match text.replace('_', "").parse::<Decimal>() {
-            Err(_) => return no(format!("`{text}` is no decimal number")),
+            Err(_) => return no(format!("`{text}` is not a decimal number")),
             Ok(value) if value < least || value > most => return no(outside(&value)),
             Ok(value) => postcard::to_slice(&value, &mut buffer),
         },
         Kind::Whole { least, most } => match text.replace('_', "").parse::<u32>() {
-            Err(_) => return no(format!("`{text}` is no whole number")),
+            Err(_) => return no(format!("`{text}` is not a whole number")),
             Ok(value) if value < least || value > most => return no(outside(&value)),
             Ok(value) => postcard::to_slice(&value, &mut buffer),
         },
@@ -35,7 +35,7 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
                     Some(near) => format!("did you mean {near}?"),
                     None => wanted(field).1,
                 };
-                return Err((format!("`{text}` is none of its words"), fix));
+                return Err((format!("`{text}` is not one of its words"), fix));
             }
         },
         Kind::Flag => match text.parse::<bool>() {
@@ -50,7 +50,7 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
 #[must_use]
 pub fn wanted(field: &Field) -> Wrong {
     (
-        "is no value of this setting".into(),
+        "is not a value of this setting".into(),
         format!("give {}{}", range(field), unit(field)),
     )
 }
@@ -79,7 +79,7 @@ pub fn unit(field: &Field) -> String {
 #[must_use]
 pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     let mut buffer = [0; VALUE_MAX];
-    // The test below goes through the whole table.
+    // Cannot fail: the test below reads every setting of the table.
     let bytes = settings
         .get(field.path, &mut buffer)
         .expect("every field is a leaf");
@@ -100,7 +100,7 @@ pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
 pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     let text = shown(settings, field);
     match field.kind {
-        // The nearest 64-bit float, which is all that JSON's readers have.
+        // The nearest 64-bit float, because most readers of JSON have no other numbers.
         Kind::Number { .. } => text
             .parse::<f64>()
             .map_or(serde_json::Value::Null, serde_json::Value::from),

@@ -35,7 +35,7 @@ pub fn name_of(fault: &Fault) -> String {
     match fault.known() {
         Some(code) => format!("{:02} {}", fault.code, page(code)),
         None => format!(
-            "{:02}, which this version of the program does not know",
+            "{:02}, which is unknown to this version of the program",
             fault.code
         ),
     }
@@ -82,24 +82,27 @@ pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
 pub fn refused(refusal: &Refusal) -> ProblemAndFix {
     match refusal {
         Refusal::NotNow(phase) => (
-            format!("the device refuses this in state `{}`", phase.name()),
+            format!(
+                "the device rejects this command in state `{}`",
+                phase.name()
+            ),
             next_step(*phase),
         ),
         Refusal::Key(KeyError::NoSuchField) => (
-            "the device knows no such setting".into(),
+            "the device has no such setting".into(),
             "`touchstone config schema` lists them",
         ),
         Refusal::Key(KeyError::NotAValue) => (
-            "this is no value of this setting".into(),
-            "`touchstone config schema` shows what it may be",
+            "this is not a value of this setting".into(),
+            "`touchstone config schema` shows the allowed values",
         ),
         Refusal::Invalid(invalid) => (format!("refused: {invalid}"), "choose another value"),
         Refusal::Flash => (
             "the flash could not be written".into(),
-            "the settings before are still there; try again",
+            "the old settings are still in the flash; try again",
         ),
         Refusal::RingRuns => (
-            "the ring is still running: it stops at a fault".into(),
+            "there is no record of a fault yet: recording stops at a fault".into(),
             "watch live values with `touchstone monitor`",
         ),
         Refusal::NotUnderstood => (
@@ -113,11 +116,11 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
                     "calibrate at each start: touchstone device calibrate"
                 }
                 _ => {
-                    "calibrate, then keep what was found: touchstone device calibrate, touchstone device alignment keep"
+                    "calibrate, then store the alignment: touchstone device calibrate, touchstone device alignment keep"
                 }
             },
         ),
-        _ => ("the device refuses this".into(), OTHER_VERSION),
+        _ => ("the device rejects this command".into(), OTHER_VERSION),
     }
 }
 
@@ -125,10 +128,12 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
 const fn next_step(phase: Phase) -> &'static str {
     match phase {
         Phase::Boot => "calibrate first: touchstone device calibrate",
-        Phase::Calibrating => "wait for its end, or: touchstone device stop",
+        Phase::Calibrating => "wait until the calibration ends, or stop it: touchstone device stop",
         Phase::Ready => "stop first: touchstone device stop",
         Phase::Armed => "disarm first: touchstone device disarm",
-        Phase::Fault => "look at it and clear it: touchstone device fault, touchstone device stop",
+        Phase::Fault => {
+            "show the fault, then clear it: touchstone device fault, touchstone device stop"
+        }
         Phase::Stopped => "calibrate first: touchstone device calibrate",
     }
 }

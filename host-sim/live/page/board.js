@@ -25,8 +25,8 @@ const stage = new Stage($("stage"));
 const READOUT = [
   ["Penetration", () => `${(1e3 * (run.last.angle_rad - run.facts.surface_rad)).toFixed(3)} mrad`],
   ["Force", () => `${(1e3 * run.last.force_n_m).toFixed(2)} mN·m`],
-  ["Device less model", () => (Number.isNaN(run.last.difference_n_m) ? (hello.decimation > 1 ? "not every tick is told" : "not known now") : `${(1e6 * run.last.difference_n_m).toFixed(2)} µN·m, at most ${(1e6 * worst).toFixed(2)}`)],
-  ["Held back by", () => hello.limits.filter((_, bit) => run.last.limits & (1 << bit)).join(", ") || "nothing"],
+  ["Device less model", () => (Number.isNaN(run.last.difference_n_m) ? (hello.decimation > 1 ? "not every control period is sent" : "not known now") : `${(1e6 * run.last.difference_n_m).toFixed(2)} µN·m, at most ${(1e6 * worst).toFixed(2)}`)],
+  ["Force reduced by", () => hello.limits.filter((_, bit) => run.last.limits & (1 << bit)).join(", ") || "nothing"],
   ["Records", () => `${took.rate.toFixed(0)} a second of ${(hello.rate_hz / hello.decimation).toFixed(0)}`],
   ["Missing", () => `${took.missing} of ${took.missing + took.records}`],
   ["Not carried by the port", () => `${troubles.dropped}`],
@@ -89,7 +89,7 @@ function setting({ path, unit, about, value }, name) {
 }
 
 function ask(order) {
-  $("answer").textContent = `${order.path ?? order.do}: asked`;
+  $("answer").textContent = `${order.path ?? order.do}: sent`;
   if (!link.send(order)) complain(`NOT SENT (${order.do}): there is no connection to ${BoardLink.peer}.${order.do === "stop" ? " SWITCH THE POWER OFF." : ""}`);
 }
 const stop = () => ask({ do: "stop" });
@@ -109,20 +109,20 @@ function show() {
   const there = connected && deviceLost === null && state !== null, phase = there ? state.phase : "";
   $("phase").textContent = there ? phase : "not connected";
   $("phase").dataset.phase = phase;
-  $("phase-told").textContent = there ? state.words : "What the device does now is not known here.";
+  $("phase-told").textContent = there ? state.words : "This page does not know what the device does now.";
   for (const button of document.querySelectorAll("[data-do]")) button.disabled = !MAY[button.dataset.do].includes(phase);
   $("fields").disabled = !MAY.defaults.includes(phase);
-  $("unsaved").textContent = !there ? "" : state.unsaved ? (MAY.save.includes(phase) ? "changed, not saved" : "changed, not saved; stop first to save") : "as saved";
+  $("unsaved").textContent = !there ? "" : state.unsaved ? (MAY.save.includes(phase) ? "changed, not saved" : "changed, not saved; to save, stop first") : "as saved";
   const fault = there ? state.fault : null;
   $("fault").hidden = !fault;
   if (fault) {
     $("fault-name").textContent = `Fault ${fault.name}`;
     $("fault-meaning").textContent = `${fault.meaning} (${fault.value}, tick ${fault.tick})`;
     $("fault-check").textContent = fault.check;
-    $("fault-clear").textContent = `${fault.clear || "Stop, then calibrate."} That stop is the button above.`;
+    $("fault-clear").textContent = `${fault.clear || "Stop, then calibrate."} The stop is the red button above.`;
   }
   const lost = !connected ? BoardLink.lost
-    : deviceLost !== null ? `NO CONNECTION TO THE DEVICE: ${deviceLost}. A device that was armed may still be armed: its power switch is the stop that always works. It is tried again every second, and disarmed first.` : "";
+    : deviceLost !== null ? `NO CONNECTION TO THE DEVICE: ${deviceLost}. The device may still be armed: its power switch always works. This page tries to connect every second, and disarms the device first.` : "";
   $("lost").hidden = !lost;
   if ($("lost").textContent !== lost) $("lost").textContent = lost;
 }
@@ -173,7 +173,7 @@ function frame(now) {
   if (passed >= 1) { took.rate = recent.records / passed; recent = { records: 0, since: performance.now() }; }
   if (run.last) READOUT.forEach(([, of], i) => { cells[i].textContent = of(); });
   const quiet = performance.now() - took.at;
-  $("status").textContent = !connected ? `No connection to ${BoardLink.peer}.` : link.silent ? `From ${BoardLink.peer} comes nothing any more.` : quiet > 300 ? `No record for ${(quiet / 1000).toFixed(1)} s.` : `Records arrive, ${took.records} so far.`;
+  $("status").textContent = !connected ? `No connection to ${BoardLink.peer}.` : link.silent ? `${BoardLink.peer} sends nothing any more.` : quiet > 300 ? `No record for ${(quiet / 1000).toFixed(1)} s.` : `Records arrive, ${took.records} so far.`;
 }
 
 // Escape and the space bar stop the device, whichever element has the focus. No element of this page needs a space.

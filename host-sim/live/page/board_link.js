@@ -6,7 +6,7 @@ const AGAIN_MS = 1000, SILENT_MS = 500;
 /** Connection to the program. Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
 class BoardLink {
   static peer = "the program";
-  static lost = "NO CONNECTION TO THE PROGRAM. It disarms the device when this page is gone; if it has ended itself, look at the board: its power switch is the stop that always works.";
+  static lost = "NO CONNECTION TO THE PROGRAM. The program disarms the device when it loses this page. If the program itself has ended, check the board: its power switch always works.";
   constructor(on) {
     this.on = on;
     this.heard = performance.now();

@@ -29,7 +29,7 @@ async function openFile(file) {
     // Sent after the run is opened and before its first tick, so that the file moves the hand from the first tick on.
     tell("play", { rests });
     run(true);
-    $("record-told").textContent = `${file.name}: ${length} rows beside the run${rests ? ", and its hand moves this one" : ""}.`;
+    $("record-told").textContent = `${file.name}: ${length} rows, drawn beside the run${rests ? "; its hand moves this run" : ""}.`;
   } catch (error) { complain(`${file.name}: ${error.message}`); }
   $("file").value = "";
 }
@@ -66,7 +66,7 @@ function follow(rows) {
   }
   if (beside.ring.size) beside.last = Object.fromEntries(COLUMNS.map((name) => [name, beside.ring.at(name, 0)]));
   const { name, at, compared, differing, moves } = openedFile;
-  if (moves) $("record-told").textContent = `${name}: ${at} of ${length} rows; at ${compared} ticks the same time, at ${differing} of them another force.`;
+  if (moves) $("record-told").textContent = `${name}: ${at} of ${length} rows; ${compared} control periods compared, ${differing} of them with another force.`;
 }
 $("open").addEventListener("click", () => $("file").click());
 $("file").addEventListener("change", () => { if ($("file").files.length) openFile($("file").files[0]); });

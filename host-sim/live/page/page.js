@@ -91,7 +91,7 @@ function show() {
   $("speed").value = String(chosen.speed);
   pressing();
   $("automatic").disabled = !runs[0]?.facts.motion_s;
-  const nobody = field("operator.grip") === "none" ? "Nobody holds the knob: it stays where it is.\n" : "";
+  const nobody = field("operator.grip") === "none" ? "No hand holds the knob: it stays where it is.\n" : "";
   const warnings = (nobody + (runs[0]?.warnings ?? "")).trim(), many = warnings.split("\n").length;
   $("warnings").textContent = warnings;
   $("warned").hidden = !warnings;

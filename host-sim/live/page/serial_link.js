@@ -7,7 +7,7 @@ const BAUD = 921600, TURN_MS = 20, AGAIN_MS = 1000, SILENT_MS = 500;
 /** Connection to the serial port. Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
 class BoardLink {
   static peer = "the port";
-  static lost = "NO PORT IS OPEN: press Connect. What a device does that was armed is not known here: its power switch is the stop that always works.";
+  static lost = "NO PORT IS OPEN: press Connect. A device that was armed may still be armed: its power switch always works.";
   constructor(on) {
     Object.assign(this, { on, port: null, writer: null, heard: performance.now(), wanted: null, trying: false, refused: false });
     $("connect").hidden = false;
@@ -16,7 +16,7 @@ class BoardLink {
       wasm = instance.exports;
       put("serial port");
       wasm.live_board_new();
-      if (!navigator.serial) { complain("This browser has no WebSerial (Chromium and its kin have it): touchstone live --port shows the same page in any browser."); return; }
+      if (!navigator.serial) { complain("This browser has no WebSerial (Chromium and related browsers have it). `touchstone live --port PORT` shows the same page in any browser."); return; }
       $("connect").disabled = false;
       setInterval(() => this.turn(), TURN_MS);
       setInterval(() => this.again(), AGAIN_MS);
@@ -69,7 +69,7 @@ class BoardLink {
     if (!was) {
       // The timer of `again` repeats the attempt to open the port.
       this.refused = true;
-      complain(`The port does not open: ${why} Does another program or page have it, or is its cable out?`);
+      complain(`The port does not open: ${why} Close other programs and pages that use it, and check the cable.`);
       return;
     }
     port.close().catch(() => {});

@@ -109,10 +109,10 @@ const plots = FIGURES.map(([title, unit, least, all]) => Object.assign(new Plot(
 const READOUT = [
   ["Depth", () => `${run.last.depth_mm.toFixed(3)} mm`],
   ["Force", () => `${run.last.force_n.toFixed(2)} N`],
-  ["Displayed, wanted", () => `${run.last.depth_mm > 0.02 ? (run.last.force_n / run.last.depth_mm).toFixed(1) : "–"} of ${number(run.facts.k_desired_n_per_m / 1e3)} N/mm`],
+  ["Displayed, desired", () => `${run.last.depth_mm > 0.02 ? (run.last.force_n / run.last.depth_mm).toFixed(1) : "–"} of ${number(run.facts.k_desired_n_per_m / 1e3)} N/mm`],
   ["Speed", () => `${run.last.speed_mm_per_s.toFixed(0)} mm/s`],
-  ["Wall's account", () => `${(1e3 * run.last.energy_true_j).toFixed(2)} mJ`],
-  ["Given beyond what it took", () => `${(1e3 * run.got).toFixed(2)} mJ`],
+  ["Absorbed by the wall", () => `${(1e3 * run.last.energy_true_j).toFixed(2)} mJ`],
+  ["Most the wall gave (net)", () => `${(1e3 * run.got).toFixed(2)} mJ`],
   ["Guard's account", () => (Number.isNaN(run.last.guard_account_j) ? "no guard" : `${(1e3 * run.last.guard_account_j).toFixed(2)} mJ`)],
 ];
 const cells = READOUT.map(([name]) => {

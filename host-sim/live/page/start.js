@@ -39,9 +39,9 @@ const stage = new Stage($("stage"));
 const READOUT = [
   ["Penetration", (r) => (isWall(r) ? `${(1e3 * (r.last.angle_rad - r.facts.surface_rad)).toFixed(2)} mrad` : `no wall; at ${((180 / Math.PI) * r.last.angle_rad).toFixed(1)}°`)],
   ["Force", (r) => `${(1e3 * r.last.motor_force_n_m).toFixed(1)} mN·m`],
-  ["Displayed, wanted", (r) => { if (!isWall(r)) return "no wall"; const c = Object.fromEntries(COLUMNS.map((n) => [n, [r.last[n]]])), k = stiffnessShown(c, 0, r); return `${Number.isFinite(k) ? k.toFixed(2) : "–"} of ${number(r.facts.k_desired_n_m_per_rad)} N·m/rad`; }],
+  ["Displayed, desired", (r) => { if (!isWall(r)) return "no wall"; const c = Object.fromEntries(COLUMNS.map((n) => [n, [r.last[n]]])), k = stiffnessShown(c, 0, r); return `${Number.isFinite(k) ? k.toFixed(2) : "–"} of ${number(r.facts.k_desired_n_m_per_rad)} N·m/rad`; }],
   ["Shakes by (last 0.3 s)", (r) => { let low = Infinity, high = -Infinity; r.ring.since(0.3, (i) => { const x = r.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); }); return `${(1e3 * (high - low)).toFixed(2)} mrad`; }],
-  ["Wall's account", (r) => `${(1e3 * r.last.energy_true_j).toFixed(2)} mJ`],
+  ["Absorbed by the wall", (r) => `${(1e3 * r.last.energy_true_j).toFixed(2)} mJ`],
   ["Most the hand got out", (r) => `${(1e3 * r.got).toFixed(2)} mJ`],
   ["Guard's account", (r) => (Number.isNaN(r.last.guard_account_j) ? "no guard" : `${(1e3 * r.last.guard_account_j).toFixed(2)} mJ${["", ", limits", ", off"][r.last.guard_acts]}`)],
   ["Offset", (r) => `${(1e3 * (r.facts.surface_rad - r.last.surface_shifted_rad)).toFixed(1)} mrad`],

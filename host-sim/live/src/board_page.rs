@@ -56,15 +56,15 @@ pub fn render(content: &Content) -> (String, String) {
                 format!("; connect-src {socket}"),
                 String::new(),
                 "When this page is closed or hangs, the program disarms the device.",
-                "This page speaks to the program on this machine and to nothing else.",
+                "This page communicates only with the program on this computer.",
             )
         }
         Way::Serial => (
             " 'wasm-unsafe-eval'",
             String::new(),
             packed_module(),
-            "When this page is closed, it says stop to a device that is on; when it hangs, nobody does: the device then switches itself off after limits.host_silence_s, 2 s as shipped.",
-            "This page speaks to the port that you choose and to nothing else; frames, settings and the model beside the board are the program's own, as WebAssembly.",
+            "When this page is closed, it stops a device that is on. When the page hangs, the device switches itself off after limits.host_silence_s, 2 s as shipped.",
+            "This page communicates only with the port that you choose. It uses the program's own code, as WebAssembly.",
         ),
     };
     let policy = format!(

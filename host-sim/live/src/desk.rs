@@ -100,7 +100,7 @@ pub fn scene(text: &str) -> Result<Scene> {
             Some(word) => {
                 preset = Preset::of_word(word).ok_or_else(|| Error::Option {
                     option: format!("--preset {word}"),
-                    problem: "there is none of this name".into(),
+                    problem: "there is no scene of this name".into(),
                     fix: format!("give {}", Preset::WORDS.join(" or ")),
                 })?;
             }

@@ -31,7 +31,7 @@ pub(crate) fn give(text: String) {
     TEXT.set(text.into_bytes());
 }
 
-/// Removes all bytes from the shared text buffer and returns them.
+/// Returns a copy of the bytes in the shared text buffer.
 pub(crate) fn take_bytes() -> Vec<u8> {
     TEXT.with_borrow(Clone::clone)
 }

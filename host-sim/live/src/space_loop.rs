@@ -139,7 +139,7 @@ impl SpaceChoice {
             let (key, value) = line.split_once('=').unwrap_or((line, ""));
             let wrong = |fix: &str| Error::Option {
                 option: key.to_owned(),
-                problem: format!("`{value}` is no value of it"),
+                problem: format!("`{value}` is not an allowed value"),
                 fix: fix.to_owned(),
             };
             let number = || value.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -193,7 +193,7 @@ impl SpaceChoice {
                     }
                     numbers!(&mut choice.law, take);
                     if !known {
-                        return Err(wrong("there is no such key"));
+                        return Err(wrong("there is no such setting"));
                     }
                 }
             }
@@ -219,7 +219,7 @@ impl SpaceChoice {
                 Shape::Plane(Plane {
                     normal: Direction::of(Vector(along)).ok_or_else(|| Error::Option {
                         option: "normal".to_owned(),
-                        problem: "is no direction".to_owned(),
+                        problem: "is not a direction".to_owned(),
                         fix: "give one that is not 0".to_owned(),
                     })?,
                     height: Position::zero(),

@@ -32,13 +32,13 @@ fn it_is_one_file_small_enough_to_send() {
     let packed = BASE64.decode(module).unwrap();
     let unpacked = miniz_oxide::inflate::decompress_to_vec_zlib(&packed).unwrap();
     assert_eq!(unpacked, MODULE);
-    // The one thing in braces is the description, which is data and not filled in.
+    // The only `{{` that remains is in the description, which is data and no placeholder.
     assert_eq!(page.matches("{{").count(), 1);
 }
 
 #[test]
 fn nothing_comes_from_elsewhere() {
-    // A name of a vocabulary, not an address that is fetched.
+    // The name of an XML namespace, not an address that is fetched.
     let page = page().replace("http://www.w3.org/2000/svg", "");
     for foreign in [
         "http:",

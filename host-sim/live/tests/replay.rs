@@ -87,7 +87,7 @@ fn delay_friction_format_rate_and_grip_are_no_exceptions() {
         ("delay", "timing.computational_delay_s=0.0013"),
         ("ideal", "device.friction=none\nencoder=none"),
         ("number", "law.number=f64"),
-        // What the estimator looks ahead by default is more than two ticks of this rate.
+        // At this rate the estimator's default prediction time is more than two ticks.
         ("rate", "timing.rate_hz=3000\nlaw.states=measured"),
         ("guard", "law.guard.on=true\nlaw.kind=spring"),
         ("grip", "operator.grip=firm\nwall.k_desired_n_m_per_rad=20"),

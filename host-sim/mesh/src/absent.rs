@@ -18,8 +18,8 @@ impl Mesh {
     pub fn read(path: &Path, _unit_m: f64) -> Result<Self> {
         Err(Error::Io {
             path: path.to_owned(),
-            problem: "this program was built without meshes".to_owned(),
-            fix: "build it with its feature, as in cargo run --release --features mesh".to_owned(),
+            problem: "this program was built without the feature for meshes".to_owned(),
+            fix: "build it with `cargo run --release --features mesh`".to_owned(),
         })
     }
 

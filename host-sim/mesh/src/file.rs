@@ -73,14 +73,12 @@ impl Refused {
                 format!("export the object as {}", kind.name()),
             ),
             Self::TooMany { triangles } => (
-                format!(
-                    "its {triangles} triangles are more than the {MOST_TRIANGLES} that are read"
-                ),
+                format!("it has {triangles} triangles; at most {MOST_TRIANGLES} are possible"),
                 fewer,
             ),
             Self::MoreThanRead => (
                 format!(
-                    "has more than the {MOST_TRIANGLES} triangles, or {MOST_VERTICES} vertices, that are read"
+                    "has more than {MOST_TRIANGLES} triangles or {MOST_VERTICES} vertices, which is the limit"
                 ),
                 fewer,
             ),
@@ -230,7 +228,7 @@ impl Faces {
     /// There is no face.
     pub fn finish(self, vertices: Vec<[f32; 3]>, solids: usize) -> Result<Triangles, Refused> {
         if self.triangles.is_empty() {
-            return Err("no face is in it".to_owned().into());
+            return Err("it contains no face".to_owned().into());
         }
         let across = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|at| {

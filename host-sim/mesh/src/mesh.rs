@@ -27,7 +27,7 @@ impl std::fmt::Display for MeshError {
             Self::Vertex { triangle } => {
                 write!(
                     f,
-                    "triangle {triangle} has a vertex that is not there or is no number"
+                    "triangle {triangle} has a vertex that is missing or not a number"
                 )
             }
             Self::TooMany => write!(f, "more than {MOST_TRIANGLES} triangles"),
@@ -214,7 +214,7 @@ impl Face {
         [(a, b - a), (b, c - b), (c, a - c)]
             .into_iter()
             .all(|(corner, edge)| {
-                // As long as the edge, since the normal has length 1. Squares instead of a root.
+                // `inwards` is as long as the edge, because the normal has length 1. Comparing squares avoids a root.
                 let inwards = self.normal.cross(edge);
                 let depth = inwards.dot(point - corner);
                 depth >= 0.0 || depth * depth <= beside_m * beside_m * edge.length_squared()

@@ -53,7 +53,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
             Some(b"o") => objects += 1,
             Some(word) if FREE_FORM.contains(&word) => {
                 let word = Word { bytes: word, line };
-                return Err(word.instead_of("faces: a free form is no mesh").into());
+                return Err(word
+                    .instead_of("faces; a free-form surface is not a mesh")
+                    .into());
             }
             _ => {}
         }

@@ -150,7 +150,8 @@ impl Mesh {
             found.doubled += usize::from(is_same);
         }
         drop(sorted);
-        // Both ends, the lesser first, and in the last bit which way the triangle runs. Places have below 31 bits.
+        // Key of an edge: its two ends, the lesser first, and in the last bit the direction in which the triangle runs. The number
+        // of a place has fewer than 31 bits.
         let mut ways: Vec<u64> = Vec::with_capacity(3 * triangles.len());
         for (number, _) in is_doubled
             .iter()
@@ -168,7 +169,8 @@ impl Mesh {
             let there = edge.iter().filter(|way| **way & 1 == 1).count();
             let back = edge.len() - there;
             found.open += usize::from(edge.len() == 1);
-            // Of more than two triangles at an edge, as where solids touch, only the count must match.
+            // Where more than two triangles meet at an edge, as where solids touch, only the counts of both directions must be
+            // equal.
             found.same_way +=
                 usize::from(edge.len() > 1 && there != back && edge.len().is_multiple_of(2));
         }
@@ -190,13 +192,13 @@ impl Mesh {
         let volume = self.signed_volume_m3();
         if self.solids() > 1 {
             notes.push(format!(
-                "the file has {} solids; all are felt",
+                "the file has {} solids; all of them are used",
                 self.solids()
             ));
         }
         if self.not_convex() > 0 {
             notes.push(format!(
-                "{} of its faces are not convex, and the triangles made of one overlap: export the object as triangles",
+                "{} of its faces are not convex, so their triangles overlap: export the object as triangles",
                 self.not_convex()
             ));
         }
@@ -214,19 +216,19 @@ impl Mesh {
         }
         if edges.open > 0 {
             notes.push(format!(
-                "{} edges belong to one triangle alone: the mesh is open, its front alone is felt",
+                "{} edges belong to one triangle only: the mesh is open, and only its front can be felt",
                 edges.open
             ));
         } else if edges.same_way == 0 && volume < 0.0 {
             notes.push(format!(
-                "its volume is {:.3} cm³: it is inside out, and nothing is felt from outside; flip its normals",
+                "its volume is {:.3} cm³: the mesh is inside out, so it cannot be felt from outside; flip its normals",
                 1e6 * volume
             ));
         } else if edges.same_way == 0
             && let (turned @ 1.., parts) = self.inside_out()
         {
             notes.push(format!(
-                "{turned} of its {parts} parts are inside out by their volume, and nothing of them is felt from outside; flip their normals"
+                "{turned} of its {parts} parts have a negative volume: they are inside out and cannot be felt from outside; flip their normals"
             ));
         }
         let [least, most] = self.bounds_m();
@@ -235,22 +237,22 @@ impl Mesh {
         let mm = |metres: [f64; 3]| metres.map(|value| format!("{:.1}", 1e3 * value)).join(", ");
         if self.size_m() < LEAST_M {
             notes.push(format!(
-                "it is {:.4} mm across: is --mesh-unit-m its unit?",
+                "it is {:.4} mm across: check that --mesh-unit-m is the file's unit",
                 1e3 * self.size_m()
             ));
         } else if (0..3).any(|axis| least[axis] > high[axis] || most[axis] < low[axis]) {
             notes.push(format!(
-                "its box from ({}) to ({}) mm does not meet the device's workspace from ({}) to ({}) mm: nothing is felt; move it, or give --mesh-unit-m",
+                "its box from ({}) to ({}) mm does not meet the device's workspace from ({}) to ({}) mm, so it cannot be felt; move the object, or give --mesh-unit-m",
                 mm(least), mm(most), mm(low), mm(high)
             ));
         } else if (0..3).all(|axis| least[axis] < low[axis] && most[axis] > high[axis]) {
             notes.push(format!(
-                "its box from ({}) to ({}) mm encloses the device's whole workspace: is --mesh-unit-m its unit?",
+                "its box from ({}) to ({}) mm encloses the device's whole workspace: check that --mesh-unit-m is the file's unit",
                 mm(least), mm(most)
             ));
         } else if self.size_m() > MOST_TIMES * reach_m {
             notes.push(format!(
-                "it is {:.0} m across, where the device reaches {reach_m:.3} m: is --mesh-unit-m its unit?",
+                "it is {:.0} m across, but the device reaches only {reach_m:.3} m: check that --mesh-unit-m is the file's unit",
                 self.size_m()
             ));
         }

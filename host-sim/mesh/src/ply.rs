@@ -92,7 +92,7 @@ impl Data<'_> {
                 let word = words.next().ok_or_else(|| place.ends())?;
                 match (*is_new, word.line == *last) {
                     (true, true) => {
-                        return Err(word.instead_of("the end of a line, by its head"));
+                        return Err(word.instead_of("the end of a line, by its header"));
                     }
                     (false, false) => {
                         let wanted = format!("a number of the line before, {}", place.named());
@@ -126,9 +126,13 @@ impl Data<'_> {
         match self {
             Self::Text { words, .. } => words
                 .next()
-                .map(|word| word.instead_of("the end that its counts say")),
-            Self::Binary { rest, .. } => (!rest.is_empty())
-                .then(|| format!("{} bytes are more than its counts say", rest.len())),
+                .map(|word| word.instead_of("the end of the data, by its header's counts")),
+            Self::Binary { rest, .. } => (!rest.is_empty()).then(|| {
+                format!(
+                    "{} bytes follow the data that its header announces",
+                    rest.len()
+                )
+            }),
         }
     }
 }
@@ -231,9 +235,11 @@ fn check(element: &Element) -> Result<(), Refused> {
         "face" if element.count > MOST_TRIANGLES as u64 => Err(Refused::TooMany {
             triangles: element.count,
         }),
-        "tristrips" => Err("its triangles are strips, which are not read"
-            .to_owned()
-            .into()),
+        "tristrips" => Err(
+            "its triangles are strips, which this program does not support"
+                .to_owned()
+                .into(),
+        ),
         _ => Ok(()),
     }
 }
@@ -253,7 +259,7 @@ fn head(bytes: &[u8]) -> Result<(Vec<Element>, Data<'_>), String> {
     loop {
         let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
         let Some(end) = end else {
-            return Err("its head has no end_header".to_owned());
+            return Err("its header has no end_header".to_owned());
         };
         let pair = usize::from(rest[end..].starts_with(b"\r\n"));
         let line = String::from_utf8_lossy(&rest[..end]);
@@ -262,7 +268,7 @@ fn head(bytes: &[u8]) -> Result<(Vec<Element>, Data<'_>), String> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let wrong = || {
             let begin: String = line.chars().take(40).collect();
-            format!("line {number}: \"{begin}\" is no line of a PLY's head")
+            format!("line {number}: \"{begin}\" is not a line of a PLY header")
         };
         let property = |name: &str, length: Option<&str>, kind: &str| {
             let length = match length {
@@ -303,7 +309,7 @@ fn head(bytes: &[u8]) -> Result<(Vec<Element>, Data<'_>), String> {
                         is_big: false,
                     },
                     Some("binary_big_endian") => Data::Binary { rest, is_big: true },
-                    _ => return Err("its head names no format that is known".to_owned()),
+                    _ => return Err("its header names an unknown format".to_owned()),
                 };
                 return Ok((elements, data));
             }

@@ -101,7 +101,8 @@ impl Proxy {
         let mut best: Option<(f64, Face)> = None;
         for face in mesh.tree.near(&way) {
             let (here, there) = (face.height(self.at), face.height(goal));
-            // Only a way from above the triangle (or just below by rounding) to below the distance that it keeps can meet it.
+            // The proxy can only meet the triangle on a way from above it (or from just below it, by rounding) to closer than the
+            // gap.
             if here < -gap || there >= gap * (1.0 - 1e-3) || there >= here {
                 continue;
             }
@@ -144,7 +145,7 @@ fn closest(place: Vector, planes: &[Plane], gap_m: f64) -> Option<Vector> {
         let missing = |plane: &Plane| plane.least - plane.normal.dot(place);
         consider(place + missing(a) * a.normal);
         for (j, b) in planes.iter().enumerate().skip(i + 1) {
-            // `place + u a + v b` on both; where they are parallel, the other plane's own point serves.
+            // The point `place + u a + v b` is on both planes. If they are parallel, the point on one plane alone is used.
             let along = a.normal.dot(b.normal);
             let free = 1.0 - along * along;
             if free > 1e-12 {

@@ -46,7 +46,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
     }
     let there = bytes.len() - HEAD;
     Err(format!(
-        "its count says {told} triangles, {} bytes are there for {}{}",
+        "its header announces {told} triangles, but its {} bytes of data hold {}{}",
         there,
         there / RECORD,
         match there % RECORD {
@@ -138,7 +138,7 @@ fn text(bytes: &[u8]) -> Result<Triangles, Refused> {
         }
     }
     match found.len() {
-        0 => Err("no facet is in it".to_owned().into()),
+        0 => Err("it contains no facet".to_owned().into()),
         _ => Ok(found.finish(solids)),
     }
 }

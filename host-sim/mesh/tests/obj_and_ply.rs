@@ -174,12 +174,12 @@ fn what_is_odd_is_noted_as_of_stl() {
     let arrow = "v 0 0 0\nv 10 40 0\nv 0 30 0\nv -10 40 0\nf 4 1 2 3\n";
     let text = String::from_utf8(ply("ascii")).unwrap();
     for (name, bytes, expected) in [
-        ("a.obj", open, "4 edges belong to one triangle alone"),
+        ("a.obj", open, "4 edges belong to one triangle only"),
         ("a.obj", turned, "4 edges run the same way"),
         (
             "a.obj",
             mirrored,
-            "its volume is -288.000 cm³: it is inside out",
+            "its volume is -288.000 cm³: the mesh is inside out",
         ),
         ("a.obj", twice.clone(), "2 triangles lie on another one"),
         ("a.obj", twice, "has 2 solids"),
@@ -188,7 +188,7 @@ fn what_is_odd_is_noted_as_of_stl() {
             "a.ply",
             text.replace(" -20 255", " -20000 255")
                 .replace(" 0 255", " 9000 255"),
-            "m across, where the device reaches",
+            "m across, but the device reaches only",
         ),
         (
             "a.ply",
@@ -214,8 +214,8 @@ fn what_is_wrong_is_refused_at_its_place() {
     let binary = ply("binary_little_endian");
     let of = |from: &str, to: &str| text.replacen(from, to, 1).into_bytes();
     for (name, bytes, expected) in [
-        ("a.obj", Vec::new(), "no OBJ: no face is in it"),
-        ("a.obj", b"<!DOCTYPE html>".to_vec(), "no face is in it"),
+        ("a.obj", Vec::new(), "no OBJ: it contains no face"),
+        ("a.obj", b"<!DOCTYPE html>".to_vec(), "it contains no face"),
         (
             "a.obj",
             plain.replace("f 5 6 7 8", "f 5 6 7 9").into_bytes(),
@@ -266,39 +266,39 @@ fn what_is_wrong_is_refused_at_its_place() {
         (
             "a.obj",
             format!("{plain}surf 0 1 0 1 1 2\n").into_bytes(),
-            "a free form is no mesh",
+            "a free-form surface is not a mesh",
         ),
-        ("a.ply", Vec::new(), "no PLY: its head has no end_header"),
+        ("a.ply", Vec::new(), "no PLY: its header has no end_header"),
         (
             "a.ply",
             b"solid a\nend_header\n".to_vec(),
             "its first line is not \"ply\"",
         ),
-        ("a.ply", of("ascii", "ebcdic"), "no format that is known"),
+        ("a.ply", of("ascii", "ebcdic"), "an unknown format"),
         (
             "a.ply",
             of("vertex 8", "vertex 9"),
-            "line 22: \"1\" instead of the end of a line, by its head",
+            "line 22: \"1\" instead of the end of a line, by its header",
         ),
         (
             "a.ply",
             of("vertex 8", "vertex -8"),
-            "line 4: \"element vertex -8\" is no line",
+            "line 4: \"element vertex -8\" is not a line",
         ),
         (
             "a.ply",
             of("vertex 8", "vertex 3000001"),
-            "more than the 1000000 triangles, or 3000000 vertices",
+            "more than 1000000 triangles or 3000000 vertices",
         ),
         (
             "a.ply",
             of("face 6", "face 4000000000"),
-            "its 4000000000 triangles are more than the 1000000 that are read; export",
+            "it has 4000000000 triangles; at most 1000000 are possible; export",
         ),
         (
             "a.ply",
             of("face 6", "face 5"),
-            "instead of the end that its counts say",
+            "instead of the end of the data, by its header's counts",
         ),
         (
             "a.ply",
@@ -323,7 +323,7 @@ fn what_is_wrong_is_refused_at_its_place() {
         (
             "a.ply",
             of("4 4 5 6 7", "4 4 5 6 8"),
-            "has a vertex that is not there",
+            "has a vertex that is missing",
         ),
         (
             "a.ply",
@@ -338,12 +338,12 @@ fn what_is_wrong_is_refused_at_its_place() {
         (
             "a.ply",
             of("-60 -60.0", "1e39 -60.0"),
-            "has a vertex that is not there or is no number",
+            "has a vertex that is missing or not a number",
         ),
         (
             "a.ply",
             of("element edge", "element tristrips"),
-            "strips, which are not read",
+            "strips, which this program does not support",
         ),
         (
             "a.ply",
@@ -353,7 +353,7 @@ fn what_is_wrong_is_refused_at_its_place() {
         (
             "a.ply",
             [&binary[..], b"..."].concat(),
-            "3 bytes are more than its counts say",
+            "3 bytes follow the data that its header announces",
         ),
     ] {
         let error = read(name, &bytes).expect_err(expected);
@@ -389,11 +389,11 @@ fn more_triangles_than_are_read_are_refused_by_number() {
     assert_eq!(refused, MeshError::TooMany);
     let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(many));
     let error = read("a.obj", text).unwrap_err();
-    assert!(error.contains("more than the 1000000 triangles"), "{error}");
+    assert!(error.contains("more than 1000000 triangles"), "{error}");
     let facet =
         "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
     let error = read("a.stl", format!("solid\n{}endsolid", facet.repeat(many))).unwrap_err();
-    assert!(error.contains("more than the 1000000 triangles"), "{error}");
+    assert!(error.contains("more than 1000000 triangles"), "{error}");
 
     // Only the first bytes of this binary STL file are read; the rest of the file is sparse.
     let file = std::env::temp_dir().join(format!("touchstone-many-{}.stl", std::process::id()));
@@ -408,7 +408,7 @@ fn more_triangles_than_are_read_are_refused_by_number() {
         .unwrap();
     let error = Mesh::read(&file, 1e-3).unwrap_err().to_string();
     assert!(
-        error.contains("its 1000001 triangles are more than the 1000000 that are read; export the object with fewer triangles"),
+        error.contains("it has 1000001 triangles; at most 1000000 are possible; export the object with fewer triangles"),
         "{error}"
     );
     std::fs::File::options()
@@ -418,9 +418,6 @@ fn more_triangles_than_are_read_are_refused_by_number() {
         .set_len(9_000_000_000)
         .unwrap();
     let error = Mesh::read(&file, 1e-3).unwrap_err().to_string();
-    assert!(
-        error.contains("longer than the 128 MB that are read"),
-        "{error}"
-    );
+    assert!(error.contains("larger than 128 MB, the limit"), "{error}");
     std::fs::remove_file(file).unwrap();
 }

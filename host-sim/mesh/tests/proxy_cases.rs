@@ -89,7 +89,7 @@ fn case_1_no_pop_through_a_thin_plate() {
         mm(0., 0., 0.05),
     ];
     assert!(apart(last(&along(&plate, &around, 100)).1, mm(0., 0., -0.1)) < NEAR);
-    // A rule of the closest point fails here by jumping to the other side, so the case is a real test.
+    // Without the earlier positions the hand counts as outside here, on the plate's other side. So the case is a real test.
     let hand = mm(4., -2., -0.6);
     assert!(apart(Proxy::new(&plate, hand).follow(&plate, hand), hand) < NEAR);
 }
@@ -127,7 +127,7 @@ fn case_3_in_a_concave_corner_it_lies_on_the_crease() {
             "the force lies in the plane of both normals"
         );
     }
-    // Far to one side only that plane holds it.
+    // Far to one side, only the plane of that side stops the proxy.
     let mesh = valley(0.6).mesh();
     let (hand, proxy) = last(&along(&mesh, &[mm(10., 0., 10.), mm(10., 0., 5.)], 50));
     let normal = Vector::new(-0.6_f64.sin(), 0.0, 0.6_f64.cos());

@@ -103,32 +103,32 @@ fn what_is_no_stl_is_refused_by_what_it_is() {
         (
             "empty-solid",
             b"solid a\nendsolid a\n".to_vec(),
-            "no facet is in it",
+            "it contains no facet",
         ),
         (
             "less",
             binary(b"x", 6, &slab()),
-            "its count says 6 triangles, 600 bytes are there for 12",
+            "its header announces 6 triangles, but its 600 bytes of data hold 12",
         ),
         (
             "none",
             binary(b"x", 0, &slab()),
-            "its count says 0 triangles",
+            "its header announces 0 triangles",
         ),
         (
             "huge",
             binary(b"x", u32::MAX, &slab()),
-            "its count says 4294967295 triangles, 600 bytes",
+            "its header announces 4294967295 triangles, but its 600 bytes",
         ),
         (
             "cut",
             good[..good.len() - 30].to_vec(),
-            "for 11 and 20 bytes more",
+            "hold 11 and 20 bytes more",
         ),
         (
             "tail",
             [&good[..], &[0; 120]].concat(),
-            "for 14 and 20 bytes more",
+            "hold 14 and 20 bytes more",
         ),
         (
             "html",
@@ -204,7 +204,7 @@ fn what_is_odd_is_noted_by_its_number() {
         (
             "inverted",
             inverted,
-            "its volume is -288.000 cm³: it is inside out",
+            "its volume is -288.000 cm³: the mesh is inside out",
         ),
         ("half", half, "edges run the same way in both triangles"),
         (
@@ -225,12 +225,12 @@ fn what_is_odd_is_noted_by_its_number() {
         (
             "open",
             slab()[1..].to_vec(),
-            "3 edges belong to one triangle alone",
+            "3 edges belong to one triangle only",
         ),
         (
             "sheet",
             slab()[..2].to_vec(),
-            "4 edges belong to one triangle alone",
+            "4 edges belong to one triangle only",
         ),
         (
             "far",
@@ -247,12 +247,12 @@ fn what_is_odd_is_noted_by_its_number() {
         (
             "one-of-two",
             [slab(), turned_all(button)].concat(),
-            "1 of its 2 parts are inside out",
+            "1 of its 2 parts have a negative volume",
         ),
         (
             "kilometres",
             moved(0.0, 1e6),
-            "it is 170880 m across, where the device reaches 0.208 m",
+            "it is 170880 m across, but the device reaches only 0.208 m",
         ),
         (
             "huge",

@@ -30,23 +30,23 @@ const PART: usize = 1 << 16;
 static PIPES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 
 fn too_long(most: u64) -> Error {
-    let problem = format!("is longer than the {} MB that are read", most / 1_000_000);
+    let problem = format!("is larger than {} MB, the limit", most / 1_000_000);
     Error::new(ErrorKind::FileTooLarge, problem)
 }
 
-/// First bytes of files that are no text in UTF-8, each with what the file is.
+/// First bytes of files that are not UTF-8 text, each with a description of the file's type.
 const KINDS: [(&[u8], &str); 5] = [
     (b"\x89PNG", "a PNG picture"),
     (
         b"PK\x03\x04",
-        "a zip archive, as a spreadsheet's own file and 3MF are",
+        "a zip archive, such as a spreadsheet's file or 3MF",
     ),
     (b"\x1f\x8b", "compressed by gzip"),
     (b"\xff\xfe", "text in UTF-16"),
     (b"\xfe\xff", "text in UTF-16"),
 ];
 
-/// Kind of a file that is no text, by its first bytes; `None` for an unknown kind.
+/// Type of a file that is not text, by its first bytes; `None` for an unknown type.
 #[must_use]
 pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
     let found = KINDS.iter().find(|(begin, _)| bytes.starts_with(begin));
@@ -81,7 +81,7 @@ fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     if let Some(bytes) = pipes.get(path) {
         return Ok(bytes.clone());
     }
-    // The type is asked for without opening the file, because opening a pipe waits for a program that writes to it.
+    // The file's type is read without opening the file, because opening a pipe waits for a program that writes to it.
     let meta = std::fs::metadata(path)?;
     if meta.is_file() {
         // A regular file's length is known, so a file that is too long is refused before reading.
@@ -125,7 +125,7 @@ fn waited_for(path: &Path, most: u64, text: bool, wait: Duration) -> Result<Vec<
     let (sender, receiver) = channel();
     let path = path.to_owned();
     std::thread::spawn(move || {
-        // Sending fails where the wait has ended.
+        // Sending fails if the receiver has stopped waiting; the error is ignored.
         let came = || drop(sender.send(None));
         let done = parts(&path, most, text, 0, came);
         drop(sender.send(Some(done)));
@@ -174,13 +174,13 @@ mod tests {
         assert_eq!(endless.kind(), ErrorKind::FileTooLarge);
 
         let file = std::env::temp_dir().join(format!("touchstone-input-{}", std::process::id()));
-        // A sparse file of ten gigabytes takes no room, and is refused at once.
+        // A sparse file of ten gigabytes takes no space on the disk, and is refused without being read.
         File::create(&file)
             .unwrap()
             .set_len(10_000_000_000)
             .unwrap();
         let long = text(&file, MOST_OF_SETTINGS).unwrap_err().to_string();
-        assert_eq!(long, "is longer than the 4 MB that are read");
+        assert_eq!(long, "is larger than 4 MB, the limit");
         std::fs::write(&file, "a".repeat(1000)).unwrap();
         assert_eq!(text(&file, 1000).unwrap().len(), 1000);
         assert!(text(&file, 999).is_err());
@@ -194,7 +194,7 @@ mod tests {
             (b"\x1f\x8b\x08", "it is compressed by gzip"),
             (
                 b"PK\x03\x04\0",
-                "it is a zip archive, as a spreadsheet's own file and 3MF are",
+                "it is a zip archive, such as a spreadsheet's file or 3MF",
             ),
             (b"a\nGr\xf6\xdfe\n", "line 2 has the byte 0xf6"),
             (b"a\nb\n\0", "line 3 has the byte 0x00"),
@@ -216,7 +216,7 @@ mod tests {
         }
         let error = waited_for(&pipe, 100, true, Duration::from_millis(50)).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::TimedOut);
-        // The first thread still waits for the pipe; a second pipe is read by one thread alone.
+        // The first thread still waits for the removed pipe. A second pipe is read by only one thread.
         std::fs::remove_file(&pipe).unwrap();
         std::process::Command::new("mkfifo")
             .arg(&pipe)

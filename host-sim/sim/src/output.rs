@@ -26,7 +26,7 @@ pub enum Found {
     Left(Beside),
     /// Its process is still running.
     InUse,
-    /// It is no regular file, it cannot be opened, or the file system has no locks.
+    /// The file is not a regular file, it cannot be opened, or the file system has no locks.
     Unknown,
 }
 
@@ -360,8 +360,8 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// Tests that several threads write one file at once. Each of them takes the others' temporary files for ones in use, and none
-    /// deletes them.
+    /// Tests that several threads can write one file at the same time. Each of them sees that the others' temporary files are in
+    /// use, and deletes none of them.
     #[test]
     fn many_at_once_do_not_delete_each_others_files() {
         let folder = folder("many");

@@ -1,4 +1,5 @@
-//! Numbered positions of a knob, for programs that use the knob as a selector: the detent in which it is, with hysteresis.
+//! Numbered positions of a knob, for programs that use the knob as a selector. Finds the position in which the knob is, with
+//! hysteresis.
 
 use crate::scene::{Environment, TorqueProfile};
 use std::f64::consts::TAU;
@@ -65,7 +66,7 @@ impl Positions {
             angles_rad.get(..angles_rad.len().min(MOST_LISTED))?,
         );
         let gaps = angles_rad.windows(2).map(|pair| pair[1] - pair[0]);
-        // A single position has no neighbour; a turn beside it the knob is a turn away.
+        // A single position has no neighbour, so the distance is set to a whole turn.
         let pitch_rad = gaps.reduce(f64::min).unwrap_or(TAU);
         let mut positions = Self::every(pitch_rad, *first);
         positions.listed.1 = angles_rad.len();
@@ -162,7 +163,7 @@ impl Positions {
         let before = self.now;
         let now = match before.map(|now| now as f64) {
             Some(now) if (way - now).abs() <= reach => now,
-            // The position that a slow turn would have reached: a fast one may end on a ridge, where it has to turn back as far.
+            // The position that a slow turn to this angle would give. So the hysteresis also holds after a fast turn to a ridge.
             Some(now) if way > now => (way - reach).ceil(),
             Some(_) => (way + reach).floor(),
             None => way.round(),
@@ -239,7 +240,7 @@ impl Positions {
         })
     }
 
-    /// The numbers of the first and the last position between the end stops.
+    /// The numbers of the first and the last position; `None` without end stops or a list.
     #[must_use]
     pub fn numbers(&self) -> Option<(i64, i64)> {
         self.ends
@@ -288,8 +289,7 @@ fn rests(profile: &TorqueProfile) -> Vec<f64> {
 /// The least torque on either side of a rest, as a fraction of the profile's strength.
 const LEAST_PUSH: f64 = 0.1;
 
-/// The point of a torque profile at which the knob comes to rest, as a fraction (0 to 1) of the profile's length. It is the point of
-/// least energy.
+/// The point of least energy in a torque profile, at which the knob comes to rest, as a fraction (0 to 1) of the profile's length.
 fn deepest(points: &[f64]) -> f64 {
     let whole = |point: &f64| (point * f64::from(WHOLE)).round() as i64;
     let (mut height, mut least, mut place) = (0_i64, 0, 0);
@@ -369,7 +369,7 @@ mod tests {
         assert_eq!((place.position, place.change), (57, 0));
         assert!((place.beside - 0.1).abs() < 1e-9);
         assert_eq!(positions.take(0.12).unwrap().position, 58);
-        // A dial's number is that of the place.
+        // Between end stops, as on a dial, the angle alone gives the number.
         let mut dial = Positions::of(&dial()).unwrap();
         dial.take(5.0 * dial.pitch_rad);
         let place = dial.settle(2.0 * dial.pitch_rad, dial.number());
@@ -421,7 +421,7 @@ mod tests {
             assert_eq!(place.map(|it| it.position), wanted, "{angle}");
         }
         assert_eq!([0, 3].map(|it| positions.angle_of(it)), [-1.0, 2.0]);
-        // A board has the list as a profile alone, and rests at the same angles.
+        // A board stores the list as a torque profile. In the profile the knob rests at the same angles.
         let drawn = Environment {
             profile: around.acting_profile().map(std::borrow::Cow::into_owned),
             ..Environment::default()
@@ -432,7 +432,7 @@ mod tests {
             let off = on_board.angle_of(i) - positions.angle_of(i);
             assert!(off.abs() < 1e-9, "{i}: {off}");
         }
-        // An end stop leaves out what is beyond it.
+        // Positions beyond an end stop are left out.
         let stopped = Environment {
             endstops: Some(Endstops {
                 lower_rad: -0.2,

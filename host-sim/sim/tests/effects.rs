@@ -92,7 +92,7 @@ fn an_effect_of_no_amplitude_is_its_absence_to_the_bit() {
     let sticky = with(&ideal(), &["device.friction.kinetic_n_m=1e-3"]);
     for set in [
         "device.friction.asymmetry_n_m=0",
-        // A friction curve whose two levels are equal.
+        // A Stribeck velocity has no effect if static and kinetic friction are equal.
         "device.friction.stribeck_rad_per_s=0.1",
     ] {
         assert!(bits(&sticky) == bits(&with(&sticky, &[set])), "{set}");
@@ -412,14 +412,14 @@ fn contradictions_are_refused_where_they_are_written() {
                 "operator.grip=none",
                 "operator.tremor.amplitude_rad=0.1",
             ],
-            "nobody holds",
+            "no hand holds",
         ),
         (
             &[
                 "device.cogging.torque_n_m=1e-3",
                 "plant.integrator=implicit-euler",
             ],
-            "no integrator knows",
+            "only the exact integrator supports",
         ),
         (
             &[
@@ -427,7 +427,7 @@ fn contradictions_are_refused_where_they_are_written() {
                 "device.friction.asymmetry_n_m=1e-4",
                 "plant.integrator=implicit-euler",
             ],
-            "no integrator knows",
+            "only the exact integrator supports",
         ),
     ] {
         let message = refusal(sets);
@@ -435,11 +435,11 @@ fn contradictions_are_refused_where_they_are_written() {
     }
 }
 
-/// Text of the warning that the energy guard is told too small an error of the sensor.
+/// Text of the warning that the energy guard is configured for a smaller error than the sensor's; `None` without the warning.
 fn told_too_little(scene: &Scene) -> Option<String> {
     let all = run::spoken_warnings(scene).unwrap().into_iter();
     let mut all = all.map(|warning| warning.to_string());
-    all.find(|text| text.contains("the energy guard is told an error of"))
+    all.find(|text| text.contains("the energy guard is configured for an encoder error of"))
 }
 
 #[test]

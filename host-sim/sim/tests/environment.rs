@@ -58,7 +58,7 @@ fn a_knob_thrown_either_way_does_the_mirror_image_to_the_bit() {
                 let mirrored = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| *a == -b);
                 assert!(mirrored(&there.angle_rad, &back.angle_rad), "{sets:?}");
                 assert!(mirrored(&there.force_n_m, &back.force_n_m), "{sets:?}");
-                // The knob reaches the wall at 0.3 rad and is thrown back.
+                // The knob reaches the wall at 0.3 rad and moves back.
                 let reached = |most: f64| there.angle_rad.iter().any(|x| *x > most);
                 assert!(reached(0.3) && there.angle_rad.iter().any(|x| *x < 0.25));
             }
@@ -149,9 +149,8 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
         let at = end(&[&format!("device.initial_angle_rad={from}")]);
         assert!((at - rest).abs() < 2.0 * count, "{from}: {at} for {rest}");
     }
-    // A steady torque below the detent's strength is held, at the angle that the triangle gives; a larger one turns over the ridge.
-    // An imbalance with
-    // a suitable phase gives such a torque.
+    // A steady torque below the detent's strength is held, at the angle that the triangle gives. A larger torque turns the knob
+    // over the ridge. An imbalance with a suitable phase gives such a torque.
     let pushed = |torque: f64| {
         let imbalance = format!("device.imbalance.torque_n_m={torque}");
         let phase = format!(

@@ -131,7 +131,7 @@ fn a_hold_that_is_too_short_shows_nothing() {
         assert_eq!(run.verdict, Verdict::NotJudged, "{run:?}");
         let why = run.not_judged.unwrap();
         assert!(
-            why.starts_with("only ") && why.ends_with("20 ms are the least"),
+            why.starts_with("the run shows only ") && why.ends_with("at least 20 ms are needed"),
             "{why}"
         );
     }

@@ -1,6 +1,6 @@
 //! Tests that runs of one scene's variants read a recording once, and that a changed file is read again.
 //!
-//! The test has a program of its own, because the kept recording is the process' last one.
+//! The test is a separate program, because a process keeps only the recording that it read last.
 
 use std::fs::File;
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime};
 use touchstone_sim::run;
 use touchstone_sim::scene::{Recording, Scene};
 
-/// Writes a recording of a hand that goes to and fro by `amplitude_rad`, and makes the file a minute old.
+/// Writes a recording of a hand that jumps between 0 and `amplitude_rad`, and sets the file's time a minute back.
 fn write(file: &Path, amplitude_rad: &str) {
     let mut text = String::from("time_s,angle_rad\n");
     for sample in 0..100 {
@@ -45,12 +45,12 @@ fn variants_of_a_scene_read_a_recording_once() {
     write(&file, "0.2");
     let changed = Recording::read(&file).unwrap();
     assert_eq!(changed.angles_rad()[1], 0.2);
-    // A file that has just changed is read each time: the next change may have the same time.
+    // A file that has just changed is always read again, because a second change could leave the file's time the same.
     std::fs::write(&file, "time_s,angle_rad\n0,0\n1,1\n").unwrap();
     assert_eq!(Recording::read(&file).unwrap().angles_rad()[1], 1.0);
     std::fs::write(&file, "time_s,angle_rad\n0,0\n1,2\n").unwrap();
     assert_eq!(Recording::read(&file).unwrap().angles_rad()[1], 2.0);
-    // One that is gone is not taken from memory.
+    // A deleted file is an error: the kept recording is not used.
     std::fs::remove_file(&file).unwrap();
     assert!(Recording::read(&file).is_err());
     std::fs::remove_dir_all(folder).unwrap();

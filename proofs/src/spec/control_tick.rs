@@ -44,7 +44,7 @@ pub trait Parts {
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress;
     /// Ends the calibration, so that the next tick does not run it.
     fn calibration_over(&mut self);
-    /// Puts waiting new settings in force; returns whether any were waiting.
+    /// Applies new settings that are waiting; returns whether any were waiting.
     fn changes_over(&mut self) -> bool;
     /// Shaft's speed in rad/s, with 16 fractional bits.
     fn speed(&mut self) -> i32;
@@ -56,7 +56,7 @@ pub trait Parts {
     fn temperature(&mut self) -> Option<Celsius>;
     /// Penetration into the wall at an encoder count.
     fn penetration(&mut self, count: i64) -> i32;
-    /// Whether the encoder is also read when the force changes.
+    /// Whether the encoder is read a second time when the force changes.
     fn measures_change(&self) -> bool;
     /// Displacement since the force changed. Of the tick's displacement, `until` passed before the second encoder reading and
     /// `from` after it.
@@ -67,7 +67,7 @@ pub trait Parts {
     fn law(&mut self, e: i32, at_change: Option<i32>) -> i32;
     /// The law's internal values, for telemetry.
     fn view(&mut self) -> View<Fixed32>;
-    /// Reports to the law the force that was commanded in the end.
+    /// Reports to the law the force that was finally commanded.
     fn commanded(&mut self, force: i32);
     /// Reports to the law that the force is switched off.
     fn switched_off(&mut self);
@@ -75,7 +75,7 @@ pub trait Parts {
     fn is_tripped(&mut self) -> bool;
     /// Whether a position is so deep inside the wall, near the end of the range of positions, that the guard allows no force.
     fn is_beyond_reach(&mut self, e: i32) -> bool;
-    /// Force from which on a tick counts as being at the force limit.
+    /// Smallest force at which a tick counts as being at the force limit.
     fn force_limit(&self) -> i32;
     /// Growth per tick of the fraction of the torque that is commanded while the force fades in.
     fn fade_step(&self) -> u32;

@@ -30,7 +30,7 @@ pub struct Enhanced {
     /// Whether the stored energy counts the next displacement of the virtual mass (exact observer) instead of its last one
     /// (thesis).
     pub exact: bool,
-    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// Whether the force stays the same at the end of the contact's first phase (thesis 2.16, 2.17); otherwise the offset starts at
     /// zero.
     pub keep_force: bool,
     /// Inertia of the virtual mass over the control period squared, in the number format of stiffnesses.
@@ -41,10 +41,9 @@ pub struct Enhanced {
     /// stiffnesses.
     pub damping: Int,
     /// Sum of the virtual mass' inertia, coupling stiffness, coupling damping and ground damping per tick, in the number format of
-    /// stiffnesses. The driving force divided by it is the mass' displacement.
+    /// stiffnesses. The mass' displacement is the net force divided by this sum.
     pub total: Int,
-    /// Sum of the stiffness that couples hand's point and virtual mass and of the soft spring's stiffness, in the number format of
-    /// stiffnesses.
+    /// Sum of the coupling's stiffness and the soft spring's stiffness, in the number format of stiffnesses.
     pub series: Int,
     /// Energy lent to each contact, in steps of the energy format.
     pub credit: Int,
@@ -73,7 +72,7 @@ pub struct Memory {
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,
-    /// Force of the wall at the hand's point (HIP), without the force of the damper that is added to it.
+    /// Force of the wall at the hand's point (HIP), without the force of the parallel damper.
     pub force: Int,
     /// Energy that the law may still give, the lent energy included.
     pub energy: Int,
@@ -87,12 +86,12 @@ pub struct Memory {
     pub at_mass: Int,
 }
 
-/// The force that pushes out of the wall, from an unrounded one; rounded down, and 0 if it would pull.
+/// The force that pushes out of the wall, from an unrounded force: rounded down, and 0 if it would pull.
 fn outward(tension: Int) -> Int {
     (tension.max(0) >> GAIN).min(HIGHEST)
 }
 
-/// The force that pushes out of the wall, from an unrounded one; rounded up, and 0 if it would pull.
+/// The force that pushes out of the wall, from an unrounded force: rounded up, and 0 if it would pull.
 fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
@@ -176,7 +175,8 @@ impl Enhanced {
         } else {
             (per(times(self.coupling, e), self.series), 0)
         };
-        // Energy of the coupling: half of its force times its stretch, both rounded up. A force beyond the format is not covered.
+        // Energy of the coupling: half of its force times its stretch, both rounded up. If the force is beyond the format, the
+        // contact's energy counts as too small for it.
         let stretch = size(signal(e - mass));
         let tension = times(self.coupling, stretch);
         let stored = (times(outward_up(tension), stretch) + 1) >> 1;
@@ -221,8 +221,8 @@ impl Enhanced {
         signal(changed).max(0)
     }
 
-    /// Displacement of the virtual mass: driving force less the wall's force, over the sum of coefficients. Rounded towards zero
-    /// and limited to the range of positions.
+    /// Displacement of the virtual mass: driving force minus the wall's force, divided by the sum of coefficients. It is rounded
+    /// towards zero and limited to the range of positions.
     fn displacement(&self, from: Int, drive: Int, force: Int) -> Int {
         let step = per(drive - (force << GAIN), self.total);
         signal(signal(from + step) - from)
@@ -289,8 +289,8 @@ impl Enhanced {
         Some(0)
     }
 
-    /// Energy, force and displacement of the virtual mass such that the stored energy plus the work of the displacement is not
-    /// negative.
+    /// Energy, force and displacement of the virtual mass in a tick. They are such that the stored energy plus the work of the
+    /// displacement is not negative.
     #[must_use]
     pub fn paid_move(&self, energy: Int, mass: Int, drive: Int, wanted: Int) -> (Int, Int, Int) {
         let step = self.displacement(mass, drive, wanted);

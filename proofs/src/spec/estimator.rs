@@ -1,8 +1,8 @@
 //! Specification of a tick of the state estimator. Read it beside the equations in the header of `control/src/estimator/mod.rs`.
 //!
-//! States are displacements with 54 fractional bits. A factor of a state is called its weight. Only the state's leading digits are
-//! multiplied (its *part*): 28 fractional bits of a motion, 24 of a torque. A weight has the fractional bits that are missing to
-//! 54, so every product is a state without any rounding.
+//! States are displacements with 54 fractional bits. A weight is a factor of a state. Only the leading digits of a state, its
+//! *part*, are multiplied: 28 fractional bits of a motion, 24 of a torque. A weight has the fractional bits that are missing to 54,
+//! so every product is a state without rounding.
 
 use super::{Int, signal};
 
@@ -29,7 +29,7 @@ pub struct Motion {
     pub x: Int,
     /// Estimated displacement per tick.
     pub d: Int,
-    /// Push of the hand: the change of the displacement per tick that it causes in a tick.
+    /// Push of the hand as an acceleration: by how much it changes the displacement per tick in one tick.
     pub g: Int,
 }
 

@@ -1,7 +1,7 @@
-//! The specification of `EstimatorSettings::estimator`, which computes the estimator's coefficients. Read it beside the equations
-//! in the header of `control/src/estimator/mod.rs`.
+//! Specification of `EstimatorSettings::estimator`, which computes the estimator's coefficients. Read it beside the equations in
+//! the header of `control/src/estimator/mod.rs`.
 //!
-//! Between setting and coefficient a number has 56 fractional bits and a range of ±128, and saturates.
+//! Between settings and coefficients, numbers have 56 fractional bits and a range of ±128, and saturate.
 
 use super::estimator::{Estimator, Flow};
 use super::settings::{MOST, ONE, between, over, signal_fits, signal_of, times};

@@ -28,8 +28,8 @@ pub struct Memory {
     pub inside: bool,
 }
 
-/// Square root rounded down, 0 for a negative `x`, at most the highest position or force plus 1. It halves an interval, where the
-/// code calculates digit by digit.
+/// Square root rounded down, at most the highest position or force plus 1; 0 for a negative `x`. This function halves an interval,
+/// while the code calculates digit by digit.
 #[must_use]
 pub fn root(x: Int) -> Int {
     let (mut low, mut high) = (0, HIGHEST + 2);
@@ -61,7 +61,7 @@ impl Fba {
             return (Memory::default(), 0);
         }
         let moved = moved.min(e);
-        // (2.6a), and (2.10) for what may be shown of the force that the spring wants.
+        // (2.6a); then (2.10) for the part of the spring's force that is allowed.
         let energy =
             memory.energy + times(memory.force, moved) + damping_loss(self.device_damping, moved);
         let energy = energy.min(self.energy_cap);

@@ -27,9 +27,9 @@ pub struct Friction {
     pub kinetic: Int,
 }
 
-/// The friction in a unit of length of which `per_metre` make a metre, for a device with a control rate in Hz and a damping. `None`
-/// unless the stiffness is above 0 and at most twice the damping per tick, the coefficients are `0 <= kinetic <= fixed <= 10`, and
-/// all results fit.
+/// The friction's coefficients in a unit of length of which `per_metre` make a metre, for a device with a control rate in Hz and a
+/// damping. `None` unless the stiffness is above 0 and at most twice the damping per tick, the coefficients are `0 <= kinetic <=
+/// fixed <= 10`, and all results fit.
 #[must_use]
 pub fn made(set: &Settings, per_metre: Int, rate: Int, damping: Int) -> Option<Friction> {
     let most = times(times(damping, rate * ONE), 2 * ONE);

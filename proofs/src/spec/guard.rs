@@ -1,12 +1,11 @@
-//! Specification of a tick of the energy guard. Line by line it is the tick of `proofs/coq/Guard.v`, which the guard's theorem is
-//! about.
+//! Specification of a tick of the energy guard. It follows line by line `proofs/coq/Guard.v`, the subject of the guard's theorem.
 
 use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 
 /// The guard's coefficients, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
-    /// Most energy that the account holds.
+    /// Capacity: most energy that the account holds.
     pub capacity: Int,
     /// Energy that the refill power adds to the account per tick.
     pub refill: Int,
@@ -25,7 +24,7 @@ pub struct Guard {
     /// Largest force for each unit of free energy, in the number format of stiffnesses: the inverse of the largest displacement
     /// plus a count.
     pub per_reach: Int,
-    /// Largest displacement under a force after the sample that ends it, plus half an encoder count.
+    /// Largest displacement for which the present force may act after the next sample, plus half an encoder count.
     pub in_flight: Int,
     /// Energy charged at overspeed per squared force, in the number format of ratios.
     pub overrun: Int,
@@ -54,7 +53,7 @@ impl Guard {
         times(times(self.damping, surely) >> GAIN, surely)
     }
 
-    /// Most energy that a force may still cost after the next sample.
+    /// Most energy that a force may still cost after the next sample (the reserve).
     fn reserve(&self, force: Int) -> Int {
         times(force.abs(), self.in_flight)
     }
@@ -77,7 +76,7 @@ impl Guard {
             + self.damped(moved.abs())
     }
 
-    /// Most energy that the hand can have gained from the acting forces until they are off.
+    /// Most energy that the hand can have gained, at overspeed, from the acting forces until they end.
     fn lost(&self, memory: &Memory) -> Int {
         let size = memory.force.abs().max(memory.older.abs());
         let over = (times(self.overrun, size) >> SIGNAL).min(HIGHEST);
@@ -114,8 +113,8 @@ impl Guard {
         (after, true)
     }
 
-    /// The guard's memory after the force was switched off. If a tick has ended the force, the account is reduced by what the older
-    /// force may still cost. Otherwise the account becomes at most 0.
+    /// The guard's memory after the force was switched off. If the last tick commanded no force, the account is reduced by what the
+    /// older force may still cost. Otherwise the account becomes at most 0.
     #[must_use]
     pub fn switched_off(&self, memory: &Memory) -> Memory {
         Memory {

@@ -1,5 +1,5 @@
-//! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. The theorems there state that accepted
-//! settings satisfy what the guard's properties assume, and what the energy theorem requires for the given device.
+//! Specification of `Guard::new`, line by line as in `proofs/coq/GuardSettings.v`. The theorems there state that accepted settings
+//! satisfy what the guard's properties assume, and what the energy theorem requires for the given device.
 
 use super::guard::Guard;
 use super::settings::{
@@ -62,8 +62,8 @@ fn rate(told: &Told) -> Int {
     (told.rate * ONE).min(MOST)
 }
 
-/// The settings with the sum of delay and lag limited to one tick, rounded down. Settings within their ranges can exceed a tick by
-/// at most 2^-32 s.
+/// The settings with the sum of delay and lag limited to one tick, rounded down. Accepted settings can exceed a tick by at most
+/// 2^-32 s.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
@@ -87,13 +87,14 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     if !each {
         return false;
     }
-    // Settings are read to the nearest digit, and the quotient is rounded down.
+    // Settings are rounded to the nearest digit, while this quotient is rounded down.
     let tick = over(ONE, rate(told)) + 1;
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
-/// Whether there is each of two warnings for settings within their ranges. First: the account does not cover the largest force over
-/// the largest displacement, with the part after the next sample and half a count. Second: the account is never refilled.
+/// The two warnings for settings within their ranges, each `true` if it applies. First: the capacity is less than the work of the
+/// largest force over the largest displacement, the part after the next sample, and half a count. Second: the account is never
+/// refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let set = within_a_tick(set, told);
@@ -121,13 +122,13 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let reach = plus(distance, told.count);
     let late = times(plus(set.delay, set.lag), rate);
 
-    // The energy in flight is rounded up by one step of the number format and a little. Each position that it is measured with is
+    // The energy in flight is rounded up by a little more than one step of the number format. Each of the two positions in it is
     // rounded up by one more step.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
     let per_reach = over(ONE, plus(reach, rounded)).min(over(ROOM, set.capacity));
     let largest_change = (plus(times(set.capacity, per_reach), UP) * 2).min(MOST);
 
-    // `mean`: mean time for which the old force may still act. `span`: the time in which that can be.
+    // `mean`: mean time for which the old force still acts. `span`: the time in which it may act.
     let (span, mean) = if set.measured {
         (tick - set.delay, set.lag)
     } else {
@@ -149,9 +150,9 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let left_out = plus(plus(largest_change, distance), set.overspeed >> 8);
     // Half a count, plus what rounding leaves out: one step of the format for every whole unit of `left_out`, and one for the rest.
     let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
-    // The position and the part under the old force are each rounded by one step of the format.
+    // The position and its part under the old force are each rounded by one step of the format.
     let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
-    // So is a measured position at the change of force.
+    // A measured position at the change of force is rounded by one more step.
     let slack = signal_plus(slack, i128::from(set.measured));
     let in_flight = if set.delay > 0 || set.lag > 0 {
         plus(plus(times(late, distance), UP), half_count)

@@ -41,7 +41,7 @@ impl Random {
 /// Random settings of a guard and a device. Not all of them are accepted.
 pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     let usual = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
-    // At other rates rounding to digits of a tick leaves more out.
+    // At unusual rates, rounding to digits of a tick has more effect.
     let most = 100_000 >> random.below(12);
     let other = 1 + random.below(most) as u32;
     let rate_hz = [usual, other][random.below(2) as usize];
@@ -102,7 +102,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
     match habit % 8 {
         0 => random.signed(31),
         1 => random.within(speed + 1),
-        // Moves out where the force is large, and in where it is small.
+        // Moves out while the force is large, and in while it is small.
         2 => {
             if state.force.abs() > state.older.abs() {
                 -speed
@@ -110,7 +110,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
                 speed
             }
         }
-        // Moves with the force, and in the next habit against it.
+        // Moves with the force; in the next pattern against it.
         3 => -(state.force.signum() as i64) * speed,
         4 => state.force.signum() as i64 * speed,
         5 => {
@@ -191,7 +191,7 @@ pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
 }
 
 /// A simulated hand that gives penetration and displacement of each next tick: a press and its release, trembling at the surface,
-/// and jumps. Now and then the displacement does not match the penetration, as an estimator can give one.
+/// and jumps. Sometimes the displacement does not match the penetration, as can happen with an estimator.
 pub struct Hand {
     habit: u64,
     at: i64,

@@ -42,7 +42,7 @@ pub struct Settings {
     pub exact: bool,
     /// Whether the law TDPA counts the energy that the device's damping dissipates (thesis 2.6).
     pub counts_damping: bool,
-    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// Whether the force stays the same at the end of the contact's first phase (thesis 2.16, 2.17); otherwise the offset starts at
     /// zero.
     pub keep_force: bool,
     /// The stiffness that the law reaches by changing the offset.
@@ -93,7 +93,7 @@ fn signal(x: Int) -> Option<Int> {
 /// Damping and inertia per tick, in units of 2^-32 N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// Critical stiffness, which the device's damping just makes passive: twice the damping over the control period.
+    /// Critical stiffness, the largest that the device's damping makes passive: twice the damping over the control period.
     pub critical: Int,
     /// Inertia of the virtual mass over the control period squared.
     pub inertia: Int,
@@ -221,7 +221,7 @@ impl Settings {
             plus(plus(derived.inertia, self.coupling), derived.filter_damping),
             derived.ground_damping,
         );
-        // The thesis' observer lends by itself; it needs no credit.
+        // The thesis' observer needs no credit: its energy sum with the new force lends by itself.
         let lent = if self.exact { self.credit } else { 0 };
         // Fractions per millisecond become fractions per tick, at most 1.
         let of_tick = |share| over(times(share, 1000 * ONE), (self.rate * ONE).min(MOST)).min(ONE);

@@ -1,7 +1,7 @@
-//! Specification of each law and of the guard: every tick once more, over integers of 128 bits. Nothing saturates except where the
-//! text says so. The specification uses no `Number` and nothing else of the code: read each file beside the thesis' equations. The
-//! tests in `proofs/tests/spec_*.rs` compare code and specification bit for bit, force and whole memory. `proofs/src/refines.rs`
-//! proves that they are equal. The same source text at 8 bits is [`at8`].
+//! Specification of each law and of the guard: every tick written a second time, over integers of 128 bits. Nothing saturates
+//! except where the text says so. The specification uses no `Number` and nothing else of the code: read each file beside the
+//! thesis' equations. The tests in `proofs/tests/spec_*.rs` compare code and specification bit for bit, force and whole memory.
+//! `proofs/src/refines.rs` proves that they are equal. The same source text at 8 bits is [`at8`].
 //!
 //! All numbers are integers in steps of the 32-bit formats. Signals (positions, forces) have 24 fractional bits, gains
 //! (stiffnesses) 12, ratios 24, energies 48.

@@ -38,7 +38,7 @@ pub struct Sfa {
     pub compliance: Int,
     /// The ticks in which the offset of the soft spring changes.
     pub update: Update,
-    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// Whether the force stays the same at the end of the contact's first phase (thesis 2.16, 2.17); otherwise the offset starts at
     /// zero.
     pub keep_force: bool,
     /// Largest force, in steps of the force format.
@@ -74,7 +74,7 @@ impl Sfa {
             return 0;
         }
         let step = cut(times(self.gain, moved), SIGNAL).clamp(-HIGHEST, HIGHEST);
-        // A force that the limit cuts off is no reason to move the offset.
+        // The offset does not move to make up for force beyond the limit.
         let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
             (true, std::cmp::Ordering::Less) => step,

@@ -40,8 +40,8 @@ pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int)
     corrected(gains, free.end(before, [0; REMEMBERED]), before.g, at)
 }
 
-/// The filter's memory after a measured position, and the velocity. If no device can move like that (`None`), the device is assumed
-/// to stand still.
+/// The filter's memory after a measured position, and the velocity. If no device can move like that (`None`), the device is taken
+/// to be at rest at this position.
 #[must_use]
 pub fn told(after: Option<Motion>, at: Int) -> (Motion, Int) {
     let motion = after.unwrap_or(Motion {

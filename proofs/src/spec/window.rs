@@ -26,8 +26,8 @@ pub fn window(past: &[Int; LONGEST], at: Int, longest: usize, margin: Int) -> In
         {
             break;
         }
-        // The nth part, by a ratio rounded towards zero. Its product with the way is rounded towards zero too, and at most the
-        // highest signal.
+        // The nth part of the distance, as a product with the ratio 1/n. Ratio and product are rounded towards zero, and the
+        // product is limited to the highest signal.
         let share = (1 << SIGNAL) / ticks;
         let size = (times(share, way.abs()) >> SIGNAL).min(HIGHEST);
         slope = if way < 0 { -size } else { size };

@@ -14,7 +14,7 @@ pub const VALUE_MAX: usize = 10;
 pub enum KeyError {
     /// No setting has this path.
     NoSuchField,
-    /// The bytes are no valid value of this setting's type.
+    /// The bytes are not a valid value of this setting's type.
     NotAValue,
 }
 

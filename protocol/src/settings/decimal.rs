@@ -18,7 +18,7 @@ impl Decimal {
     /// Makes the value from a decimal text, at compile time.
     ///
     /// # Panics
-    /// The text is no number, or it is outside the format's range.
+    /// The text is not a number, or the number is outside the format's range.
     #[must_use]
     pub const fn lit(text: &str) -> Self {
         Self(Si::lit(text))

@@ -162,8 +162,7 @@ const STRENGTH: &str = "environment.detents.strength_n_m";
 const PROFILE_STRENGTH: &str = "environment.profile.strength_n_m";
 const PROFILE_END: &str = "environment.profile.end_rad";
 
-/// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest rate, even the largest force fades within some
-/// minutes.
+/// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest rate, a force of 1 N·m fades in 100 s.
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {

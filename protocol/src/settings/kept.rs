@@ -73,14 +73,14 @@ impl Unkept {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Incremental => {
-                "an incremental encoder counts from wherever it was switched on: nothing that goes by its place can be kept"
+                "an incremental encoder counts from the angle at which it was switched on, so data that depend on the angle cannot be stored"
             }
             Self::NothingToAlign => "an analogue drive has no alignment",
             Self::SettingsWait => "settings were changed since the calibration",
-            Self::None => "no alignment is kept",
+            Self::None => "no alignment is stored",
             Self::OtherBoard => "it was measured on another board",
             Self::OtherEncoder => {
-                "it was measured with another encoder, or the same one counted otherwise"
+                "it was measured with another encoder, or with other encoder settings"
             }
             Self::OtherPolePairs => "it was measured with another number of pole pairs",
         }
@@ -100,13 +100,13 @@ pub enum SelfStart {
     Checking = 2,
     /// The board has switched its outputs on automatically.
     Started = 3,
-    /// Not started: the processor was reset, and power did not come on.
+    /// Not started: the processor was reset without a power-on.
     NoPowerOn = 4,
     /// Not started: no stored alignment fits the settings, or the settings request a measurement of the motor.
     NoAlignment = 5,
-    /// Not started: a desktop sent a request before, so the desktop decides when to arm.
+    /// Not started: a desktop sent a request first, so the desktop decides when to arm.
     DesktopSpoke = 6,
-    /// Not started: the supply did not come into its range in time, or the shaft did not come to rest.
+    /// Not started: the supply was not in its range in time, the shaft did not come to rest, or the device left the expected state.
     NotReady = 7,
     /// Not started: the stop button was pressed.
     StopPressed = 8,
@@ -133,20 +133,20 @@ impl SelfStart {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Off => "not asked for at this start",
+            Self::Off => "was not requested at this start",
             Self::Waiting => "waits for the supply and for a shaft at rest",
-            Self::Checking => "checks the kept alignment",
+            Self::Checking => "checks the stored alignment",
             Self::Started => "armed by itself",
-            Self::NoPowerOn => "did not start: this was a reset, and no coming on of the power",
+            Self::NoPowerOn => "did not start: this was a reset, not a start of the power supply",
             Self::NoAlignment => {
-                "did not start: no alignment is kept that fits the settings, or these ask for a measurement"
+                "did not start: no stored alignment fits the settings, or the settings request a measurement"
             }
-            Self::DesktopSpoke => "did not start: a desktop spoke first",
+            Self::DesktopSpoke => "did not start: a computer sent a request first",
             Self::NotReady => {
-                "did not start: the supply did not come into its range, or the shaft not to rest"
+                "did not start: the supply stayed outside its range, or the shaft did not come to rest"
             }
             Self::StopPressed => "did not start: the stop button was pressed",
-            Self::Faulted => "did not start: a fault, which is latched",
+            Self::Faulted => "did not start: there is a fault",
         }
     }
 }

@@ -42,7 +42,7 @@ macro_rules! device_settings {
             // A sixth of a turn from the zero of the calibration, so that a knob is outside the wall just after a calibration.
             own_wall {
                 surface_rad: number("-100", "100") = "1", "rad",
-                    "where the surface is, from the zero of the calibration (inside is beyond it)";
+                    "the angle of the surface from the zero of the calibration (larger angles are inside the wall)";
             }
             own {
                 /// Rate of the interrupt that runs the control law.
@@ -80,11 +80,11 @@ macro_rules! device_settings {
                     torque_constant_n_m_per_a: number("0.001", "10") = "0.25", "N·m/A",
                         "the torque for a q-axis current of 1 A (the amplitude of a phase current)";
                     current_limit_a: number("0.05", "25") = "2", "A",
-                        "the largest current that is ever asked for, at most the trip current";
+                        "the largest commanded current, at most the trip current";
                     // 1.5 R i^2 is 4.4 W with the 6 ohm above, an estimate for a motor of 40 mm without a heat sink. No data sheet
                     // was available.
                     continuous_current_a: number("0.05", "25") = "0.7", "A",
-                        "the largest current that the motor bears for ever (what it may be given beyond it falls as it warms up)";
+                        "the largest current that the motor withstands continuously (a larger current is reduced as the motor warms up)";
                     // Windings warm up in some 10 to 60 s, the motor around them in minutes. The shorter time is the safe one.
                     heating_time_s: number("0.5", "1000") = "20", "s",
                         "the time constant with which the windings warm up";
@@ -107,10 +107,10 @@ macro_rules! device_settings {
                         "the temperature that switches off (the reduced current reaches zero here)";
                     // Fingers that flick the rim of a knob of 40 mm diameter at 2 m/s turn it at 100 rad/s.
                     max_speed_rad_per_s: number("1", "1000") = "100", "rad/s",
-                        "the speed above which it switches off (against a force, the guard's overspeed does)";
+                        "the speed above which the device switches off (against a force, the guard's overspeed switches off)";
                     // A browser may run the page of a hidden tab only once a second.
                     host_silence_s: number("0", "60") = "2", "s",
-                        "the time without a word of the desktop after which it switches off (0: it needs no desktop)";
+                        "the time without a request from the computer after which the device switches off (0: it needs no computer)";
                     fade_in_s: number("0", "10") = "0.2", "s",
                         "the time over which the torque fades in after arming";
                 }
@@ -121,12 +121,12 @@ macro_rules! device_settings {
                     electrical_turns_per_s: number("0.2", "20") = "4", "turns/s",
                         "the speed of that field, electrical turns";
                     measures: flag() = false, "",
-                        "whether a calibration goes on to measure the motor (the shaft SPINS, both ways)";
+                        "whether a calibration also measures the motor (the shaft SPINS, both ways)";
                 }
                 /// The data that the device sends without a request.
                 telemetry TelemetrySettings {
                     decimation: u16(0, 1_000) = 1, "",
-                        "after how many control ticks a record is sent (0 sends none)";
+                        "the number of control periods for each record sent (0 sends none)";
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Faults that act on the whole knob: motor and wires, the computer's commands, what is kept for the next start.
+//! Faults that act on the whole knob: of the motor and its wires, of the computer, and of the data stored for the next start.
 
 use super::bench::{Bench, Played};
 use super::tamper::{Breaks, Bridge, Timing};
@@ -16,15 +16,15 @@ use touchstone_world::plant::{Device as Shaft, Hand};
 pub enum Motor {
     /// The wire of a phase is open.
     Open(usize),
-    /// The wires in this order.
+    /// The wires are connected in this order.
     Order([usize; 3]),
-    /// This share of the windings' turns is left; the others are shorted.
+    /// This fraction of the windings' turns is left; the others are shorted.
     Turns(f64),
     /// The windings' resistance is this many times the right one.
     Resistance(f64),
-    /// The magnets have this share of their strength.
+    /// The magnets have this fraction of their strength.
     Magnets(f64),
-    /// The electrical angle in the memory is wrong by this many degrees, and the encoder is right.
+    /// The stored electrical angle is wrong by this many degrees; the encoder is right.
     Angle(f64),
     /// The knob comes off the shaft.
     KnobOff,
@@ -37,47 +37,47 @@ pub enum Motor {
 /// A fault of the computer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Host {
-    /// It says nothing more.
+    /// The computer sends nothing more.
     Silent,
-    /// Settings without sense, 100 times a second.
+    /// The computer sends invalid settings, 100 times a second.
     Garbage,
-    /// Valid settings with twice the wall and another motor, 100 times a second.
+    /// The computer sends valid settings with twice the wall's stiffness and another number of pole pairs, 100 times a second.
     Others,
-    /// The command to arm in every tick.
+    /// The computer sends the command to arm in every tick.
     Arms,
-    /// Disarm and arm in turn, every 10 ticks.
+    /// The computer sends the commands to disarm and arm in turn, one every 10 ticks.
     ArmsAgain,
-    /// The command to calibrate in every tick.
+    /// The computer sends the command to calibrate in every tick.
     Calibrates,
-    /// The present position becomes zero, in every tick.
+    /// The computer makes the present position zero, in every tick.
     Zeros,
     /// The environment changes every 40 ms: walls, end stops and detents come and go.
     Environment,
 }
 
-/// What is kept wrongly for the next start.
+/// Which stored data are wrong at the next start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Memory {
-    /// Nothing: the row to compare the others with.
+    /// None: the run with which the others are compared.
     Right,
-    /// A bit of the stored settings has fallen.
+    /// A bit of the stored settings is flipped.
     Damaged,
-    /// The kept alignment is wrong by this many electrical degrees.
+    /// The stored alignment is wrong by this many electrical degrees.
     Alignment(f64),
-    /// The settings are another motor's: resistance, inductance and torque constant times this.
+    /// The settings are those of another motor: its resistance, inductance and torque constant are multiplied by this factor.
     Motor(f64),
-    /// The settings' resistance is this many times the motor's.
+    /// The resistance in the settings is this many times the motor's.
     Resistance(f64),
-    /// Another number of pole pairs.
+    /// The settings have another number of pole pairs.
     PolePairs(u8),
-    /// Another number of encoder counts.
+    /// The settings have another number of encoder counts per turn.
     Counts(u32),
     /// The processor restarted for this reason.
     Reset(ResetReason),
 }
 
 impl Memory {
-    /// Restarts the board with what it kept, calibrates it with a hand that lets it turn, and arms it.
+    /// Restarts the board with its stored data, and calibrates it.
     pub(super) fn restart(self, bench: &Bench, knob: &mut Played) {
         let board = bench.board;
         let mut settings = bench.settings.clone();
@@ -123,7 +123,7 @@ impl Memory {
     }
 }
 
-/// Acts in the `n`-th tick since the fault began.
+/// Applies the fault in the `n`-th tick since it began.
 pub(super) fn act(bench: &Bench, breaks: Breaks, knob: &mut Played, n: u32) {
     match breaks {
         Breaks::Motor(motor) if n == 0 => motor.happens(bench, knob),
@@ -161,7 +161,7 @@ impl Motor {
     }
 }
 
-/// The environments to change between.
+/// The environment (walls, end stops, detents) in the `n`-th tick since the fault began.
 fn environment(settings: &DeviceSettings, n: u32) -> Surround {
     let share = |of: Si, percent: i64| Decimal(of * Si::from_num(percent) / 100);
     let limit = settings.law.force_limit_n_m;
@@ -208,7 +208,7 @@ impl Host {
                     settings.wall.k_desired_n_m_per_rad *= 2;
                     settings.motor.pole_pairs = 11;
                 }
-                // As the firmware does with what the computer sends.
+                // The firmware handles settings from the computer in the same way.
                 if checked(&settings, board).is_ok() && knob.device.may_configure() {
                     let _ = knob.device.configure(&settings, hardware(board));
                 }
@@ -235,7 +235,7 @@ impl Host {
     }
 }
 
-/// Whether a board has environments: only the larger chips have.
+/// Whether a board can have an environment (further walls, end stops, detents): only boards with a larger chip can.
 pub(super) const fn has_environment(board: Board) -> bool {
     board.is_large()
 }

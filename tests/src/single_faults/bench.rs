@@ -1,4 +1,4 @@
-//! Every board with its motor, knob and hand, brought to the moment in which a part breaks.
+//! Simulates each board with its motor, knob and hand up to the moment at which a part breaks.
 
 use super::act::Memory;
 use super::cell::play;
@@ -12,7 +12,7 @@ use touchstone_protocol::{Board, Command, State};
 use touchstone_world::motor::{GIMBAL, KNOB, MotorParameters};
 use touchstone_world::plant::{Device as Shaft, FIRM, Hand, HeldLinear, LIGHT};
 
-/// The knob of a cell.
+/// The simulated knob in which a part breaks.
 pub type Played = Knob<Broken, HeldLinear>;
 
 /// When a part breaks.
@@ -68,9 +68,9 @@ impl Grip {
 pub const BEFORE_S: f64 = 1.0;
 /// Time from the fault until the hand goes out of the wall, s.
 pub const STAYS_S: f64 = 2.2;
-/// The same where a fault that was not found goes on.
+/// Same as [`STAYS_S`], where a run without a found fault is repeated for longer.
 pub const LONG_STAYS_S: f64 = 32.2;
-/// Time from then until the cell ends, s.
+/// Time from when the hand goes out of the wall until the run ends, s.
 pub const LEAVES_S: f64 = 0.8;
 /// Time from the fault to the arming of a board that is ready, s.
 pub const ARMS_AFTER_S: f64 = 0.05;
@@ -86,7 +86,7 @@ pub struct Bench {
     pub moment: Moment,
     /// The grip.
     pub grip: Grip,
-    /// The quarter of an electrical turn in which the wall is, from 0 to 3: which phases drive there.
+    /// Quarter of an electrical turn in which the wall's surface lies, from 0 to 3. It decides which phases drive the motor there.
     pub quarter: u8,
     pub(super) settings: DeviceSettings,
     pub(super) motor: MotorParameters,
@@ -96,13 +96,13 @@ pub struct Bench {
     pub(super) knob: Played,
     /// Shaft angle at the device's zero, rad.
     pub(super) zero_rad: f64,
-    /// Least energy that the motor had given at any time since the arming, J.
+    /// Lowest value of the energy that the motor has given, at any time since the arming, J.
     pub(super) least_j: f64,
-    /// [`super::Cell::course`] of the healthy board, and of one that was restarted.
+    /// [`super::Cell::course`] of a healthy board: without a restart, and with one.
     pub(super) healthy: [u64; 2],
 }
 
-/// A board's motor, knob and supply.
+/// A board's settings, motor, shaft with knob, and supply voltage in V.
 fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
     let mut settings = DeviceSettings::defaults(board);
     // The small gimbal motor's knob as in the scene `gimbal-knob`; resistances with half of the driver's and the shunt's.
@@ -134,9 +134,9 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
     }
 }
 
-/// A calibrated and armed board without a fault, with the noise and the rare bad readings that an encoder has. Resistance, torque
-/// constant and inductance of the motor and the inertia of the knob are these times what the settings say. Returns the wall's
-/// surface too, rad.
+/// A calibrated and armed board without a fault, with the noise and the rare bad readings that an encoder has. The four factors
+/// multiply resistance, flux linkage and inductance of the motor and the inertia of the knob. Also returns the angle of the wall's
+/// surface, rad.
 ///
 /// # Panics
 /// The board is not armed.
@@ -187,10 +187,10 @@ fn calibrated(
 }
 
 impl Bench {
-    /// A board that is calibrated and, but for [`Moment::Ready`], armed and in the hand.
+    /// A calibrated board in a hand that has moved for `BEFORE_S`. The board is armed, except for [`Moment::Ready`].
     ///
     /// # Panics
-    /// The healthy board does not get there.
+    /// The healthy board does not reach this state.
     #[must_use]
     pub fn new(board: Board, moment: Moment, grip: Grip, quarter: u8) -> Self {
         let (mut settings, motor, shaft, bus_v) = parts(board);
@@ -225,7 +225,7 @@ impl Bench {
         bench
     }
 
-    /// All moments, grips and quarters.
+    /// All combinations of moment, grip and quarter.
     pub fn places() -> impl Iterator<Item = (Moment, Grip, u8)> {
         Moment::ALL
             .into_iter()
@@ -254,17 +254,17 @@ impl Bench {
         self.knob = knob;
     }
 
-    /// The device with these settings, as the board's firmware has it.
+    /// The board's control code with these settings.
     pub(super) fn device(&self, settings: &DeviceSettings) -> Device {
         Device::new(settings, hardware(self.board)).expect("settings")
     }
 
-    /// The plant with another shaft or hand, or with time that is longer by `factor`.
+    /// The simulated mechanics with this shaft and hand. `factor` makes the time step longer.
     pub(super) fn plant(&self, shaft: &Shaft, hand: &Hand, factor: f64) -> HeldLinear {
         HeldLinear::new(shaft, hand, factor * PERIOD_S / 2.0).expect("a plant")
     }
 
-    /// Energy in J that the guard lets a hand get in the time of a cell.
+    /// Most energy in J that the guard lets a hand get in one run.
     #[must_use]
     pub fn promise_j(&self) -> f64 {
         let law = touchstone_drive::change::law_settings(&self.settings, hardware(self.board));
@@ -276,14 +276,15 @@ impl Bench {
         capacity + force * count / 2.0 + refill * (BEFORE_S + STAYS_S + LEAVES_S)
     }
 
-    /// Where the hand wants to be at a time since the fault, if it began to move at `began_s` and goes out of the wall at `stays_s`,
-    /// rad.
+    /// Rest point of the hand, rad, at the time `since_s` after the fault. The hand began to move at `began_s` and goes out of the
+    /// wall at `stays_s`.
     pub(super) fn rest_rad(&self, since_s: f64, began_s: f64, zero_rad: f64, stays_s: f64) -> f64 {
         use std::f64::consts::TAU;
         let surface = zero_rad + self.settings.wall.surface_rad.to_num::<f64>();
         let outside = surface - OUTSIDE_RAD;
         let limit: f64 = self.settings.law.force_limit_n_m.to_num();
-        // A hand that presses with up to four tenths of the wall's largest force, and wants to be at most 3 rad inside.
+        // Mean depth of the hand's rest point: its spring then gives four tenths of the wall's largest force. It is at most 3 rad;
+        // the motion below is added.
         let deep = (0.4 * limit / self.hand.stiffness).min(3.0);
         let begins = match self.moment {
             Moment::Ready => ARMS_AFTER_S + 0.05,
@@ -307,7 +308,7 @@ fn analogue(board: Board, hardware: &Hardware, settings: &DeviceSettings, bus_v:
     let rest = f64::from(hardware.offset_code);
     Analogue {
         bus_v,
-        // As the simulated sensors have it, see the knob.
+        // The codes at zero current of the simulated sensors (`shunts` in `host-sim/knob`).
         rest: match board {
             Board::NucleoG474re | Board::NucleoG474reSimplefocMini => [2_128.3, 2_099.8],
             _ => [rest + 6.3, rest - 22.2],

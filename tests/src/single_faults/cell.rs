@@ -1,4 +1,4 @@
-//! One cell of the table: a fault, a moment and a grip on a board.
+//! Simulates one cell of the table: a fault on a board, with a moment, a grip and a quarter of an electrical turn.
 
 use super::act::act;
 use super::bench::{
@@ -9,39 +9,40 @@ use super::tamper::Breaks;
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_world::motor::Drive;
 
-/// Time after the fault was found in which the motor's current ends, ticks.
+/// Number of ticks that a run goes on after the fault was found. In this time the motor's current ends.
 const TAIL: u32 = 20;
 
-/// What happened in a cell.
+/// The result of a run with a fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// Most energy that the motor gave to hand and knob, beyond what it took, in any time that ends after the fault, until off, J.
+    /// Most energy that the motor gave to hand and knob, beyond what it took, in any time window, J. The window ends after the
+    /// fault and before the device is off.
     pub most_j: f64,
-    /// Time from the fault to off for good, s; `None`: nothing was found.
+    /// Time from the fault until the device is off for good, s; `None` if the board found no fault.
     pub off_s: Option<f64>,
-    /// Largest speed of the shaft until off, rad/s.
+    /// Largest speed of the shaft between the fault and the switch-off, rad/s.
     pub fastest_rad_per_s: f64,
     /// The fault that the board found.
     pub code: Option<FaultCode>,
-    /// A number made of shaft angle, bridge and what the device measured at every tick: equal only for equal courses.
+    /// Hash of shaft angle, bridge state and encoder readings at every tick. It is equal only for runs with the same course.
     pub course: u64,
 }
 
-/// A cell with its place in the table.
+/// A row of the table: a run with its result.
 #[derive(Clone, Copy)]
 pub struct Row<'b> {
-    /// Board, moment and grip.
+    /// Board, moment, grip and quarter of an electrical turn.
     pub bench: &'b Bench,
     /// The fault.
     pub fault: &'static Fault,
-    /// What happened.
+    /// Result of the run.
     pub cell: Cell,
-    /// Whether it went otherwise than on the healthy board.
+    /// Whether the run differs from that of a healthy board.
     pub differs: bool,
 }
 
 impl Row<'_> {
-    /// The cell's name: fault, moment, grip, quarter.
+    /// Name of the row: fault, moment, grip, quarter.
     #[must_use]
     pub fn name(&self) -> String {
         let Bench {
@@ -64,14 +65,14 @@ impl Row<'_> {
         (self.bench.moment, self.bench.grip, self.bench.quarter)
     }
 
-    /// Whether nothing was found although the hand got more than the guard's bound.
+    /// Whether the board found no fault although the hand got more than the guard's bound.
     #[must_use]
     pub fn is_unfound(&self) -> bool {
         self.cell.off_s.is_none() && self.cell.most_j > self.bench.promise_j()
     }
 }
 
-/// Runs a cell.
+/// Simulates a fault on a board, and compares the run with that of the healthy board.
 #[must_use]
 pub fn run<'b>(bench: &'b Bench, fault: &'static Fault) -> Row<'b> {
     let cell = play(bench, fault.breaks, STAYS_S);
@@ -86,7 +87,7 @@ pub fn run<'b>(bench: &'b Bench, fault: &'static Fault) -> Row<'b> {
 }
 
 impl<'b> Row<'b> {
-    /// The cell with a hand that stays in the wall for half a minute.
+    /// The same row with a hand that stays in the wall for half a minute.
     #[must_use]
     pub fn goes_on(&self) -> Self {
         let cell = play(self.bench, self.fault.breaks, LONG_STAYS_S);
@@ -130,7 +131,7 @@ pub(super) fn play(bench: &Bench, breaks: Breaks, stays_s: f64) -> Cell {
     course.cell
 }
 
-/// What is seen of a knob while it is played.
+/// What is recorded of a simulated knob.
 struct Course {
     cell: Cell,
     least_j: f64,
@@ -154,7 +155,7 @@ impl Course {
         }
     }
 
-    /// Runs the PWM periods of one control tick. A tick that is left out is one too.
+    /// Runs the PWM periods of one control tick. A tick that is left out counts as one.
     fn tick(&mut self, knob: &mut Played) {
         let mut is_due = false;
         while !is_due {
@@ -176,7 +177,7 @@ impl Course {
         }
     }
 
-    /// Whether the device is off for good. A tick that hangs leaves the device armed, but its current loop off.
+    /// Whether the device is off for good. If the control tick hangs, the device stays armed, but its current loop switches off.
     fn off(&self, knob: &Played) -> bool {
         matches!(knob.device.state(), State::Fault(_))
             || knob

@@ -1,4 +1,4 @@
-//! Encoders that break: what a reading says instead of the truth.
+//! Encoder faults: the reading that the firmware gets instead of the true one.
 
 use crate::random::Random;
 use std::collections::VecDeque;
@@ -6,17 +6,17 @@ use touchstone_drive::EncoderReading;
 use touchstone_drive::encoder::Frames;
 use touchstone_world::motor::{as5047p_frame, mt6701_frame};
 
-/// Counts of a turn of all boards' encoders as shipped.
+/// Encoder counts per turn, in the default settings of all boards.
 pub const COUNTS: f64 = 16_384.0;
 
 /// An encoder's fault. Displacements are in counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Encoder {
-    /// No answer.
+    /// The encoder does not answer.
     Silent,
-    /// No fault: noise of 0.7 counts rms, and one reading in a thousand without an answer.
+    /// No fault: noise of 0.7 counts rms, and one missing answer in a thousand readings.
     Usual,
-    /// No answer in one of this many ticks.
+    /// The encoder does not answer in one of this many ticks.
     SilentEvery(u32),
     /// A bit of the word is wrong on the wire.
     Damaged,
@@ -54,19 +54,19 @@ pub enum Encoder {
     SecondSame,
 }
 
-/// The memory of a broken encoder.
+/// The state of a broken encoder.
 #[derive(Debug, Clone)]
 pub struct Memory {
-    /// The last true value, and how far the encoder really moved since it broke.
+    /// The last true reading. `moved` is the true displacement since the encoder broke.
     last: Option<i64>,
     moved: i64,
-    /// The value when it broke.
+    /// The true reading when the encoder broke.
     start: i64,
-    /// The far side of the play.
+    /// Displacement of a loose magnet, which follows the shaft only at the ends of its play.
     held: i64,
-    /// True motions at the ticks, the newest last; and those at the changes of force.
+    /// True displacements at the first reading of each tick, the newest last. The second list has those at the second reading.
     history: [VecDeque<i64>; 2],
-    /// What the last first reading said.
+    /// Displacement that the first reading of the tick reported.
     first: i64,
     random: Random,
 }
@@ -108,7 +108,7 @@ fn value(reading: EncoderReading) -> Option<(i64, i64)> {
     })
 }
 
-/// The reading with another value, and all its check bits right.
+/// The reading with another value and correct check bits.
 fn with(reading: EncoderReading, value: i64) -> EncoderReading {
     match reading {
         EncoderReading::Counter16(_) => EncoderReading::Counter16(value as u16),
@@ -122,7 +122,7 @@ fn with(reading: EncoderReading, value: i64) -> EncoderReading {
 }
 
 impl Encoder {
-    /// What is read instead at the `n`-th tick since the encoder broke; `None` if nothing is.
+    /// The reading that the firmware gets at the `n`-th tick since the encoder broke; `None` for a missing reading.
     pub(super) fn falsified(
         self,
         memory: &mut Memory,

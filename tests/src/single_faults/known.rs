@@ -1,8 +1,8 @@
-//! What is known not to hold: faults that give a hand more than the guard's bound and that a board does not find.
+//! Known gaps: faults that give a hand more than the guard's bound and that a board does not find.
 
 use touchstone_protocol::Board;
 
-/// Faults that a board does not find in at least one cell in which the hand gets more than the guard's bound.
+/// Faults that a board does not find in at least one run in which the hand gets more than the guard's bound.
 pub const UNFOUND: &[(Board, &[&str])] = &[
     (
         Board::NucleoG474reIhm16m1,

@@ -1,4 +1,4 @@
-//! The list of single faults: the one place that names them.
+//! The list of all single faults, with their names.
 
 use super::act::{Host, Memory, Motor};
 use super::encoder::Encoder as E;
@@ -15,18 +15,18 @@ pub struct Fault {
     pub group: Group,
     /// What breaks.
     pub breaks: Breaks,
-    /// Where its rows may be those of a healthy board.
+    /// Whether runs with this fault may equal that of a healthy board.
     pub same: Same,
 }
 
-/// Where, and why, a fault's rows may be those of a healthy board.
+/// Whether, and why, runs with a fault may equal that of a healthy board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Same {
-    /// Nowhere: every row must differ.
+    /// None may: every run must differ.
     Nowhere,
-    /// In some rows, for this reason; in others they must differ.
+    /// Some may, for this reason. At least one run must differ.
     Somewhere(&'static str),
-    /// In all rows, for this reason.
+    /// All runs must be equal, for this reason.
     Everywhere(&'static str),
 }
 
@@ -102,7 +102,7 @@ impl Fault {
         Self { same, ..self }
     }
 
-    /// Why a board has no such part; `None`: it has it.
+    /// Why this fault cannot occur on a board; `None` if it can.
     #[must_use]
     pub fn not_on(&self, board: Board) -> Option<&'static str> {
         let kind = DeviceSettings::defaults(board).encoder.kind;
@@ -133,7 +133,7 @@ const ARMED: Same = Same::Somewhere("an armed board refuses it");
 const NO_CURRENT: Same = Same::Somewhere("the phase carries no current there");
 const NO_COUNT: Same = Same::Somewhere("it is less than a count there, or the bit is so anyway");
 
-/// All faults. The first one is none.
+/// All faults. The first entry is a board without a fault.
 pub const FAULTS: &[Fault] = &[
     fault(Group::Control, "none", Breaks::Nothing)
         .same(Same::Everywhere("it is the healthy board")),

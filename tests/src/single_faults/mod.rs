@@ -1,4 +1,5 @@
-//! A table of single faults: one part of a running knob breaks, and what the hand gets until the device is off.
+//! A table of single faults: one part of a running knob breaks. The table shows the energy that the hand then gets until the device
+//! is off.
 //!
 //! ```text
 //! FAULTS (list.rs) x boards, moments, grips (bench.rs) -> Cell (cell.rs) -> table for the documentation (table.rs)
@@ -25,5 +26,5 @@ pub use list::{FAULTS, Fault, Group, Same};
 pub use table::Table;
 pub use tamper::{Breaks, Broken};
 
-/// Energy that a single fault may give a hand on any board, J.
+/// Most energy that a single fault may give a hand on any board, J.
 pub const MOST_J: f64 = 0.25;

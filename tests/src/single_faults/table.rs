@@ -1,4 +1,4 @@
-//! The table of all cells, for the documentation and as a file.
+//! The table of all runs, for the documentation and as a file.
 
 use super::cell::{Cell, Row};
 use super::known::UNFOUND;
@@ -7,14 +7,14 @@ use super::{MOST_J, act::Memory, tamper::Breaks};
 use std::fmt::Write;
 use touchstone_protocol::{Board, FaultCode};
 
-/// Energy that a healthy knob gives a hand in a cell, rounded up, J.
+/// Energy that a healthy knob gives a hand in a run, rounded up, J.
 const HEALTHY_J: f64 = 0.01;
 
 /// The rows of all boards.
 pub struct Table<'b> {
     /// The rows.
     pub rows: Vec<Row<'b>>,
-    /// The cells in which nothing was found within 3 s, played for 33 s: [`Table::unfound`].
+    /// The rows without a found fault ([`Table::unfound`]), repeated for 33 s instead of 3 s.
     pub long: Vec<Row<'b>>,
 }
 
@@ -30,7 +30,7 @@ fn milli(value: f64) -> f64 {
 }
 
 impl<'b> Table<'b> {
-    /// All cells as a CSV file.
+    /// All rows as a CSV file.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text =
@@ -61,7 +61,9 @@ impl<'b> Table<'b> {
         text
     }
 
-    /// All that is otherwise than it should be, a line each. Empty if every cell keeps what is promised or known of it.
+    /// Violations of what the rows must fulfil, one per line; empty if there are none. A healthy board raises no fault and keeps
+    /// the guard's bound. A fault changes the run, gives at most [`MOST_J`], and is found if the bound is exceeded, except for
+    /// known gaps.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -97,8 +99,8 @@ impl<'b> Table<'b> {
         lines
     }
 
-    /// What only the table of all cells shows: known faults that no cell shows any more, and faults that differ from the healthy
-    /// board in no cell, or in one although they should in none.
+    /// Violations that only all rows together show: known gaps that no run shows any more, and faults that change no run, or one
+    /// although they must change none.
     #[must_use]
     pub fn complaints_of_all(&self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -126,7 +128,7 @@ impl<'b> Table<'b> {
         lines
     }
 
-    /// Worst and median of every board, and the ten worst faults.
+    /// Worst and median run of every board, and the ten worst faults.
     #[must_use]
     pub fn page(&self) -> String {
         let mut text = "\n|board|cells|faults found|energy, mJ: median, worst|time to off, ms: median, worst|fastest, rad/s|\n|---|--:|--:|--:|--:|--:|\n"
@@ -190,14 +192,14 @@ impl<'b> Table<'b> {
         text
     }
 
-    /// Cells in which nothing was found and the hand got more than a healthy knob gives.
+    /// Rows in which the board found no fault and the hand got more than a healthy knob gives.
     #[must_use]
     pub fn unfound(&self) -> Vec<Row<'b>> {
         let is_more = |row: &&Row<'b>| row.cell.off_s.is_none() && row.cell.most_j > HEALTHY_J;
         self.rows.iter().filter(is_more).copied().collect()
     }
 
-    /// Faults of which a board finds nothing in at least one cell, each with the number of such cells and their most energy, J.
+    /// Faults that a board did not find in at least one run, each with the number of such runs and the most energy in them, J.
     #[must_use]
     pub fn not_found(&self, board: Board) -> Vec<(&'static str, usize, f64)> {
         let mut found: Vec<(&'static str, usize, f64)> = Vec::new();
@@ -216,7 +218,7 @@ impl<'b> Table<'b> {
     }
 }
 
-/// For each board and fault the worst cell, the most energy first.
+/// The worst row for each board and fault, the one with the most energy first; at most `number` rows.
 fn worst_of<'r, 'b>(rows: impl Iterator<Item = &'r Row<'b>>, number: usize) -> Vec<&'r Row<'b>>
 where
     'b: 'r,

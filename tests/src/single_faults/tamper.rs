@@ -10,7 +10,7 @@ use touchstone_world::motor::Drive;
 /// What breaks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Breaks {
-    /// Nothing: the row to compare the others with.
+    /// Nothing: the run with which the others are compared.
     Nothing,
     /// The encoder.
     Encoder(Encoder),
@@ -24,98 +24,98 @@ pub enum Breaks {
     Supply(Supply),
     /// The computer.
     Host(Host),
-    /// What the board keeps for its next start. The board restarts with it, and is calibrated and armed again.
+    /// The data that the board stores for its next start. The board restarts with them, and is calibrated and armed again.
     Memory(Memory),
-    /// The time of the control ticks.
+    /// The timing of the control ticks.
     Timing(Timing),
 }
 
 /// A current sensor's fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sensor {
-    /// It gives its value at zero current.
+    /// The sensor gives its value at zero current.
     Rests,
-    /// It keeps its value.
+    /// The sensor keeps its value.
     Frozen,
-    /// Its gain is this many percent of the right one.
+    /// The sensor's gain is this many percent of the right one.
     Gain(i32),
-    /// It reads this share of the trip current too much, in percent.
+    /// The sensor reads too much, by this percentage of the trip current.
     Offset(i32),
-    /// It is at the end of its range.
+    /// The sensor is at the end of its range.
     Saturated,
-    /// Noise with a root mean square of this share of the current limit, in percent.
+    /// Noise with a root mean square of this percentage of the current limit.
     Noise(i32),
-    /// It is exchanged with the other one.
+    /// The sensor is exchanged with the other one.
     Exchanged,
 }
 
 /// A fault of the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bridge {
-    /// A leg stays at this share of the supply while the others switch.
+    /// A leg stays at this fraction of the supply voltage while the others switch.
     Leg(usize, f64),
-    /// All legs are off, and nothing says so.
+    /// All legs are off, and no signal reports it.
     Dead,
-    /// The driver's fault line (on boards without one, the break) says "fault".
+    /// The driver's fault line (on boards without one, the break) reports a fault.
     Line,
-    /// The fault line can only say "good".
+    /// The fault line always reports that there is no fault.
     LineGood,
-    /// Two phases are shorted, which driver or comparator see in the next PWM period.
+    /// Two phases are shorted, which driver or comparator detect in the next PWM period.
     Short,
-    /// The dead time is this share of the PWM period.
+    /// The dead time is this fraction of the PWM period.
     DeadTime(f64),
 }
 
 /// A fault of the supply or of a slow sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Supply {
-    /// The voltage goes to this share of what it was, within this many ticks.
+    /// The voltage goes to this fraction of what it was, within this many ticks.
     To(f64, u32),
-    /// The voltage is at this share for so many ticks.
+    /// The voltage is at this fraction for this many ticks.
     Dip(f64, u32),
-    /// The sensor reads this share of the voltage.
+    /// The sensor reads this fraction of the voltage.
     Reads(f64),
-    /// The sensor keeps its value, and the voltage goes to this share of what it was.
+    /// The sensor keeps its value, and the voltage goes to this fraction of what it was.
     Frozen(f64),
     /// The temperature sensor gives this code.
     Thermistor(u16),
 }
 
-/// A fault of the time.
+/// A fault of the timing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Timing {
-    /// Every tick comes this many PWM periods late, and the processor knows it.
+    /// Every tick comes this many PWM periods late, and the processor measures it.
     Late(u32),
-    /// The same, and the processor does not know it.
+    /// The same, but the processor does not measure it.
     LateUntold(u32),
     /// One of this many ticks is left out.
     Misses(u32),
     /// One tick is left out.
     MissesOnce,
-    /// No tick comes any more.
+    /// No further tick comes.
     Hangs,
     /// One of this many ticks runs twice.
     Twice(u32),
     /// The current loop is late in one of this many PWM periods.
     LateLoop(u32),
-    /// The processor's clock is slower by this factor: all takes so much longer.
+    /// The processor's clock is slower by this factor, so that everything takes longer.
     Clock(f64),
 }
 
-/// What a tamper must know of the board.
+/// Properties of the board that [`Broken`] uses.
 #[derive(Debug, Clone, Copy)]
 pub struct Analogue {
-    /// Supply, V.
+    /// Supply voltage, V.
     pub bus_v: f64,
-    /// The sensors' codes at rest.
+    /// The current sensors' codes at zero current.
     pub rest: [f64; 2],
-    /// Current of a code, A.
+    /// Current per code, A.
     pub amps_per_code: f64,
-    /// Current limit and trip current, A.
+    /// Current limit, A.
     pub limit_a: f64,
-    /// See `limit_a`.
+    /// Trip current, A.
     pub trip_a: f64,
-    /// Timer counts of a whole period.
+    /// PWM compare value at which a leg is at the supply voltage during the whole period.
     pub top: u16,
     /// Whether the driver has a fault line of its own.
     pub has_line: bool,
@@ -126,9 +126,9 @@ pub struct Analogue {
 pub struct Broken {
     /// What breaks.
     pub breaks: Breaks,
-    /// Whether it is broken now.
+    /// Whether the part is broken now.
     pub is_broken: bool,
-    /// Ticks since it broke.
+    /// Number of ticks since the part broke.
     pub ticks: u32,
     analogue: Analogue,
     encoder: EncoderMemory,
@@ -138,7 +138,7 @@ pub struct Broken {
 }
 
 impl Broken {
-    /// A knob that will break, and does not yet.
+    /// A knob whose part is not broken yet.
     #[must_use]
     pub fn new(analogue: Analogue) -> Self {
         Self {

@@ -90,7 +90,7 @@ impl Motion {
         OUTSIDE + triangle(tick, 2000, 1000) / 16
     }
 
-    /// The encoder count of a motion by one count to and fro over the wall's surface.
+    /// The encoder count of a random motion over the wall's surface: between one count outside the wall and two inside.
     fn surface(&mut self, _: u32) -> i64 {
         OUTSIDE + (1 + self.whole(1)) / 2 + self.whole(1).max(0)
     }
@@ -107,7 +107,8 @@ impl Motion {
         OUTSIDE + 100 + self.depth
     }
 
-    /// The encoder count of a motion in by up to 3000 counts in one control period and out in another, as if hit by a hammer.
+    /// The encoder count of hammer taps: a jump by up to 3000 counts, in or out, in one control period, and a return over the next
+    /// five.
     fn taps(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(7) {
             self.height = self.whole(3000);

@@ -142,7 +142,7 @@ impl Hand {
             *axis = axis.wrapping_add(step).wrapping_sub(*axis / 256);
         }
         let beat = (tick % 1000) as i32;
-        // In over 100 counts, rest, out, rest: about one count per tick at most.
+        // In by 75 counts within 200 ticks, rest, out, rest.
         let press = match beat {
             0..200 => beat / 4,
             200..700 => 50,

@@ -1,5 +1,5 @@
 //! The result of an inspection of files: one sentence, printed as the last line of standard output, and an exit code. The launcher
-//! `cargo xtask` reads them.
+//! `cargo xtask` reads both.
 
 use std::process::ExitCode;
 
@@ -12,7 +12,7 @@ pub enum Answer {
     Wrong(String),
     /// The check could not run, with the reason; exit code 77.
     NotRun(String),
-    /// The arguments were wrong; the text is the right usage. Exit code 2.
+    /// The arguments were wrong; the text is the correct usage. Exit code 2.
     Usage(String),
 }
 

@@ -1,15 +1,15 @@
 //! Reads the lists of deliberately wrong changes that proofs and tests must detect: `proofs/mutants.toml` and
 //! `emulator/sabotage.toml`.
 //!
-//! The launcher `cargo xtask` gets a list as lines of key, tab and text, in the order of the file. The key `next` begins an entry.
-//! The last keys of an entry are `file`, `find` and `replace` for each of its changes.
+//! The launcher `cargo xtask` receives a list as lines of key, tab and text, in the order of the file. The key `next` begins an
+//! entry. The last keys of an entry are `file`, `find` and `replace` for each of its changes.
 
 use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Content of one of the two lists of wrong changes: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of
-/// the fields.
+/// Content of one list of wrong changes: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of the two
+/// fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -43,9 +43,9 @@ struct Sabotage {
     name: String,
     /// Name of the board whose firmware is changed.
     board: String,
-    /// Text for `cargo xtask fil --only` that selects the check which must fail.
+    /// Text for `cargo xtask fil --only` that selects the check that must fail.
     only: String,
-    /// Text that must stand in the line which reports the failed check.
+    /// Text that must appear in the line that reports the failed check.
     says: String,
     change: Vec<Change>,
 }
@@ -90,7 +90,7 @@ impl Sabotage {
     }
 }
 
-/// Prints a list of wrong changes from the text of its TOML file. Errors: the text is no such list.
+/// Prints a list of wrong changes from the text of its TOML file. Errors: the text is not such a list.
 pub fn print(text: &str) -> Result<Answer, String> {
     let list: List = toml::from_str(text).map_err(|why| why.to_string())?;
     let sabotages = list.sabotage.iter().map(Sabotage::lines);
@@ -106,7 +106,7 @@ pub fn print(text: &str) -> Result<Answer, String> {
             if value.contains(['\u{2028}', '\t']) {
                 return Err(format!("`{value}` has a line separator or a tab in it"));
             }
-            // An entry is printed on one line; `xtask` puts the line ends back.
+            // A value is printed on one line; `xtask` restores its line breaks.
             println!("{key}\t{}", value.replace('\n', "\u{2028}"));
         }
     }

@@ -1,5 +1,5 @@
-//! Checks a board's compiled firmware: it fits flash and memory, and its interrupts have no panics, floats, critical sections or
-//! calls to an unknown target.
+//! Checks a board's compiled firmware: it fits flash and RAM, and its interrupts have no panics, floats, critical sections or calls
+//! to an unknown target.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
 /// The firmware's own interrupt handlers, from the highest priority to the lowest; handlers in one inner list have equal priority.
 const PRIORITIES: [&[&str]; 3] = [&["ADC1_2"], &["TIM1_BRK_TIM15", "PVD_PVM"], &["LPTIM1"]];
 
-/// Names of functions of a memory allocator, of which firmware must have none.
+/// Names of functions of a memory allocator, which firmware must not contain.
 const HEAP: [&str; 4] = [
     "__rust_alloc",
     "__rust_realloc",
@@ -139,7 +139,7 @@ fn examine(program: &ProgramCode, room: Room) -> Report {
             .filter(|name| float(name))
             .map(|name| format!("a float: {name}")),
     );
-    // The drivers' handlers do disable interrupts. If the check found none of that, it could not find it in other handlers.
+    // The drivers' handlers do mask interrupts. If the check finds no masking there, it would also miss masking in other handlers.
     let mut masking = drivers(program).filter_map(|address| program.reach_from(address));
     if !masking.any(|reach| !reach.masks.is_empty()) {
         report
@@ -163,7 +163,7 @@ fn sizes(program: &ProgramCode, report: &mut Report) {
     report.stack_room = symbol("_stack_start").saturating_sub(symbol("_stack_end"));
     let Room { flash, memory } = report.room;
     let used = report.data + report.bss + report.stack_room;
-    // The linker obeys its memory map, so the map must cover exactly this chip's memory.
+    // The linker uses its memory map, so the map must cover exactly this chip's memory.
     let settings = symbol("_settings_start");
     let crash = symbol("_crash_record");
     for (what, bytes, most) in [
@@ -232,19 +232,19 @@ fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
     list("a call to where?", reach.unknown.clone());
 }
 
-/// Part of the name of the firmware's start-up function, which returns before the firmware's own interrupts are enabled.
+/// Part of the mangled name of the firmware's start-up function, which returns before the firmware's own interrupts are enabled.
 const START: &str = "touchstone_firmware3run5start";
 
-/// Computes the largest depth of the stack: that of the main thread, and on top one interrupt handler per priority, each with an
-/// exception frame. During start-up only the drivers' interrupts can occur.
+/// Computes the largest depth of the stack: that of the main thread plus one interrupt handler per priority, each with an exception
+/// frame. During start-up only the drivers' interrupts can occur.
 fn stack(program: &ProgramCode, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {
         report.wrong.push("the program has no `Reset`".into());
         return;
     };
-    // Calls through registers: the executor calls a task, and a task calls its wakers or a formatter, so two are nested. A driver's
-    // handler calls a waker, so one.
+    // Number of nested calls through registers. Main thread: two, because the executor calls a task, and the task calls a waker or
+    // a formatter. A driver's handler: one, because it calls a waker.
     let starting = depths.nested(reset, 2);
     let starting_path = depths.path(reset, 2);
     depths.leave_out(START);

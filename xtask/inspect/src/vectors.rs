@@ -54,8 +54,8 @@ struct Row {
 /// Results of all laws, read from the output of this machine (desktop) and of the microcontroller.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// Digests printed by the desktop. The key is `law format segment`; an entry is removed once the microcontroller has printed
-    /// the same key.
+    /// Digests printed by the desktop. The key is `law format segment`. An entry is removed when the microcontroller prints the
+    /// same key.
     desktop: BTreeMap<String, String>,
     rows: Vec<Row>,
     penetration: Vec<(String, Cost)>,
@@ -76,7 +76,7 @@ impl Report {
         }
     }
 
-    /// Reads a line that the microcontroller printed. All lines of the desktop must have been read before.
+    /// Reads a line that the microcontroller printed. Call it after all lines of the desktop were read.
     pub fn microcontroller(&mut self, line: &str) {
         let words: Vec<&str> = line.split_whitespace().collect();
         match (&words[..], words.get(5..).and_then(Cost::parse)) {

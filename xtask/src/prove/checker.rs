@@ -12,10 +12,10 @@ use crate::inspect;
 use crate::outcome::Outcome;
 
 /// Most processor time of each process that the model checker starts, in seconds (`ulimit -t`). A process that exceeds it gives no
-/// result. It is a little more than the gate in `inspect/` allows all processes of one harness (proof) together.
+/// result. The gate in `inspect/` allows slightly less, for all processes of a harness (proof) together.
 const PROCESS_S: u32 = 150;
-/// Wall-clock time in seconds after which the model checker aborts a harness (proof). It is long because other work may slow the
-/// checker down.
+/// Wall-clock time in seconds after which the model checker aborts a harness (proof). It is long, because other work may slow the
+/// machine down.
 const TIMEOUT_S: u32 = 2400;
 /// Most memory of each process that the model checker starts, in KiB (`ulimit -v`). A process that needs more fails.
 pub const MEMORY_KIB: u64 = 8 << 20;
@@ -139,7 +139,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     Ok(Left { report, usage })
 }
 
-/// Runs the model checker to its end. Returns the text to show as the reason if the checker leaves no report.
+/// Runs the model checker to its end. Returns a text that explains why, in case the checker leaves no report.
 fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
     let mut child = command
         .spawn()
@@ -160,8 +160,8 @@ fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
     Ok(reason(&errors).unwrap_or_else(|| format!("it gave no reason; {status}")))
 }
 
-/// The lines of standard error that say why the checker ended: the first line with an error, else the last two lines that are
-/// neither progress nor advice.
+/// The lines of standard error that say why the checker ended: the first error line, else the last two lines that are neither
+/// progress nor advice.
 fn reason(errors: &[String]) -> Option<String> {
     let mut lines = errors.iter().map(|line| line.trim_end());
     let is_error = |line: &&str| line.to_lowercase().starts_with("error");
@@ -238,7 +238,7 @@ pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, S
     }
 }
 
-/// Prints a line for each harness (proof) as it ends, to show the progress. The verdicts are later read from the report.
+/// Prints a line for each harness (proof) as it ends, to show the progress. The verdicts come from the report, not from here.
 fn show_progress(output: impl BufRead, show: bool) {
     // Several harnesses run at the same time; a line belongs to the thread that was named last.
     let mut thread = String::new();

@@ -1,5 +1,5 @@
-//! Compiles the theorems about sequences of control periods in `proofs/coq/` with the proof assistant Coq, checks that they assume
-//! nothing, and compares their specification with the shipped code.
+//! Compiles the theorems about sequences of control periods in `proofs/coq/` with the proof assistant Coq. Checks that they rest on
+//! no assumptions, and compares their specification with the shipped code.
 //!
 //! Coq also exits with 0 if a proof was admitted, rests on an axiom, or proves less than intended. So `Theorems.v` lists every
 //! theorem, and makes Coq print its statement and all assumptions. There must be no assumptions, and the statements must equal
@@ -75,8 +75,8 @@ pub fn is_there() -> bool {
     shell::capture(Command::new("coqc").arg("--version")).is_some() && integers().is_some()
 }
 
-/// Version of Zarith, the OCaml library for integers with which the extracted specification is compiled; `None` if its files for
-/// compiling are missing. Coq alone needs only the files for running.
+/// Version of Zarith, the OCaml library for integers with which the extracted specification is compiled. `None` if the files that
+/// compiling needs are missing; Coq alone needs only the files for running.
 pub fn integers() -> Option<String> {
     let mut query = Command::new("ocamlfind");
     let said = shell::capture(query.args(["query", "-format", "%d %v", "zarith"]))?;
@@ -212,7 +212,7 @@ fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     if claimed.eq(said) {
         return Ok(());
     }
-    // Writes the new answers to a file, to be compared and committed.
+    // Writes the new answers to a file, so that a person can compare and commit them.
     let now = folder.join("claims.now.txt");
     std::fs::write(&now, answers).map_err(|why| broken(SAID, why))?;
     let line = claims
@@ -248,7 +248,8 @@ fn compared(folder: &Path) -> Result<String, String> {
     trace.args(["--example", "trace", "--", TICKS]);
     let (output, input) = std::io::pipe().map_err(|why| why.to_string())?;
     let mut writes = trace.stdout(input).spawn().map_err(|why| why.to_string())?;
-    // `trace` holds the writing end of the pipe. Dropped here, the pipe ends when the program ends.
+    // `trace` holds the writing end of the pipe. Without this `drop`, the reader would not see the pipe's end when the program
+    // ends.
     drop(trace);
     let reads = Command::new(folder.join("compare")).stdin(output).output();
     let reads = reads.map_err(|why| why.to_string())?;
@@ -266,7 +267,7 @@ fn compared(folder: &Path) -> Result<String, String> {
 }
 
 /// Mutation test of the Coq files: makes wrong changes of specification and theorems one by one. A change is caught if the file
-/// named for it no longer compiles while all files before it do. A syntax error in the changed file is not a catch.
+/// that its entry names no longer compiles, while all files before it do. A syntax error in the changed file does not count.
 pub fn mutants() -> Outcome {
     if !is_there() {
         return Outcome::NotRun(INSTALL.into());

@@ -1,14 +1,16 @@
 //! `cargo xtask prove`: runs the proofs and checks that each one really proved its statement.
 //!
-//! A harness is one proof of the model checker, a cover is a statement that must be reachable. The model checker also exits with 0
+//! A harness is one proof of the model checker; a cover is a statement that must be reachable. The model checker also exits with 0
 //! if there was nothing to prove, an assumption was impossible, or a cover was never reached. So the crate `inspect/` reads the
-//! checker's report. Every harness of the committed list must have run and succeeded, no other may have run, and every cover and
+//! checker's report. Every harness of the committed list must have run and succeeded, and no other may have run. Every cover and
 //! every assertion of a property must be reachable. If the checker is not installed, tests on samples run instead and the outcome
 //! is "not run".
 //!
-//! The theorems about sequences of control periods ([`coq`]) need Coq instead of the model checker. The integer obligations, lemmas
-//! on which some harnesses rest, need two solvers. Properties with few inputs ([`every`]) need neither. The machine code of a board
-//! ([`elf`]) has its own command; without the model checker it is run on samples.
+//! Other proofs do not need the model checker:
+//! - The theorems about sequences of control periods ([`coq`]) need Coq.
+//! - The integer obligations, lemmas on which some harnesses rest, need two solvers.
+//! - Properties with few inputs ([`every`]) need neither.
+//! - The machine code of a board ([`elf`]) has its own command. If the model checker is not installed, it is run on samples.
 
 pub mod allocator;
 pub mod checker;
@@ -42,8 +44,8 @@ const AT_A_TIME: usize = 52;
 /// Number of harnesses (proofs) that run at the same time if `--jobs` is not given.
 const JOBS: u32 = 2;
 
-/// The full gate proves what is not yet proved of today's code; a harness whose functions did not change stands by its line in the
-/// lock.
+/// The full test run proves what is not yet proved for the present code. If the functions of a harness did not change, its line in
+/// the lock stays valid.
 pub const GATES: Gates = Gates {
     full: Share::Part(
         &["--resume"],
@@ -106,7 +108,7 @@ pub fn run(args: &[String]) -> Outcome {
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
             // The checker's compiler uses one core for minutes, so the integer obligations and Coq run on another. The trials of
-            // all inputs have low priority and use what is left.
+            // all inputs have low priority and use the remaining time.
             let (tell, told) = mpsc::channel();
             let beside = std::thread::spawn(move || {
                 let obligations = obligations();
@@ -162,14 +164,14 @@ fn has_checker() -> bool {
     shell::capture(&mut kani_version()).is_some()
 }
 
-/// Combines the outcomes of the harnesses (proofs) and of the properties with all inputs tried. A failure of the latter counts
-/// first, else the harnesses' outcome.
+/// Combines the outcomes of the harnesses (proofs) and of the trials of all inputs. A failure of the trials counts first; otherwise
+/// the harnesses' outcome counts.
 fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
 }
 
-/// Combines the outcomes of the harnesses (proofs) and of the integer obligations, lemmas that some harnesses need. A failure
-/// counts first, then "not run", else the harnesses' outcome.
+/// Combines the outcomes of the harnesses (proofs) and of the integer obligations, lemmas on which some harnesses rest. A failure
+/// counts first, then "not run", then the harnesses' outcome.
 fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     let said = format!("{}; integer obligations", harnesses.reason());
     match obligations {
@@ -184,8 +186,8 @@ fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     }
 }
 
-/// Combines the outcomes of the harnesses (proofs) and of the Coq theorems. A failure counts first, then "not run", else the result
-/// names both successes.
+/// Combines the outcomes of the harnesses (proofs) and of the Coq theorems. A failure counts first, then "not run"; otherwise the
+/// result names both successes.
 fn with_theorems(theorems: Outcome, harnesses: Outcome) -> Outcome {
     let both = format!("{}; {}", theorems.reason(), harnesses.reason());
     if theorems.is_failure() || harnesses.is_failure() {
@@ -389,7 +391,7 @@ fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
     let folder = shell::target(folder);
     let (python, made_of) = (folder.join("bin/python"), folder.join("made-of.txt"));
     let wanted = std::fs::read_to_string(list).ok();
-    // An environment that is incomplete, or was made from another list, is made again.
+    // An environment that is incomplete, or has the packages of another list, is made again.
     if wanted.is_none() || std::fs::read_to_string(&made_of).ok() != wanted {
         let _ = std::fs::remove_dir_all(&folder);
         let mut venv = shell::program("python3");

@@ -8,13 +8,15 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Number of conflicts after which the script stops the solver CaDiCaL and starts the solver kissat; CaDiCaL takes a second or two
-/// for them. A limit by conflicts and not by time makes the same solver answer on every machine.
+/// Number of conflicts after which the script stops the solver CaDiCaL and starts the solver kissat. CaDiCaL takes a second or two
+/// for them. The limit is not a time, so that the same solver answers on every machine.
 const CONFLICTS: u32 = 10_000;
-/// Number of variables below which the solver kissat runs at once, without CaDiCaL: it solves such small problems as fast.
+/// Number of variables below which the solver kissat runs at once, without CaDiCaL, because kissat solves such small problems as
+/// fast.
 ///
 /// The solutions found first change the last problem of a harness (proof). With CaDiCaL first, kissat took 28 s instead of 4 s for
-/// one of two tried harnesses, and 11 s instead of 8 s for the other. Such changes are chance and may differ for other harnesses.
+/// one of two tried harnesses, and 11 s instead of 8 s for the other. These differences are chance and may be the opposite for
+/// other harnesses.
 const FEW_VARIABLES: u32 = 40_000;
 
 /// Search path in which scripts come before cvc5 and kissat, if these solvers are installed.
@@ -64,8 +66,8 @@ fn with_integers(cvc5: &Path) -> String {
 
 /// Script that tries the solver CaDiCaL before the solver kissat.
 ///
-/// For each harness (proof) the checker runs the solver once per cover and per assertion that must be reachable, and once for
-/// whether any check fails. The former problems are easy, and CaDiCaL needs a quarter of kissat's time for them. The last problem
+/// For each harness (proof) the checker runs the solver once per cover and per assertion that must be reachable, and a last time
+/// for whether any check fails. The former problems are easy; CaDiCaL solves them in a quarter of kissat's time. The last problem
 /// needs kissat.
 fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
     let (cadical, kissat) = (cadical.display(), kissat.display());

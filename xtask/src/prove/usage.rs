@@ -1,9 +1,9 @@
 //! Measures memory and processor time of each harness (proof), from the kernel's counts for the checker's tools and the solvers
 //! that they start.
 //!
-//! The checker's tools have the harness's file as an argument, which tells the harness of a process; a solver is recognised by its
-//! parent process. Ten times a second the highest memory so far (`VmHWM`) and the processor time, including ended child processes,
-//! are read. Both only grow, so at most the last tenth of a second is missed. Without `/proc` nothing is measured.
+//! A tool has the harness's file as an argument, which shows the harness of its process; a solver is recognised by its parent
+//! process. Ten times a second the highest memory so far (`VmHWM`) and the processor time, including ended child processes, are
+//! read. Both only grow, so at most the last tenth of a second is missed. Without `/proc` nothing is measured.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;

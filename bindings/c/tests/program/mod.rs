@@ -35,7 +35,7 @@ pub fn library() -> PathBuf {
     newest.expect("libtouchstone_c.a beside the test")
 }
 
-/// Whether a program of the system can be started; says on the test's output if not.
+/// Whether a program of the system can be started. Prints a note if not.
 pub fn is_here(program: &str) -> bool {
     let here = Command::new(program).arg("--version").output().is_ok();
     if !here {

@@ -2,9 +2,9 @@
 // found by touchstone tune (seed 1, 1 settings tried).
 // The device: 1000 control periods a second, inertia 3e-5 kg·m², damping 9e-6 N·m·s/rad,
 // 16384 encoder counts a turn, force limit 0.045 N·m, delay 6.25e-5 s from reading to torque, torque lag 1.89877049739794e-4 s.
-// The guard relies on 7.200054824352264e-6 N·m·s/rad of the damping. It supposes that the encoder is read once a control period.
+// The guard relies on 7.200054824352264e-6 N·m·s/rad of the damping. It assumes that the encoder is read once per control period.
 // Measure your own device: the energy bound fails with less damping, a larger count, or another delay or lag.
-// What is not set here has the library's default; take program and library of the same release.
+// Settings that are missing here have the library's defaults; use program and library of the same release.
 
 #include "touchstone.h"
 

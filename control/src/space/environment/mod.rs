@@ -47,7 +47,8 @@ pub trait Surface<N: Spatial> {
         side: &Direction<N>,
     ) -> Option<Position<N>>;
 
-    /// Calls `visit` with each direction in which a surface point can be closest, except for the one in which it is.
+    /// Calls `visit` with each fixed direction in which the closest surface point can lie, such as a face's normal. It may leave
+    /// out the direction of the closest point, which the caller also tries.
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>));
 
     /// Whether, from any point inside, a direction nearer to that of the closest surface point always is a shorter way out. Then

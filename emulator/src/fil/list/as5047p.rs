@@ -9,9 +9,9 @@ use touchstone_protocol::FaultCode::*;
 
 /// Injections into the encoder AS5047P, on a NUCLEO-G474RE.
 pub const WITH_AS5047P: &[Injection] = &[
-    // An answer of all zeros has the right parity. As the field's answer it confirms no valid magnet; as the angle's answer it is
-    // an angle far from the last one. Which of the two frames meets the fault first decides the fault code. So the fault begins at
-    // the control tick and not at a fixed time, because programs read the encoder at different times in the tick.
+    // An answer of all zeros has the right parity. As an answer about the field it confirms no valid magnet; as an angle it is far
+    // from the last one. The fault code depends on which of the two frames meets the fault first. So the fault begins at a control
+    // tick and not at a fixed time, because programs read the encoder at different times in the tick.
     row(
         "encoder's line low",
         Pressed,

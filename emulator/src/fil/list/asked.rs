@@ -1,9 +1,9 @@
-//! Fault injections that detect sabotaged firmware (`cargo xtask fil --sabotage`): programs in which a part of a safety function
-//! was removed. Without these injections no test would notice that it is missing.
+//! Fault injections that detect sabotaged firmware (`cargo xtask fil --sabotage`): programs from which a part of a safety function
+//! was removed. Without these injections no test would notice that the part is missing.
 //!
-//! Clearing an enable bit of the interrupt controller is the mildest way to stop a part of the program: nothing hangs, and a
-//! watchdog that any running code refreshes does not act. A break during the current loop must not be undone by a decision that the
-//! loop made before.
+//! The mildest way to stop a part of the program is to clear its enable bit in the interrupt controller. Then nothing hangs, and a
+//! watchdog that any running code refreshes does not act. Another injection is a break during the current loop, which a decision
+//! made earlier in the loop must not undo.
 
 use super::Expect::{Off, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Starting};
@@ -16,8 +16,8 @@ const ADC1_2: u32 = 18;
 const LPUART1: u32 = 91;
 const TIM5: u32 = 50;
 
-/// Time limit in microseconds for detecting that the serial port's task has stopped. The task counts as missed once its send buffer
-/// of 768 bytes is full and it waits: after 32 ms, with one telemetry record of at least 24 bytes per ms.
+/// Time limit in microseconds for the reset after the interrupt of the serial port was lost. The port's task stops when its send
+/// buffer of 768 bytes is full: after 32 ms with one telemetry record of at least 24 bytes per ms. The watchdog's time follows.
 const LINK: u64 = WATCHDOG + 768 / 24 * 1_000;
 
 /// Injections that detect sabotaged firmware, on a NUCLEO-G474RE with an AS5047P on the SPI bus.

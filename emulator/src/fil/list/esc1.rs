@@ -1,5 +1,5 @@
-//! Fault injections on the B-G431B-ESC1. The board measures currents through its amplifiers, has the break from its comparators,
-//! and uses an incremental encoder.
+//! Fault injections on the B-G431B-ESC1. The board measures currents through the chip's amplifiers, its break comes from the chip's
+//! comparators, and its encoder is incremental.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
@@ -173,7 +173,7 @@ pub const ON_ESC1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
+        // Two ticks, because the control tick may hang only at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(

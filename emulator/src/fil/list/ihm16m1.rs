@@ -111,7 +111,7 @@ pub const ON_IHM16M1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
+        // Two ticks, because the control tick may hang only at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(

@@ -71,7 +71,7 @@ pub enum Expect {
 }
 
 impl Expect {
-    /// The fault code that the device must latch, if it is one and no other.
+    /// The fault code that the device must latch; `None` if several codes are allowed or none is expected.
     #[must_use]
     pub const fn only_code(self) -> Option<Code> {
         match self {
@@ -144,10 +144,11 @@ const fn row(
     }
 }
 
-/// Time limit in µs for a reaction in the next control period at 1 kHz: that period, and a PWM period until the next sample.
+/// Time limit in µs for a reaction in the next control period at 1 kHz: a control period, and one PWM period until the next current
+/// sample.
 const TICK: u64 = 1_050;
-/// Time limit in µs for bad encoder readings, one control period: the outputs are off from the first bad reading on. The third one
-/// is latched as a fault.
+/// Time limit in µs for bad encoder readings: one control period. The first bad reading switches the outputs off; the third one
+/// latches the fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
 /// Time limit in µs if a seventh of the encoder's frames are bad, with two to four frames in a control period. Each bad reading
 /// adds 50 to a sum, each good one takes 1 away, and 1,000 is a fault (`drive/src/supervisor/share.rs`). With two frames in a
@@ -155,25 +156,25 @@ const OFF_AT_FIRST_BAD: u64 = TICK;
 const OFF_AT_SHARE: u64 = 150_000;
 /// Time limit in µs for windings whose current does not match the voltage by the motor's model (`docs/faults/25-motor-model.md`).
 const OFF_AT_MODEL: u64 = 50_000;
-/// Time limit in µs for a shaft that is shaken at 25 Hz, from the first motion on: eight reversals at 20 ms each, and half as much
-/// again, as it moves one way when it is taken hold of.
+/// Time limit in µs for a shaft that is shaken at 25 Hz, from the first motion on. The fault needs eight reversals of 20 ms each.
+/// Half as much is added for the beginning, when the shaft moves one way only.
 const OFF_AT_OSCILLATION: u64 = 240_000;
-/// Time limit in µs for a shaft that is turned through the wall at 30 rad/s: some 10 ms until the wall's force is a quarter of its
-/// largest, and the 10 ms of the check, twice.
+/// Time limit in µs for a shaft that is turned through the wall at 30 rad/s. After some 10 ms the wall's force is a quarter of its
+/// largest, and the check takes another 10 ms. The limit is twice the sum.
 const OFF_AT_RUNAWAY: u64 = 40_000;
 /// Time limit in µs for a wrong field of the AS5047P's magnet, two control periods: one requests the register, the next gets the
 /// answer.
 const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
-/// Time limit in µs for a shaft that turns too fast, at 150 rad/s. That is 391 counts in a control period, where 265 are allowed.
-/// The first reading may come after less than 0.68 of a period at this speed, so only the next reading must detect it. A PWM period
-/// is added until the outputs are off.
+/// Time limit in µs for a shaft that turns at 150 rad/s: 391 counts in a control period, where 265 are allowed. The first reading
+/// may come less than 0.68 of a period after the fault and find too few counts; the next reading must detect it. A PWM period until
+/// the outputs are off is added.
 const FAST_SHAFT: u64 = 1_740;
-/// Time limit in µs for a processor lockup, which pulls the break in hardware well before the window watchdog would end it. When
+/// Time limit in µs for a processor lockup, which triggers the break in hardware well before the window watchdog would reset. When
 /// the stack is full, the next interrupt causes the lockup, at most a PWM period later.
 const LOCKUP: u64 = 60;
 /// Time limit in µs for a reset by the window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since
 /// the last refresh.
 const WINDOW_WATCHDOG: u64 = 270;
-/// Time limit in µs for a reset by the independent watchdog with its slowest clock, and the longest time before the missing
-/// feedings begin (docs/firmware.md).
+/// Time limit in µs for a reset by the independent watchdog: its longest time at its slowest clock, and the longest time from the
+/// fault until feedings stop (docs/firmware.md).
 const WATCHDOG: u64 = 112_000;

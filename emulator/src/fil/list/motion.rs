@@ -1,4 +1,5 @@
-//! Fault injections that every board must notice alike: how the shaft moves, and a motor that does not fit its model.
+//! Fault injections that every board must detect in the same way: wrong motion of the shaft, and a motor that does not fit its
+//! model.
 
 use super::Expect::Off;
 use super::When::{Free, Pressed};

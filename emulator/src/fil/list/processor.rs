@@ -64,7 +64,7 @@ pub const PROCESSOR: &[Injection] = &[
         Pressed,
         50,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
+        // Two ticks, because the control tick may hang only at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(
@@ -72,7 +72,7 @@ pub const PROCESSOR: &[Injection] = &[
         Calibrating,
         900,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
+        // Two ticks, because the control tick may hang only at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(

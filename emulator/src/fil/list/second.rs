@@ -1,5 +1,5 @@
-//! Injections of a second fault while the first is latched. The outputs must stay off, the first cause must stay, and only `Stop`
-//! clears the fault.
+//! Injections of a second fault while the first is latched. The outputs must stay off, the reported cause must stay the first one,
+//! and only `Stop` clears the fault.
 
 use super::Expect::Off;
 use super::When::{Calibrating, Free, Pressed, Ready};

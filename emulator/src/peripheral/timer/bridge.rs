@@ -126,7 +126,7 @@ impl Default for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether any phase is driven, that is, whether a transistor conducts. The bit MOE alone does not decide this.
+    /// Whether any phase is driven, that is, whether a transistor conducts. The bit MOE alone does not tell this.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.is_on
@@ -463,7 +463,7 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether a break now raises an interrupt: one of the flags BIF, B2IF and SBIF is set, and their common enable bit.
+    /// Whether a break now raises an interrupt: one of the flags BIF, B2IF and SBIF is set, and the enable bit BIE that they share.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }

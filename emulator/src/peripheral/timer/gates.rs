@@ -1,7 +1,7 @@
 //! The gate drivers on a board: they turn the levels of TIM1's outputs into the states of the transistors.
 //!
-//! This module does not use the program's own idea of "off". If a level that the program takes for off does not switch the driver
-//! off, the tests must show it.
+//! The levels that switch a driver off come from the drivers' data, not from the program. So the tests find a program whose "off"
+//! levels do not switch the driver off.
 
 /// State of the upper and lower transistor of a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,8 +57,8 @@ impl GateDriver {
     }
 
     /// Fraction (0 to 1) of the time for which a phase is connected to the bus voltage. The phase is in state `first` for the
-    /// fraction `share`, and in state `second` for the rest. `None` where a state is open; a phase that is driven for part of the
-    /// time is not modelled.
+    /// fraction `share`, and in state `second` for the rest. `None` if a state is open; a phase that is driven for a part of the
+    /// time only is not modelled.
     #[must_use]
     pub fn share(first: Leg, second: Leg, share: f64) -> Option<f64> {
         match (first, second) {

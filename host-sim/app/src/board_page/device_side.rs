@@ -18,7 +18,7 @@ use touchstone_sim::error::{Error, Result};
 
 /// Time between two attempts to connect again after the connection to the device was lost.
 const AGAIN: Duration = Duration::from_secs(1);
-/// Time for which a record may be older than a command that was sent before it arrived.
+/// After a command is sent, records that arrive within this time may still show the device's state before the command.
 const OLD_RECORD: Duration = Duration::from_secs(1);
 /// What changed about the device in one pass of the loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +106,7 @@ impl DeviceSide {
                 self.take(&record)
             }
             Ok(None) if self.heard.elapsed() > SILENCE_LIMIT => {
-                let silent = "the device says nothing any more; look with `touchstone device status`, or reset it";
+                let silent = "the device sends nothing any more; check it with `touchstone device status`, or reset it";
                 self.lost(&format!("{}: {silent}", self.address))
             }
             Ok(None) => News::None,
@@ -213,7 +213,7 @@ impl DeviceSide {
             None => Err(Error::device(
                 self.address.to_string(),
                 "there is no connection",
-                "connect the board; it is tried again every second",
+                "connect the board; the program tries again every second",
             )),
         }
     }
@@ -222,8 +222,8 @@ impl DeviceSide {
         self.with(status_of)
     }
 
-    /// Sends a message, because the device switches the motor off when the computer is silent for too long. A device that does not
-    /// answer counts as lost.
+    /// Requests the device's status. The device switches the motor off if the computer sends no request for too long. A device that
+    /// does not answer counts as lost.
     pub fn sign_of_life(&mut self) -> News {
         let is_there = self.client.is_some();
         match self.status() {

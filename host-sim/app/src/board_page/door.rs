@@ -54,8 +54,8 @@ impl Door {
         let wrong = |error: std::io::Error| {
             Error::device(
                 "127.0.0.1",
-                format!("no port can be opened: {error}"),
-                "let the program listen on the loopback address",
+                format!("this computer cannot open a TCP port for the page: {error}"),
+                "allow this program to listen on 127.0.0.1, for example in the firewall",
             )
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).map_err(wrong)?;
@@ -96,7 +96,11 @@ impl Inside {
             // Browsers open connections in advance. A reply sent now would be taken for the reply to the next request.
             Head::Silent => return Ok(()),
             Head::Broken => {
-                return refuse(&mut stream, "400 Bad Request", "this is no request");
+                return refuse(
+                    &mut stream,
+                    "400 Bad Request",
+                    "this is not a valid HTTP request",
+                );
             }
         };
         match self.wish(&head) {
@@ -110,7 +114,7 @@ impl Inside {
             }
             Wish::Socket if self.taken.swap(true, Ordering::SeqCst) => {
                 take(&mut stream, head.len())?;
-                let why = "another page has the device; close it first";
+                let why = "another page is connected to the device; close that page first";
                 refuse(&mut stream, "409 Conflict", why)
             }
             Wish::Socket => {
@@ -131,7 +135,7 @@ impl Inside {
     /// Parses the header of a request and decides how the server answers.
     fn wish(&self, head: &[u8]) -> Wish {
         let Some(request) = Request::read(head) else {
-            return Wish::Refused("400 Bad Request", "this is no request");
+            return Wish::Refused("400 Bad Request", "this is not a valid HTTP request");
         };
         if request.header("host") != (Some(self.host.as_bytes()), false) {
             return Wish::Refused("403 Forbidden", "wrong Host");
@@ -151,7 +155,7 @@ impl Inside {
             ("GET", "/") => Wish::Page,
             ("GET", "/socket") if !own_origin => Wish::Refused("403 Forbidden", "missing Origin"),
             ("GET", "/socket") => Wish::Socket,
-            _ => Wish::Refused("404 Not Found", "there is no such thing"),
+            _ => Wish::Refused("404 Not Found", "this address has no page"),
         }
     }
 }

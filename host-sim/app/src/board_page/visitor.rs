@@ -69,7 +69,7 @@ impl Visitor {
             self.sent_at = Instant::now();
             self.send_rows(link)?;
         }
-        // Only while the page answers does the device get the messages that keep its host watchdog content.
+        // The device gets requests, which keep its host watchdog from switching it off, only while the page answers.
         if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
             self.spoken_at = Instant::now();
             let news = link.sign_of_life();
@@ -137,10 +137,10 @@ impl Visitor {
                     return Ok(());
                 }
                 Err(tungstenite::Error::Io(_) | tungstenite::Error::ConnectionClosed) => {
-                    return Err("the page is gone");
+                    return Err("the page was closed");
                 }
                 // This program's page sends no such message.
-                Err(_) => return Err("the page sent what is no message"),
+                Err(_) => return Err("the page sent an invalid message"),
             }
         }
     }
@@ -179,7 +179,7 @@ impl Visitor {
         match self.socket.send(message) {
             // A message that does not fit into the socket's buffer now is sent with the next message.
             Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => Ok(()),
-            Err(_) => Err("the page is gone"),
+            Err(_) => Err("the page was closed"),
             Ok(()) => Ok(()),
         }
     }
@@ -207,7 +207,7 @@ fn carry_out(order: &Value, link: &mut DeviceSide) -> Result<()> {
         _ => {
             return Err(Error::device(
                 "page",
-                "asked for what there is not",
+                "the page sent an unknown command",
                 "load it again",
             ));
         }

@@ -166,7 +166,7 @@ fn magnetic(
     });
     if wanted.len() < all {
         notes.push(format!(
-            "detents at {} of {all} positions: they may be {room} positions apart",
+            "only {} of {all} positions have a detent: too many for the board's table, so detents are up to {room} positions apart",
             wanted.len()
         ));
     }

@@ -30,7 +30,7 @@ use touchstone_sim::positions::Positions;
 /// `PERIOD`. Both times are those of a SmartKnob.
 const LEAST: Duration = Duration::from_millis(5);
 const PERIOD: Duration = Duration::from_secs(5);
-/// Telemetry records per second from which the position is read.
+/// Telemetry records per second that this command requests from the board. It reads the position from them.
 const RECORDS_PER_S: u32 = 250;
 /// Largest number of bytes of a line of text for a person.
 const MOST_LOG: usize = 255;
@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     if !client.identity().board.is_large() {
         return Err(Error::device(
             client.place(),
-            "this board has one wall and no detents",
+            "this board has no memory for detents, only for one wall",
             "use a board with an STM32G474, or `touchstone demo`",
         ));
     }
@@ -76,10 +76,10 @@ pub fn main(options: &Options) -> Result<()> {
             Ok(())
         },
     )?;
-    tell!("speaks SmartKnob's protocol there; Ctrl-C ends");
+    tell!("uses SmartKnob's protocol on this port; Ctrl-C ends it");
     if !options.arm {
         tell!(
-            "torque is on where the board was armed before; --arm arms it with the first configuration"
+            "torque acts only if the board is already armed; --arm arms it with the first configuration"
         );
     }
     let rate_hz = settings.timing.rate_hz;
@@ -132,8 +132,8 @@ impl Terminal {
         let failed = |problem: String, fix: &str| Error::device("bridge", problem, fix);
         let (mut master, slave) = TTYPort::pair().map_err(|error| {
             failed(
-                format!("the system gives no pseudo terminal: {error}"),
-                "close programs that use many, and try again",
+                format!("the system provides no pseudo terminal: {error}"),
+                "close programs that use many pseudo terminals, and try again",
             )
         })?;
         let slave_path = slave.name().unwrap_or_default();
@@ -144,7 +144,7 @@ impl Terminal {
             std::os::unix::fs::symlink(&slave_path, link).map_err(|error| {
                 failed(
                     format!("no link {}: {error}", link.display()),
-                    "give a --link that is not there yet, in a folder that you can write to",
+                    "give --link a name that does not exist yet, in a folder that you can write to",
                 )
             })?;
         }
@@ -268,8 +268,8 @@ impl SmartKnob {
         Ok(angles)
     }
 
-    /// The board's angles begin at another zero: the knob keeps its position, and the board gets its configuration again. Torque
-    /// stays off until a person arms the board.
+    /// Called when the board's angles count from another zero. The knob keeps its position number, and the board gets the
+    /// configuration again. The motor stays off until a person arms the board.
     fn begin_again(&mut self, client: &mut Client, terminal: &mut Terminal) -> Result<()> {
         let (position, width) = (
             self.state.current_position,
@@ -284,7 +284,7 @@ impl SmartKnob {
             self.positions = Positions::every(width, origin_rad);
             self.positions.stand_at(position.into());
         }
-        terminal.log("The board has another zero; the position is kept");
+        terminal.log("The board's zero has changed; the knob keeps its position number");
         Ok(())
     }
 
@@ -345,7 +345,8 @@ impl SmartKnob {
         let centre_rad = if is_other_place {
             self.angle_rad - f64::from(beside) * f64::from(config.position_width_radians)
         } else {
-            // Of the position where the knob is: if the new bounds leave it out, it gets another number, and no push.
+            // The centre of the knob's present position. If the new bounds exclude this position, its number changes, but the knob
+            // is not pushed.
             self.positions.angle_of(self.state.current_position.into())
         };
         if self.render(client, terminal, config, position, centre_rad)?

@@ -15,7 +15,7 @@ pub fn main(options: &Options, scene: &Scene) -> Result<ExitCode> {
         let option = if options.from > 0.0 { "--from" } else { "--to" };
         return Err(Error::Option {
             option: option.into(),
-            problem: "a programme is compared deed by deed".into(),
+            problem: "does not apply to a programme, which is compared action by action".into(),
             fix: "leave it out".into(),
         });
     }

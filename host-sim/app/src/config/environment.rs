@@ -57,7 +57,7 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
         return Err(Error::Option {
             option: error.path.into(),
             problem: error.to_string(),
-            fix: "choose another value; nothing was changed".into(),
+            fix: "choose another value; no setting was changed".into(),
         });
     }
     let from = match client.ask(&Request::SetEnvironment(after))? {
@@ -66,16 +66,16 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     };
     let when = match from {
         CountsFrom::NextTick => "at work now",
-        CountsFrom::Arming => "from the next arming on",
+        CountsFrom::Arming => "takes effect when the device is armed next",
         CountsFrom::Calibration => {
-            "from the next calibration on, as the settings that it was checked with"
+            "takes effect from the next calibration on, with the settings that it was checked with"
         }
     };
     out::result(
         || serde_json::json!({ "environment": json(&after), "counts": when }),
         || {
             shown(&after)?;
-            tell!("{when}; keep it with: touchstone config save");
+            tell!("{when}; to keep it after a restart: touchstone config save");
             Ok(())
         },
     )

@@ -239,7 +239,7 @@ fn import(
             line: lines.get(invalid.path).copied().unwrap_or(1),
             field: invalid.path.to_string(),
             problem: without_path(&invalid, invalid.path),
-            fix: "choose another value; nothing was changed".into(),
+            fix: "choose another value; no setting was changed".into(),
         });
     }
     let weaker = guard::weaker(&before, &after, board);
@@ -255,7 +255,7 @@ fn import(
                 field: first.path.to_string(),
                 problem: format!("{}{more}", first.problem),
                 fix:
-                    "leave the line out, or take all of it with --weaken-guard; nothing was changed"
+                    "remove the line from the file, or accept it with --weaken-guard; no setting was changed"
                         .into(),
             });
         }
@@ -333,7 +333,9 @@ fn changed(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
             if before == after {
                 tell!("nothing to change");
             } else {
-                tell!("from the next calibration on; keep it with: touchstone config save");
+                tell!(
+                    "takes effect from the next calibration on; to keep it after a restart: touchstone config save"
+                );
             }
             Ok(())
         },

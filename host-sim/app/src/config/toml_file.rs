@@ -79,7 +79,7 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
     };
     if text.starts_with(BEGIN) && !text.lines().any(|line| line == END) {
         let problem = format!("the file was cut: its last line, `{END}`, is missing");
-        let fix = "export it again; without the first line it is taken as it is";
+        let fix = "export it again; or, to import it as it is, remove its first line";
         return Err(wrong(text.len(), "end", (problem, fix.into())));
     }
     let table = DeTable::parse(text).map_err(|error| {
@@ -88,7 +88,7 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
         wrong(
             offset,
             "TOML",
-            (problem, "mend the form of the file".into()),
+            (problem, "correct the TOML syntax of the file".into()),
         )
     })?;
     let mut leaves = Vec::new();
@@ -107,7 +107,7 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
         lines.insert(field.path, line(offset));
     }
     if lines.is_empty() {
-        let problem = "there are no settings in the file".to_owned();
+        let problem = "the file contains no settings".to_owned();
         let fix = "`touchstone config export FILE` writes one";
         return Err(wrong(0, "file", (problem, fix.into())));
     }

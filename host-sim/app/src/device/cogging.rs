@@ -107,7 +107,7 @@ pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
         return out::result(
             || serde_json::json!({ "kept": false }),
             || {
-                tell!("forgotten and saved");
+                tell!("deleted and saved");
                 Ok(())
             },
         );
@@ -125,20 +125,20 @@ pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
                 say!("{line}");
             }
             if let CoggingAction::Measure = action {
-                tell!("kept and saved; next: touchstone device calibrate");
+                tell!("stored and saved; next: touchstone device calibrate");
             }
             Ok(())
         },
     )
 }
 
-/// Whether this board can store a cogging map with these settings.
+/// Checks that this board can store a cogging map with these settings. The error gives the reason if not.
 pub fn may_keep(client: &Client, settings: &DeviceSettings) -> Result<()> {
     let board = client.identity().board;
     let why = if !board.is_large() && board.has_bus() {
-        Some("it has no room for one in its flash")
+        Some("it has too little flash for it")
     } else if !board.is_large() {
-        Some("it has no connector for an encoder that knows where it is")
+        Some("it has no connector for an absolute encoder")
     } else if hardware(board).gives_voltage() {
         Some("it measures no current")
     } else {
@@ -147,7 +147,7 @@ pub fn may_keep(client: &Client, settings: &DeviceSettings) -> Result<()> {
     why.map_or(Ok(()), |why| {
         Err(Error::device(
             client.place(),
-            format!("this board keeps no map of the cogging: {why}"),
+            format!("this board cannot store a map of the cogging: {why}"),
             "use a magnetic encoder on a NUCLEO-G474RE with a shield that measures currents",
         ))
     })
@@ -165,12 +165,12 @@ fn shown(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
     let kept = report(client)?.kept;
     let usable = kept.as_ref().map(|kept| kept.usable(settings, board));
     let line = match &usable {
-        None => "no map is kept: touchstone device cogging measure".into(),
+        None => "no map is stored; to measure one: touchstone device cogging measure".into(),
         Some(Ok(map)) => format!(
-            "a map of {} harmonics is kept and played",
+            "a map of {} harmonics is stored and used",
             map.harmonics.len()
         ),
-        Some(Err(why)) => format!("a map is kept and NOT PLAYED: {}", why.words()),
+        Some(Err(why)) => format!("a map is stored and NOT USED: {}", why.words()),
     };
     out::result(
         || {
@@ -229,8 +229,8 @@ fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> R
     let usable = kept.and_then(|kept| kept.usable(settings, board).cloned());
     let map = usable.map_err(|why| {
         let problem = match why {
-            Unkept::None => "no map is kept".into(),
-            why => format!("the kept map is not played: {}", why.words()),
+            Unkept::None => "no map is stored".into(),
+            why => format!("the stored map is not used: {}", why.words()),
         };
         Error::device(client.place(), problem, AGAIN)
     })?;
@@ -268,7 +268,7 @@ fn judged(client: &Client, tried: &Tried) -> Result<()> {
     Err(Error::device(
         client.place(),
         format!(
-            "with the map the shaft's ripple is {:.0} % of what it is without: it is not of this motor as it is now",
+            "with the map the shaft's ripple is {:.0} % of the ripple without it, so the map does not fit this motor",
             100.0 * left
         ),
         AGAIN,
@@ -285,18 +285,18 @@ fn forgotten<T>(client: &mut Client, error: Error) -> Result<T> {
 fn no_map(client: &Client, why: &NoMap) -> Error {
     let fix = match why {
         NoMap::Nothing { .. } => {
-            "there is nothing to be done; or look with more care: less friction, a finer current sensor"
+            "a map is not needed; to measure weaker cogging, reduce the friction or use a finer current sensor"
         }
-        NoMap::TooLarge { .. } => "a larger motor.current_limit_a, if motor and board bear it",
+        NoMap::TooLarge { .. } => "raise motor.current_limit_a, if motor and board allow it",
         NoMap::Incomplete { .. } | NoMap::DoesNotRepeat { .. } => {
-            "hands off, shaft free, nothing loose; then the same command again"
+            "take your hand off the knob, see that the shaft turns freely and nothing is loose, and run the same command again"
         }
     };
     Error::device(client.place(), why.to_string(), fix)
 }
 
-/// Runs an action while the device has a short limit on the computer's silence, so that it switches off soon after a pulled cable.
-/// Afterwards, even after an error, the device is stopped and gets its settings back.
+/// Runs an action in which the device switches off at the latest 1 s after the last request from the computer ([`spin::watched`]),
+/// for instance after a pulled cable. Afterwards, even after an error, the device is stopped and gets its settings back.
 fn guarded<T>(
     client: &mut Client,
     settings: &DeviceSettings,
@@ -340,7 +340,7 @@ fn swept(
     let against = report(client)?.against.ok_or_else(|| {
         Error::device(
             client.place(),
-            "the calibration is gone",
+            "the calibration was lost",
             "the same command again",
         )
     })?;

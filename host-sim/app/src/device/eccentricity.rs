@@ -73,7 +73,7 @@ pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
 pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     let cost = found.cost(pole_pairs);
     format!(
-        "at the worst place {:.2} % of the torque, a wall {:.2}° from where it should be, its stiffness {:.1} % off",
+        "at the worst angle: {:.2} % less torque, a wall {:.2}° from its place, its stiffness wrong by {:.1} %",
         100.0 * cost.torque_lost,
         cost.place_rad.to_degrees(),
         100.0 * cost.stiffness_off
@@ -89,7 +89,7 @@ pub fn field_n_m_per_rad(settings: &DeviceSettings, torque_constant_n_m_per_a: f
 /// Text on the limits of a measurement in which the motor's field holds the shaft and the shaft never coasts.
 fn by_field_alone(field_n_m_per_rad: f64) -> String {
     format!(
-        "a torque once or twice a turn, as of a weight out of the axis: {:.3}° for each mN·m (the knob coasts too shortly)",
+        "a torque that varies once or twice a turn, such as that of an unbalanced knob: it shifts the result by {:.3}° for each mN·m (the knob does not coast long enough to tell)",
         (1e-3 / field_n_m_per_rad).to_degrees()
     )
 }
@@ -102,16 +102,16 @@ pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> V
             format!("{:<41} {value} ± {open}{phase}", NAMES[index])
         })
         .collect();
-    lines.push(format!("{:<41} {}", "that costs", costs(found, pole_pairs)));
+    lines.push(format!("{:<41} {}", "effect", costs(found, pole_pairs)));
     lines.push(format!(
-        "{:<41} law.position_error_rad = {:.5}, and more by what the data sheet says of other errors",
-        "the energy guard is to be told",
+        "{:<41} law.position_error_rad = {:.5}, plus the encoder's other errors by its data sheet",
+        "setting for the energy guard",
         found.position_error_rad()
     ));
     if found.apart_rad.is_none() {
         lines.push(format!(
             "{:<41} {}",
-            "not told from it",
+            "cannot be separated from it",
             by_field_alone(field_n_m_per_rad)
         ));
     }
@@ -123,17 +123,17 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     let cost = found.cost(pole_pairs);
     let why = match cost.reseat()? {
         Reseat::Electrical => format!(
-            "the motor's field is {:.0} electrical degrees off at the worst place; beyond {ELECTRICAL_MOST_DEG:.0} the check of a kept alignment may refuse a right one",
+            "the motor's field is {:.0} electrical degrees off at the worst angle; above {ELECTRICAL_MOST_DEG:.0}, the check of a stored alignment may reject a correct one",
             cost.electrical_deg
         ),
         Reseat::Stiffness => format!(
-            "a wall's stiffness is {:.0} % off at the worst place; beyond {:.0} it is more than a wall may be off on its scorecard",
+            "a wall's stiffness is {:.0} % off at the worst angle; the scorecard's limit is {:.0} %",
             100.0 * cost.stiffness_off,
             100.0 * STIFFNESS_MOST
         ),
     };
     Some(format!(
-        "warning: seat the encoder's magnet anew, centred and not tilted: {why}"
+        "warning: mount the encoder's magnet again, centred and not tilted: {why}"
     ))
 }
 

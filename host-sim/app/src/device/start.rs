@@ -48,11 +48,11 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
         let why = if board.has_bus() {
-            "has no room for that in its flash"
+            "has too little flash for it"
         } else {
-            "has no connector for an encoder that knows where it is when power comes on"
+            "has no connector for an absolute encoder"
         };
-        let problem = format!("{} {why}: it keeps no alignment", board.name());
+        let problem = format!("{} cannot store an alignment: it {why}", board.name());
         let fix = "calibrate at each start: touchstone device calibrate; or use a NUCLEO-G474RE";
         Error::device(client.place(), problem, fix)
     })
@@ -62,18 +62,18 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
 pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
     let Some(report) = report else {
         return [
-            "is not kept on this board".into(),
+            "cannot be stored on this board".into(),
             "not on this board".into(),
         ];
     };
     let alignment = match (report.kept.usable(settings, board), report.was_checked) {
-        (Ok(_), true) => "kept, and checked at the last calibration".into(),
-        (Ok(_), false) => "kept: the next calibration checks it".into(),
+        (Ok(_), true) => "stored; the last calibration checked it".into(),
+        (Ok(_), false) => "stored; the next calibration checks it".into(),
         (Err(Unkept::None | Unkept::Incremental | Unkept::NothingToAlign), _) => {
-            "not kept: each calibration looks for it".into()
+            "not stored; each calibration measures it".into()
         }
         (Err(why), _) => format!(
-            "kept and NOT USED: {}; calibrate, then: touchstone device alignment keep",
+            "stored but NOT USED: {}; calibrate, then: touchstone device alignment keep",
             why.words()
         ),
     };
@@ -138,8 +138,8 @@ pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result
             tell!(
                 "{}",
                 match action {
-                    Some(AlignmentAction::Keep) => "kept and saved; checked at once: it holds",
-                    _ => "forgotten and saved",
+                    Some(AlignmentAction::Keep) => "stored and saved; the check passed",
+                    _ => "deleted and saved",
                 }
             );
             tell!("{}", phase.name());
@@ -168,8 +168,8 @@ pub fn keep(client: &mut Client) -> Result<()> {
     client.tell(&Request::Save)?;
     Err(Error::device(
         client.place(),
-        format!("what was kept does not pass its check, and was forgotten again: {problem}"),
-        "hands off, a shaft without load, more calibration.current_a; then: touchstone device calibrate, and keep it again",
+        format!("the stored alignment failed its check and was deleted again: {problem}"),
+        "take your hand off the knob, unload the shaft, or raise calibration.current_a; then: touchstone device calibrate, touchstone device alignment keep",
     ))
 }
 
@@ -226,15 +226,15 @@ pub fn autostart(client: &mut Client, switch: Option<Switch>) -> Result<()> {
             match switch {
                 Switch::On => {
                     tell!(
-                        "on and saved: WHEN POWER COMES ON, THE SHAFT MOVES AND THE WALL IS THERE, with nobody asked"
+                        "on and saved: FROM NOW ON THE SHAFT MOVES AND THE WALL ACTS AS SOON AS POWER COMES ON, without a command"
                     );
                     tell!(
-                        "{SILENCE} = 0: it goes on without a desktop, also after one that has spoken and is gone"
+                        "{SILENCE} = 0: the wall stays on without a computer, also after a computer was connected"
                     );
-                    tell!("off again: touchstone device autostart off");
+                    tell!("to switch this off: touchstone device autostart off");
                 }
                 Switch::Off => tell!(
-                    "off and saved: it waits for a desktop, and switches off {silence_s} s after that falls silent ({SILENCE})"
+                    "off and saved: the board waits for a computer, and switches off after {silence_s} s without a request ({SILENCE})"
                 ),
             }
             Ok(())

@@ -128,7 +128,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         _ if out::quiet() => Ok(()),
         0 => print(format_args!("all there\n")),
         _ if needs.is_none() => print(format_args!(
-            "simulating needs none of what is missing; `touchstone doctor board` fails while it is\n"
+            "a simulation needs none of the missing items; `touchstone doctor board` fails without them\n"
         )),
         1 => print(format_args!("1 thing is missing\n")),
         _ => print(format_args!("{lacks} things are missing\n")),
@@ -183,7 +183,7 @@ fn rust_target() -> Found {
         .iter()
         .all(|board| board.shipped().is_some())
     {
-        return Skipped("not needed: every board's program came with this one".into());
+        return Skipped("not needed: this program contains the firmware of every board".into());
     }
     let Some(sysroot) = first_line("rustc", &["--print", "sysroot"]) else {
         return missing("no rustc on the PATH", "install Rust: https://rustup.rs");
@@ -256,7 +256,12 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
         Err(Error::Device { problem, fix, .. }) if is_needed => {
             return tell("omega.3", missing(problem, fix));
         }
-        Err(error) => return tell("omega.3", Skipped(format!("for an omega.3 only: {error}"))),
+        Err(error) => {
+            return tell(
+                "omega.3",
+                Skipped(format!("needed for an omega.3 only: {error}")),
+            );
+        }
     };
     tell("omega.3", There(haptic::described(&library)));
     tell(
@@ -272,7 +277,7 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
 /// hand.
 fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
-        return (Skipped("no port to ask it on".into()), None);
+        return (Skipped("no port on which to read it".into()), None);
     };
     match Client::connect(address) {
         Ok(mut client) => {

@@ -11,8 +11,8 @@ use touchstone_sim::harmless::one_line;
 /// USB vendor number of STMicroelectronics, as in the kernel's file `idVendor`.
 const VENDOR_ST: &str = "0483";
 
-/// The udev rule that lets users access a probe, and how to install it. All ST-LINKs that probe-rs knows share these product
-/// numbers.
+/// The udev rule that lets users access a probe, and how to install it. It covers the product numbers of all ST-LINKs that probe-rs
+/// knows.
 pub const INSTALL_RULE: &str = "\
 sudo tee /etc/udev/rules.d/70-st-link.rules <<'RULE'
 SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"0483\", ATTRS{idProduct}==\"374[48abdef]\", MODE=\"0660\", TAG+=\"uaccess\"
@@ -55,7 +55,7 @@ pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
                     let node = dev.join(format!("bus/usb/{bus:0>3}/{device:0>3}"));
                     permission(&node)
                 }
-                Err(_) => Skipped("the kernel does not say where its node is".into()),
+                Err(_) => Skipped("the kernel shows no device node for it".into()),
             },
         );
     }
@@ -63,7 +63,7 @@ pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
         tell(
             "probe",
             missing(
-                "no ST-LINK at the USB",
+                "no ST-LINK found on USB",
                 "connect the board by its ST-LINK's USB connector, with a cable that carries data",
             ),
         );
@@ -75,12 +75,12 @@ fn permission(node: &Path) -> Found {
     match OpenOptions::new().read(true).write(true).open(node) {
         Ok(_) => There(format!("{} may be used", node.display())),
         Err(error) if error.kind() == ErrorKind::PermissionDenied => missing(
-            format!("{} may not be used by this user", node.display()),
+            format!("this user has no permission for {}", node.display()),
             INSTALL_RULE,
         ),
         Err(error) => missing(
             format!("{}: {error}", node.display()),
-            "connect the board again; in a container, hand the device in",
+            "connect the board again; in a container, pass the USB device to the container",
         ),
     }
 }
@@ -90,15 +90,15 @@ fn elsewhere(devices: &Path) -> Found {
     match flash::probes() {
         Some(probes) if !probes.is_empty() => There(probes.join(", ")),
         Some(_) => missing(
-            "no probe at the USB",
+            "no debug probe found on USB",
             "connect the board by its ST-LINK's USB connector",
         ),
         None => missing(
             format!(
-                "{} cannot be read, and there is no probe-rs to ask",
+                "{} cannot be read, and probe-rs is not installed",
                 devices.display()
             ),
-            "connect the board; in a container, hand the USB in",
+            "connect the board; in a container, pass the USB devices to the container",
         ),
     }
 }

@@ -1,4 +1,4 @@
-//! The number of a position, kept in a file for the next start.
+//! Stores the number of the knob's position in a file, for the next start of the program.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -6,24 +6,24 @@ use std::time::{Duration, Instant};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
-/// Shortest time between two writings while the knob turns.
+/// Shortest time between two writes to the file while the knob turns.
 const LEAST: Duration = Duration::from_secs(1);
 
-/// The file with the number.
+/// The file with the position's number.
 #[derive(Debug)]
 pub struct Kept {
     path: PathBuf,
-    /// The number that is to be kept; at the beginning, that of the last time.
+    /// The number to store; at first the number from the file, `None` if there was no file.
     pub number: Option<i64>,
     written: Option<i64>,
     at: Instant,
 }
 
 impl Kept {
-    /// Reads the file, if it is there.
+    /// Reads the number from the file, if the file exists.
     ///
     /// # Errors
-    /// The file has no number, or cannot be read.
+    /// The file does not contain a number, or cannot be read.
     pub fn open(path: &Path) -> Result<Self> {
         let failed = |problem: String, fix: &str| Error::Io {
             path: path.to_owned(),
@@ -33,7 +33,7 @@ impl Kept {
         let number = match std::fs::read_to_string(path) {
             Ok(text) => Some(text.trim().parse().map_err(|_| {
                 failed(
-                    "has no number of a position".into(),
+                    "contains no position number".into(),
                     "give another file with --keep, or remove it",
                 )
             })?),
@@ -48,7 +48,7 @@ impl Kept {
         })
     }
 
-    /// Takes the present number, and writes it once a second at most.
+    /// Stores the present number. Writes the file at most once per second.
     pub fn see(&mut self, number: i64) -> Result<()> {
         self.number = Some(number);
         match self.at.elapsed() >= LEAST {
@@ -57,7 +57,7 @@ impl Kept {
         }
     }
 
-    /// Writes the number, if it is another than that in the file.
+    /// Writes the number to the file, if the file has another number.
     pub fn write(&mut self) -> Result<()> {
         let Some(number) = self.number.filter(|_| self.number != self.written) else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The knob whose positions are printed: its feel, the numbers of its positions, and what programs ask for.
+//! A board as a knob with numbered positions: its feel, its position numbers, and the requests of other programs.
 
 use super::kept::Kept;
 use super::lines::Lines;
@@ -21,7 +21,7 @@ pub struct Knob<'a> {
     settings: &'a DeviceSettings,
     /// The numbered positions of the present feel.
     pub positions: Positions,
-    /// The feel that a program has chosen.
+    /// Name of the feel that a program chose last; `None` before any choice.
     feel: Option<String>,
     /// The number that the present position gets at the next record.
     called: Option<i64>,
@@ -30,11 +30,11 @@ pub struct Knob<'a> {
 }
 
 impl<'a> Knob<'a> {
-    /// Asks the board for its feel. Without positions of its own it has a whole turn as one, if a program may choose another feel
-    /// (`is_asked`).
+    /// Reads the board's feel and makes the numbered positions. If the feel has no positions and a program may choose another feel
+    /// (`is_asked`), one position is a whole turn.
     ///
     /// # Errors
-    /// The board does not answer, or has no positions.
+    /// The board does not answer, or the feel has no positions and `is_asked` is false.
     pub fn new(
         client: &mut Client,
         options: &'a Options,
@@ -51,7 +51,9 @@ impl<'a> Knob<'a> {
         if let Some(number) = kept.as_ref().and_then(|kept| kept.number) {
             match positions.numbers() {
                 None => called = Some(number),
-                Some(_) => note!("note: --keep: between end stops the place gives the number"),
+                Some(_) => note!(
+                    "note: --keep has no effect between end stops, where the knob's angle gives the position number"
+                ),
             }
         }
         let mut knob = Self {
@@ -67,7 +69,7 @@ impl<'a> Knob<'a> {
         Ok(knob)
     }
 
-    /// Asks the board for as many records as the positions need.
+    /// Requests telemetry at `RECORDS_PER_S`.
     pub fn ask_for_records(&self, client: &mut Client) -> Result<()> {
         let every = (self.settings.timing.rate_hz / RECORDS_PER_S).max(1);
         client.tell(&Request::Telemetry {
@@ -75,7 +77,7 @@ impl<'a> Knob<'a> {
         })
     }
 
-    /// Takes a record of the board: carries out what programs ask for, and passes changes on.
+    /// Handles one telemetry record: carries out the requests of programs, and reports changes of state and position to them.
     pub fn take(
         &mut self,
         client: &mut Client,
@@ -100,7 +102,7 @@ impl<'a> Knob<'a> {
         let angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
         let mut place = match angles {
             Angles::Same => self.positions.take(angle_rad),
-            // The motor turns the shaft, not a hand.
+            // During a calibration the motor turns the shaft, not a hand, so positions are not reported.
             Angles::Calibrating => return Ok(()),
             Angles::Calibrated => {
                 let number = self.positions.number();
@@ -130,12 +132,13 @@ impl<'a> Knob<'a> {
         Ok(())
     }
 
-    /// Writes the number to its file.
+    /// Writes the position's number to the file of `--keep`, if there is one.
     pub fn keep(&mut self) -> Result<()> {
         self.kept.as_mut().map_or(Ok(()), Kept::write)
     }
 
-    /// After a reset the board has its stored feel and its usual records. Gives it those of before.
+    /// Restores telemetry rate and feel after a reset, which set the board back to its stored settings. If no program chose a feel,
+    /// the positions are those of the board's stored feel.
     fn begin_again(&mut self, client: &mut Client) -> Result<()> {
         tell!("the board was reset");
         self.ask_for_records(client)?;
@@ -156,7 +159,8 @@ impl<'a> Knob<'a> {
         self.positions.hysteresis = self.options.hysteresis;
     }
 
-    /// Sends a shipped feel to the board. A feel that is none, or that the board refuses, changes nothing; the reason is returned.
+    /// Sends a shipped feel to the board. If no feel has this name, or the board refuses it, nothing changes and the inner error
+    /// says why.
     fn render(
         &mut self,
         client: &mut Client,
@@ -170,7 +174,7 @@ impl<'a> Knob<'a> {
             )));
         }
         if !client.identity().board.is_large() {
-            return Ok(Err("this board has no room for feels".to_owned()));
+            return Ok(Err("this board's flash is too small for feels".to_owned()));
         }
         let around = Scene::load(name)?.environment.unwrap_or_default();
         let environment = of_scene(&around);
@@ -187,7 +191,7 @@ impl<'a> Knob<'a> {
     }
 }
 
-/// A knob without positions of its own: a whole turn is one.
+/// The positions of a knob whose feel has none: one position per whole turn.
 const fn unnumbered() -> Positions {
     Positions::every(std::f64::consts::TAU, 0.0)
 }
@@ -213,7 +217,7 @@ fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
         }
         None => own.ok_or_else(|| Error::Option {
             option: "--pitch".into(),
-            problem: "the device has no detents, no profile in which it rests and no clicks, so it has no positions of its own"
+            problem: "the device has no detents, no profile with places of rest and no clicks, so it has no positions to count"
                 .into(),
             fix: "give the distance between two positions, e.g. --pitch 10, or send it a feel with `touchstone config environment coarse-detents`"
                 .into(),

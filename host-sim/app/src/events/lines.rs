@@ -1,4 +1,4 @@
-//! Prints a line for every change, and passes it to the programs that use the knob.
+//! Prints a line for every change of state or position, and reports the change to the programs that use the knob.
 
 use super::midi::Midi;
 use super::wish::{Asker, Wish};
@@ -12,7 +12,7 @@ use touchstone_protocol::{Fault, Phase, Telemetry};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::positions::{Place, Positions};
 
-/// Keys that the knob presses, and the keyboard that has them.
+/// The pair of keys that the knob presses, and the virtual keyboard that sends them.
 #[derive(Debug)]
 pub struct Keys {
     pair: KeyPair,
@@ -20,7 +20,7 @@ pub struct Keys {
 }
 
 impl Keys {
-    /// Makes the keyboard.
+    /// Opens the virtual keyboard.
     pub fn open(pair: KeyPair) -> Result<Self> {
         let keyboard = touchstone_keys::open(&pair)?;
         Ok(Self { pair, keyboard })
@@ -30,13 +30,13 @@ impl Keys {
         let pressed = self.pair.press(self.keyboard.as_mut(), change);
         pressed.map_err(|error| Error::Option {
             option: "--keys".into(),
-            problem: format!("the system takes no more key presses: {error}"),
+            problem: format!("the system rejects further key presses: {error}"),
             fix: "start the command again".into(),
         })
     }
 }
 
-/// State of the printed lines: when they began, and how many are left to print.
+/// State of the printed lines, and the connections on which changes are reported.
 pub struct Lines {
     /// Number of the control period in which the first telemetry record was made.
     pub first: Option<u32>,
@@ -48,18 +48,19 @@ pub struct Lines {
     pub websocket: Option<WebSocketServer>,
     pub midi: Option<Midi>,
     pub keys: Option<Keys>,
-    /// The newest lines of state and position, for the WebSocket's next client.
+    /// The newest state line and the newest position line, for a WebSocket client that connects later.
     pub told: [Option<Json>; 2],
 }
 
 impl Lines {
-    /// The wishes of all programs since the last call. A message without a wish is noted, or answered by an error.
+    /// The requests of all programs since the last call. For an invalid OSC message a note is printed; an invalid WebSocket request
+    /// is answered with an error.
     pub fn wishes(&mut self, positions: &Positions) -> Vec<(Asker, Wish)> {
         let mut wishes = Vec::new();
         while let Some(message) = self.osc.next() {
             match Wish::of_message(&message) {
                 Some(wish) => wishes.push((Asker::Osc, wish)),
-                None => note!("note: {} is no message for a knob", message.address),
+                None => note!("note: {} is not a message for a knob", message.address),
             }
         }
         if let Some(midi) = &mut self.midi {
@@ -79,13 +80,13 @@ impl Lines {
             let from = Asker::Client(asked.client);
             match serde_json::from_str(&asked.text) {
                 Ok(wish) => wishes.push((from, wish)),
-                Err(error) => self.refuse(from, &format!("this is no request: {error}")),
+                Err(error) => self.refuse(from, &format!("this is not a valid request: {error}")),
             }
         }
         wishes
     }
 
-    /// Tells a program why its wish was refused.
+    /// Reports why a request was refused: to its WebSocket client, else as a printed note.
     pub fn refuse(&mut self, from: Asker, problem: &str) {
         match (from, &mut self.websocket) {
             (Asker::Client(client), Some(websocket)) => {
@@ -95,7 +96,7 @@ impl Lines {
         }
     }
 
-    /// The present position has got this number.
+    /// Passes the new number of the present position to MIDI.
     pub fn number(&mut self, position: i64) {
         if let Some(midi) = &mut self.midi {
             midi.number(position);
@@ -118,7 +119,8 @@ impl Lines {
         f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz)
     }
 
-    /// The board was reset between the control period `before` and this record: its time goes on.
+    /// Called after a reset of the board, which restarts the count of control periods. Makes the time continue from the control
+    /// period `before`, the last one before the reset.
     pub fn go_on_from(&mut self, before: u32, record: &Telemetry) {
         let first = &mut self.first;
         *first = first.map(|first| record.tick.wrapping_sub(before.wrapping_sub(first)));
@@ -206,7 +208,7 @@ impl Lines {
             print(format_args!("{line}\n"))?;
         }
         if self.websocket.is_some() {
-            // A client that comes later has seen no change.
+            // For a client that connects later, this line is not a change.
             line["change"] = 0.into();
             self.told[1] = Some(line);
         }

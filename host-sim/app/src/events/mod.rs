@@ -8,8 +8,8 @@
 //! | `/touchstone/position` | the number that the present position gets | received |
 //! | `/touchstone/feel` | name of a shipped feel, which the device renders from now on | received |
 //!
-//! A client of the WebSocket gets the lines of `events --json`, and sends the same requests as `{"position": 3}` and
-//! `{"feel": "on-off"}`. By MIDI see [`midi`]; a position can also press keys.
+//! A WebSocket client gets the lines that `events --json` prints, and sends the same requests as `{"position": 3}` and
+//! `{"feel": "on-off"}`. For MIDI see [`midi`]. A change of position can also press keys.
 
 mod kept;
 mod knob;
@@ -35,7 +35,7 @@ use touchstone_protocol::Request;
 use touchstone_sim::error::Result;
 use touchstone_sim::positions::HYSTERESIS;
 
-/// Telemetry records per second from which the position is read: enough for a hand that turns 20 positions a second.
+/// Telemetry records per second, from which the position is read. This is enough for a hand that turns by 20 positions per second.
 const RECORDS_PER_S: u32 = 250;
 
 /// Options of the command `touchstone events`.
@@ -46,14 +46,14 @@ pub struct Options {
     /// Distance between two positions, degrees. Default: that of the device's detents, or of its torque profile.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = number::up_to(360.0, "in degrees"))]
     pitch: Option<f64>,
-    /// How far beyond the middle between two positions the number changes, as a fraction of their distance, 0 to 0.49.
+    /// How far beyond the midpoint between two positions the number changes, as a fraction of their distance, 0 to 0.49.
     #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
     hysteresis: f64,
     /// The number of the position in which the knob is now. Default: position 0 is at the scene's `centre_rad` or `start_rad`.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     position: Option<i64>,
-    /// Keeps the number in this file for the next start, of a knob without end stops. The position in which it is then found gets
-    /// the number.
+    /// Stores the position's number in this file for the next start, for a knob without end stops. At the next start, the position
+    /// at which the knob then is gets the stored number.
     #[arg(long, value_name = "FILE", conflicts_with = "position")]
     keep: Option<PathBuf>,
     /// Ends after this many seconds; without this option, at Ctrl-C.
@@ -65,22 +65,23 @@ pub struct Options {
     /// Also sends every change as an OSC message over UDP, to a port on this computer or to HOST:PORT.
     #[arg(long, value_name = "PORT")]
     osc: Option<String>,
-    /// Takes OSC messages from this computer: /touchstone/feel NAME renders a shipped feel, /touchstone/position N numbers the
-    /// present position.
+    /// Receives OSC messages from this computer on this port: /touchstone/feel NAME renders a shipped feel, /touchstone/position N
+    /// gives the present position the number N.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
-    /// Also gives every change, as --json prints it, to clients of a WebSocket on a port of this computer, and takes their requests
-    /// {"position": N} and {"feel": "NAME"}. Prints its address, which has a secret token. With HOST:PORT other computers can
-    /// connect.
+    /// Also sends every change, as --json prints it, to the clients of a WebSocket on a port of this computer. Accepts the requests
+    /// {"position": N} and {"feel": "NAME"} from them. Prints the WebSocket's address, which contains a secret token. With
+    /// HOST:PORT other computers can connect.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     websocket: Option<String>,
-    /// Lets pages of this web site connect as well, e.g. `https://example.org`; `null` is a page opened from a file. Without this
-    /// option only programs and pages of http://localhost may.
+    /// Also accepts connections from pages of this web site, e.g. `https://example.org`; `null` is a page opened from a file.
+    /// Without this option only programs and pages of http://localhost can connect.
     #[arg(long, value_name = "ORIGIN", requires = "websocket")]
     websocket_origin: Vec<String>,
     #[command(flatten)]
     midi: MidiOptions,
-    /// Also presses a key for each position up and another for each position down, e.g. volumeup,volumedown (Linux, feature `keys`).
+    /// Also presses one key for each position up and another for each position down, e.g. volumeup,volumedown (Linux, feature
+    /// `keys`).
     #[arg(long, value_name = "UP,DOWN")]
     keys: Option<KeyPair>,
 }
@@ -98,7 +99,7 @@ pub fn main(options: &Options) -> Result<()> {
     let mut client = options.port.connect()?;
     let settings = client.settings()?;
     warn_unwatched(&settings);
-    // A program that chooses the feel may begin with a knob that has none.
+    // A knob without positions is accepted if a program can choose another feel.
     let is_asked = osc.listens() || websocket.is_some() || midi.is_some();
     let mut knob = Knob::new(&mut client, options, &settings, kept, is_asked)?;
     knob.ask_for_records(&mut client)?;

@@ -1,4 +1,4 @@
-//! What programs ask a knob for.
+//! Requests of other programs to a knob.
 
 use super::midi::Asked;
 use crate::osc::{Message, Value};
@@ -8,14 +8,14 @@ use touchstone_sim::scene::feels;
 #[derive(Debug, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wish {
-    /// The number that the present position gets.
+    /// Gives the present position this number.
     Position(i32),
-    /// The feel to render.
+    /// Renders the shipped feel of this name.
     Feel(String),
 }
 
 impl Wish {
-    /// The wish in an OSC message; `None` if it has none.
+    /// The request in an OSC message; `None` if the message is not a request.
     pub fn of_message(message: &Message) -> Option<Self> {
         match (&*message.address, &*message.values) {
             ("/touchstone/position", [Value::Int(number)]) => Some(Self::Position(*number)),
@@ -24,7 +24,8 @@ impl Wish {
         }
     }
 
-    /// The wish of a MIDI message. A number beyond the last feel is a wish that will be refused.
+    /// The request of a MIDI program change. A number beyond the last feel gives a name that no feel has, so the request is
+    /// refused.
     pub fn of_midi(Asked::Program(number): Asked) -> Self {
         let name = feels().get(usize::from(number)).copied();
         Self::Feel(name.map_or_else(|| format!("number {number}"), str::to_owned))

@@ -128,7 +128,7 @@ fn shown(attached: &mut Attached, image: &Image, words: &Words, log: &Log) -> Re
             }
         }
         Event::Damaged => note!("note: a message was damaged or lost"),
-        Event::Restarted => note!("note: the board began anew"),
+        Event::Restarted => note!("note: the board restarted"),
     };
     attached
         .log(image, words, tell, || log.goes_on())

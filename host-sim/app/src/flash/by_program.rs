@@ -13,7 +13,7 @@ use touchstone_sim::error::{Error, Result};
 /// Whether flashing works without another installed program.
 pub const IS_CRATE: bool = false;
 /// Text on how to install probe-rs.
-const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked; a touchstone of `cargo xtask dist` needs none";
+const INSTALL: &str = "install it from https://probe.rs/docs/getting-started/installation, or with `cargo install probe-rs-tools --locked`. A program made by `cargo xtask dist` does not need it";
 
 /// Name and version of the installed probe-rs, as it prints them. Error: the problem, and how to install probe-rs.
 pub fn there() -> std::result::Result<String, (String, String)> {
@@ -113,7 +113,7 @@ fn failed(status: &str) -> Error {
     Error::device(
         "probe-rs",
         format!("ended with {status}"),
-        "its message stands above; `touchstone doctor` looks for what is missing",
+        "see its message above; `touchstone doctor` shows what is missing",
     )
 }
 

@@ -93,7 +93,7 @@ impl Account<'_> {
             row(
                 "Released",
                 self.not_released()
-                    .map_or("yes".to_owned(), |why| format!("not all of it: {why}")),
+                    .map_or("yes".to_owned(), |why| format!("not completely: {why}")),
             ),
             row(
                 "Wall",
@@ -186,7 +186,7 @@ impl Account<'_> {
         tell!(
             "released  {}",
             self.not_released()
-                .map_or("yes".to_owned(), |why| format!("not all of it: {why}"))
+                .map_or("yes".to_owned(), |why| format!("not completely: {why}"))
         );
         Ok(())
     }

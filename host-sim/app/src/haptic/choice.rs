@@ -151,7 +151,7 @@ impl WhichDevice {
     fn check(&self) -> Result<()> {
         let lost = |option: &str, only: HapticKind| Error::Option {
             option: option.into(),
-            problem: format!("is for {} alone", only.word()),
+            problem: format!("is for {} only", only.word()),
             fix: format!("leave it out, or give --device {}", only.word()),
         };
         match self.model() {

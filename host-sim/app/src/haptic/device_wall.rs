@@ -34,7 +34,7 @@ pub struct WallOptions {
     /// The control law along the surface's normal, with the thesis' settings; default: enhanced-sfa.
     #[arg(long, value_parser = law_name::of_kind())]
     law: Option<LawKind>,
-    /// Desired stiffness, N/mm, with the thesis' settings; default: 5, or 1 where nothing is known of the device.
+    /// Desired stiffness, N/mm, with the thesis' settings; default: 5, or 1 for a device of unknown mass and damping.
     #[arg(long, value_name = "N_PER_MM", allow_negative_numbers = true, value_parser = number::up_to(50.0, "of N/mm"))]
     k_desired: Option<f64>,
     /// Reads stiffness and control law from a settings file, as `touchstone tune --out` writes it for the scene of `device identify
@@ -47,7 +47,7 @@ pub struct WallOptions {
     /// One control law for each axis, instead of one along the surface's normal.
     #[arg(long)]
     per_axis: bool,
-    /// Control rate, Hz; default: the fastest that the device has, or its own where the device sets the rate.
+    /// Control rate, Hz; default: the device's fastest rate, or the device's own if it sets the rate itself.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(100_u32, 10_000, "of Hz"))]
     pub rate_hz: Option<u32>,
     /// Largest force, N; default and largest value: the device's largest force.
@@ -142,7 +142,7 @@ impl WallOptions {
             }),
             (Some(WallPreset::Tuned), None) => Err(Error::Option {
                 option: "--preset tuned".into(),
-                problem: format!("none was tuned for {} at {rate_hz} Hz", sheet.name),
+                problem: format!("there is no tuned law for {} at {rate_hz} Hz", sheet.name),
                 fix: "give another --rate-hz, or tune one: touchstone device identify".into(),
             }),
             (Some(WallPreset::Tuned), Some(wall)) => Ok(of_tuned(&wall, sheet, rate_hz)),
@@ -163,7 +163,7 @@ impl WallOptions {
         let soft = law.k_soft.to_num::<f64>() * 1e-3;
         let caution = match (kind, k_desired > soft) {
             (LawKind::EnhancedSfa | LawKind::Sfa, true) => Some(format!(
-                "above k_v, {soft} N/mm, this law shows its stiffness by an offset that it learns from measured states, and a press or a motion leans on what it has learnt: expect it beyond the scorecard's limits. --preset tuned is within them where one was tuned"
+                "above k_v = {soft} N/mm this law reaches its stiffness by an offset that adapts to the measured motion, so a press or a motion may exceed the scorecard's limits. --preset tuned keeps them on devices with a tuned law"
             )),
             _ if untuned => Some(format!(
                 "no wall was tuned for {} at {rate_hz} Hz: identify and tune it (docs/devices.md#identify-and-tune)",
@@ -189,7 +189,7 @@ fn of_tuned(wall: &TunedWall, sheet: &DataSheet, rate_hz: u32) -> ChosenLaw {
         // The stiffness during a hold is measured to 5 %. Here half an encoder count of depth is more than 5 % of the press force.
         caution: (count_n > 0.1 * PRESS_SHARE * sheet.force_n).then(|| {
             format!(
-                "a count of {} is {count_n:.2} N in this wall: too coarse to tell what it shows",
+                "one encoder count of {} is {count_n:.2} N in this wall: too coarse to measure the displayed stiffness",
                 sheet.name
             )
         }),

@@ -27,7 +27,7 @@ pub struct Options {
     /// Largest pushing force, N.
     #[arg(long, value_name = "N", default_value_t = 1.5, allow_negative_numbers = true, value_parser = number::within(0.1, 5.0, "of newtons"))]
     push_n: f64,
-    /// Control rate, Hz; default: the fastest that the device has, or its own where the device sets the rate.
+    /// Control rate, Hz; default: the device's fastest rate, or the device's own if it sets the rate itself.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(500_u32, 10_000, "of Hz"))]
     rate_hz: Option<u32>,
     /// Writes the result to this file, which `--twin` simulates.
@@ -57,7 +57,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if options.fast && !kind.is_some_and(HapticKind::is_simulated) {
         return Err(Error::Option {
             option: "--fast".into(),
-            problem: "a real device has its own time".into(),
+            problem: "a real device runs in real time only".into(),
             fix: "give --device simulated, or leave it out".into(),
         });
     }
@@ -95,7 +95,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     };
     tell!("device    {}", sheet.name);
     tell!(
-        "motors    on for {:.0} s, up to {:.1} N and some millimetres; nobody may hold it",
+        "motors    on for {:.0} s, up to {:.1} N and some millimetres; do not hold the device",
         law.ticks() as f64 / f64::from(rate_hz),
         limits.force_n
     );
@@ -123,8 +123,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(interrupt::INTERRUPTED as u8));
     }
-    // At a missed tick the device keeps its last force for longer than the record says. The results state the number of missed
-    // ticks.
+    // At a missed tick the device keeps its last force for longer than recorded. The results state the number of missed ticks.
     let missed = report.missed_ticks;
     let mut found = Vec::new();
     for (name, record) in ["x", "y", "z"].into_iter().zip(&law.axes) {
@@ -135,7 +134,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
                 Error::device(
                     &sheet.name,
                     format!("axis {name}: {why}"),
-                    "give --push-n or --axis-s more, and hold nothing",
+                    "raise --push-n or --axis-s, and do not hold the device",
                 )
             })?,
         ));
@@ -231,7 +230,9 @@ fn told(
                 );
             }
             if missed > 0 {
-                tell!("missed    {missed} ticks, whose forces were held for longer than is known");
+                tell!(
+                    "missed    {missed} control periods, whose forces acted for an unknown longer time"
+                );
             }
             if let Some(file) = &options.out {
                 tell!(

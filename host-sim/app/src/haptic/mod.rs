@@ -74,7 +74,7 @@ fn list(which: &WhichDevice) -> Result<()> {
             for port in &boards {
                 let about = port.about.trim();
                 say!(
-                    "board    {:<10} {about}; it runs its law itself: touchstone device status --port {0}",
+                    "board    {:<10} {about}; it runs the control law itself: touchstone device status --port {0}",
                     port.name
                 );
             }

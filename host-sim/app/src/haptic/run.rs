@@ -57,7 +57,7 @@ impl FromStr for Scenery {
         {
             true => Ok(Self::Mesh(path)),
             false => Err(format!(
-                "\"{word}\" is no object; {}",
+                "\"{word}\" is not an object; {}",
                 touchstone_sim::scene::nearest(word, &KNOWN.map(|(name, _)| name)).map_or_else(
                     || "give plane, inclined, sphere or a file that ends in .stl, .obj or .ply"
                         .to_owned(),
@@ -132,7 +132,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if options.fast && !simulated {
         return Err(Error::Option {
             option: "--fast".into(),
-            problem: "a real device has its own time".into(),
+            problem: "a real device runs in real time only".into(),
             fix: "give --device simulated, or leave it out".into(),
         });
     }
@@ -196,7 +196,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     tell!("device    {}", sheet.name);
     if let Some(mesh) = &mesh {
         tell!(
-            "mesh      {} triangles, {} mm across, {} left out for having no area",
+            "mesh      {} triangles, {} mm across, {} left out because they have no area",
             mesh.triangles(),
             match mesh.size_m() < 1e4 {
                 true => format!("{:.1}", 1e3 * mesh.size_m()),

@@ -85,7 +85,7 @@ impl ScoreOptions {
         match self.programme {
             HandProgramme::Scorecard if !simulated => wrong(
                 "--programme",
-                "a person at a device does what they like",
+                "a person at a device does not follow a programme",
                 "leave it out, or give --device simulated",
             ),
             HandProgramme::Scorecard if seconds.is_some() => wrong(
@@ -100,7 +100,7 @@ impl ScoreOptions {
             ),
             HandProgramme::Explore if self.out.is_some() && seconds.is_none() => wrong(
                 "--out",
-                "keeps every tick, and how many was not said",
+                "records every control period, so it needs a duration",
                 "add --seconds",
             ),
             _ => Ok(()),

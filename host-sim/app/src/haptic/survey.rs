@@ -36,7 +36,7 @@ pub fn main(options: &Options) -> Result<()> {
         return Err(Error::Option {
             option: "--device".into(),
             problem: format!(
-                "of {} nothing is known that could be surveyed",
+                "the program does not know the mechanism of {}, so it cannot survey it",
                 other.word()
             ),
             fix: "survey an omega.3".into(),

@@ -62,7 +62,7 @@ fn untouched(folder: &Path) -> Result<()> {
         None => Ok(()),
         Some(name) => Err(Error::Io {
             path: folder.join(name),
-            problem: "is there, and no setup wrote it".into(),
+            problem: "exists, and was not written by `touchstone setup`".into(),
             fix: "choose another folder with --out, or move it away".into(),
         }),
     }
@@ -89,7 +89,7 @@ impl Kept {
         Ok(Self { file, done, is_new })
     }
 
-    /// Whether the setup had no results when it was opened: the board then has the settings of before.
+    /// Whether the setup had no results when it was opened. The board then still has its settings from before the setup.
     pub fn is_new(&self) -> bool {
         self.is_new
     }
@@ -109,7 +109,7 @@ impl Kept {
         output::write_new(&self.file, self.text()).map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => Error::Io {
                 path: self.file.clone(),
-                problem: "is there already: another setup has begun in this folder".into(),
+                problem: "exists: another setup is in progress in this folder".into(),
                 fix: "choose another folder with --out".into(),
             },
             _ => io(&self.file, &error),

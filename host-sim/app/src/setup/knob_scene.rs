@@ -7,8 +7,8 @@ use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_protocol::DeviceSettings;
 
-/// Delay from a position reading to the motor's response, in PWM periods. On average 0.5 pass until the current loop takes the
-/// command, then 1 until the middle of the PWM period in which the compare values act.
+/// Delay from a position reading to the motor's response, in PWM periods: on average 0.5 until the current loop reads the command,
+/// then 1 until the middle of the PWM period in which the compare values act.
 const DELAY_PERIODS: f64 = 1.5;
 /// Fraction of the measured damping that the energy guard may assume. The guard's energy bound holds only if the real damping is at
 /// least the assumed damping.

@@ -32,7 +32,7 @@ pub(super) fn with_knob(
     };
     for path in lines.keys().filter(|path| !is_of_law(path)) {
         if value::shown(&told, named(path)?) != value::shown(&settings, named(path)?) {
-            note!("note: not taken from the law's file: {path}; give it with --settings");
+            note!("note: ignored in the law's file: {path}; give it with --settings");
         }
     }
     let mut all = settings;
@@ -45,7 +45,7 @@ pub(super) fn with_knob(
     let weaker = guard::weaker(&sure, &all, board);
     for it in weaker.iter().filter(|it| lines.contains_key(it.path)) {
         note!(
-            "note: not taken into the guard: {}: {}",
+            "note: ignored for the energy guard: {}: {}",
             it.path,
             it.problem
         );

@@ -121,7 +121,7 @@ fn steps(
     client: &mut Client,
     who: &str,
 ) -> Result<()> {
-    tell!("2/6 settings   what the knob is said to be");
+    tell!("2/6 settings   of the knob");
     let before = options.out.join(BEFORE);
     let settings = settings(client, options, &before)?;
     tell!(
@@ -135,7 +135,7 @@ fn steps(
     let pole_pairs = settings.motor.pole_pairs.into();
     let (motor, encoder) = match kept.measured() {
         Some(motor) => {
-            tell!("3/6 motor      measured before (--again measures anew)");
+            tell!("3/6 motor      measured before (--again measures again)");
             (motor, kept.encoder())
         }
         None => {
@@ -195,12 +195,12 @@ fn steps(
         kept.keep_tuned_for(&text)?;
     }
 
-    tell!("6/6 board      takes them, keeps them, calibrates: THE SHAFT TURNS");
+    tell!("6/6 board      gets the settings, saves them and calibrates: THE SHAFT TURNS");
     let all = with_knob(settings, &motor, position_error_rad, &law_file, client)?;
     take(client, &all)?;
     warn_unwatched(&all);
     if options.keep_alignment {
-        tell!("    keeps its alignment, and checks it: the shaft moves a little");
+        tell!("    stores the alignment and checks it: the shaft moves a little");
         start::keep(client)?;
     }
     let cogging = match options.cogging {
@@ -240,7 +240,7 @@ fn steps(
             say!("feel it    touchstone device arm");
             if may_keep(client, &all).is_ok() && !options.keep_alignment {
                 say!(
-                    "next start touchstone device alignment keep: a small motion instead of the whole search"
+                    "store it   touchstone device alignment keep: the next start then needs only a small motion"
                 );
             }
             say!(
@@ -330,7 +330,7 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
         (_, Some(fault)) => note!("note: the board was in fault {}", name_of(fault)),
         _ => {}
     }
-    // Before the board is changed, and with the first file: where no board answers, no empty folder is left.
+    // The folder is created with its first file, before the board is changed. If no board answers, no empty folder is left.
     output::in_folder(
         folder,
         |error| io(folder, &error),
@@ -342,7 +342,7 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     if !matches!(status.phase, Phase::Boot | Phase::Stopped) {
         client.tell(&Request::Command(DeviceCommand::Stop))?;
     }
-    // An interruption may have come before they were written.
+    // An earlier setup may have been interrupted before it wrote these settings.
     let before = folder.join(BEFORE);
     if kept.is_new() && !before.is_file() {
         write(
@@ -357,8 +357,8 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
 fn cannot_measure(client: &Client) -> Error {
     Error::device(
         client.place(),
-        "this board does not measure its currents, so that it cannot measure a motor",
-        "tell it the motor's resistance, inductance and torque constant: docs/voltage-mode.md, \"By hand\"",
+        "this board has no current sensors, so it cannot measure a motor",
+        "set the motor's resistance, inductance and torque constant: docs/voltage-mode.md, \"By hand\"",
     )
 }
 
@@ -399,7 +399,7 @@ fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(
     kept_start::may_keep(settings).map_err(Unkept::words)?;
     match client.identity().board.is_large() {
         true => Ok(()),
-        false => Err("this board's flash has no room for what is kept of a motor"),
+        false => Err("this board has too little flash for the data of a motor"),
     }
 }
 
@@ -434,13 +434,13 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         bar.set_length(all);
         bar.set_position(done);
         if stop.load(Ordering::Relaxed) {
-            note!("interrupted: the board is off; the same command goes on from here");
+            note!("interrupted: the board is off; run the same command again to continue");
             std::process::exit(interrupt::INTERRUPTED);
         }
     })?;
     bar.finish_and_clear();
     tell!(
-        "    {} settings looked at; largest share of a limit {:.2}",
+        "    {} settings tried; the best reaches {:.2} of a limit",
         tuned.evaluations,
         tuned.worst
     );
@@ -449,12 +449,12 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         return Err(Error::Option {
             option: "--k-desired".into(),
             problem: format!(
-                "no settings were found that hold a wall of {} N·m/rad on this knob and on those near it",
+                "no settings hold a wall of {} N·m/rad on this knob and on variants of it",
                 scene.wall.k_desired_n_m_per_rad
             ),
             fix: match options.quick {
-                true => "ask for a softer wall, or look longer: without --quick",
-                false => "ask for a softer wall",
+                true => "choose a softer wall with --k-desired, or search longer without --quick",
+                false => "choose a softer wall with --k-desired",
             }
             .into(),
         });

@@ -55,7 +55,7 @@ fn of_encoder(encoder: &Eccentricity, pole_pairs: f64) -> Block {
         header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
         rows: [order(0), order(1)]
             .into_iter()
-            .chain([line("that costs", eccentricity::costs(encoder, pole_pairs))])
+            .chain([line("effect", eccentricity::costs(encoder, pole_pairs))])
             .chain(warning.map(|warning| line("the magnet", warning)))
             .collect(),
     }
@@ -72,7 +72,7 @@ pub fn write(
     folder: &Path,
 ) -> Result<PathBuf> {
     let measured = Block::Table {
-        caption: "Half of the difference between two parts of the data, or what the fit leaves, is the uncertainty; a gain of the current sensors that is wrong is not in it.".into(),
+        caption: "The uncertainty is half of the difference between two parts of the data, or the error of the fit. It does not include a wrong gain of the current sensors.".into(),
         header: ["what", "value", "uncertainty"].map(str::to_owned).to_vec(),
         rows: rows(motor).map(Vec::from).collect(),
     };

@@ -25,8 +25,8 @@ use touchstone_sim::error::{Error, Result};
 /// Longest time that a measurement takes in addition to the calibration. The measurement has two current steps and four pushes,
 /// each with coasting and braking.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
-/// Limit on the computer's silence during a measurement, s. After this time without messages, for instance after a pulled cable,
-/// the device switches its motor off.
+/// Largest limit on the time without a request from the computer during a measurement, s. After this time, for instance after a
+/// pulled cable, the device switches its motor off.
 const HOST_SILENCE_S: Si = Si::ONE;
 
 /// Result of a measurement of motor and encoder.
@@ -71,7 +71,7 @@ pub fn encoder(
         false => Error::device(
             client.place(),
             not.to_string(),
-            "hands off, shaft free; where an alignment is kept: touchstone device alignment forget; then the same command again",
+            "take your hand off the knob and let the shaft turn freely. If an alignment is stored, delete it: touchstone device alignment forget. Then run the same command again",
         ),
     })
 }
@@ -80,7 +80,7 @@ fn not_measured(client: &Client, why: &dyn Display) -> Error {
     Error::device(
         client.place(),
         why.to_string(),
-        "hands off, shaft free, nothing loose; then the same command again",
+        "take your hand off the knob, see that the shaft turns freely and nothing is loose, and run the same command again",
     )
 }
 
@@ -114,9 +114,9 @@ fn heard(
     let heard = match listen(client, limit, stop, told) {
         Ok(heard) => heard,
         Err(failure) => {
-            // The motor must not turn on behind a failed command.
+            // The motor must not keep turning after the command has failed.
             let failure = client.left_off(failure);
-            // The failure is the result, also where nothing can be restored.
+            // The first failure is returned, even if restoring the settings fails, too.
             let _ = restored(client, settings);
             return Err(failure);
         }
@@ -124,7 +124,7 @@ fn heard(
     let stopped = restored(client, settings);
     let Some(ticks) = heard else {
         stopped?;
-        note!("interrupted: the motor is off; the same command goes on from here");
+        note!("interrupted: the motor is off; run the same command again to continue");
         std::process::exit(interrupt::INTERRUPTED);
     };
     stopped?;
@@ -147,12 +147,13 @@ fn restored(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
     client.tell(&Request::Telemetry { decimation })
 }
 
-/// Settings for a shaft that turns unattended. If the given settings have no limit on the computer's silence, the device switches
-/// off after 1 s without messages.
+/// Settings for a shaft that turns unattended: without a request from the computer the device switches off after 1 s, or earlier if
+/// the given settings have a shorter limit.
 pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     let mut asked = settings.clone();
-    if asked.limits.host_silence_s == Si::ZERO {
-        asked.limits.host_silence_s = HOST_SILENCE_S;
+    let limit = &mut asked.limits.host_silence_s;
+    if *limit == Si::ZERO || *limit > HOST_SILENCE_S {
+        *limit = HOST_SILENCE_S;
     }
     asked
 }
@@ -183,7 +184,7 @@ pub fn listen<T>(
                 return failed(
                     client,
                     "no telemetry for 2 s".into(),
-                    "look at cable and supply; then the same command again",
+                    "check cable and supply, and run the same command again",
                 );
             }
             continue;
@@ -198,7 +199,7 @@ pub fn listen<T>(
             Phase::Boot | Phase::Stopped | Phase::Ready if !begins => {}
             Phase::Boot | Phase::Stopped | Phase::Ready | Phase::Armed => {
                 let problem = format!("the measurement ended: {}", record.phase.name());
-                return failed(client, problem, "the same command again goes on from here");
+                return failed(client, problem, "run the same command again to continue");
             }
         }
         if begun.elapsed() > limit {
@@ -206,7 +207,7 @@ pub fn listen<T>(
             return failed(
                 client,
                 problem,
-                "look for what slows it: touchstone device ring",
+                "find the cause in the record of `touchstone device ring`",
             );
         }
     }
@@ -224,9 +225,9 @@ pub fn fault(client: &mut Client) -> Result<Error> {
     };
     let fix = match &fault {
         Some(fault) if held(fault) => {
-            "the shaft hardly moved: hands off, or a larger calibration.current_a; then the same command again"
+            "the shaft hardly moved: take your hand off the knob, or raise calibration.current_a, and run the same command again"
         }
-        _ => "its page in docs/faults says more; then the same command again",
+        _ => "see the fault's page in docs/faults, then run the same command again",
     };
     let name = fault.map_or("unknown".into(), |fault| {
         format!("{}, value {}", name_of(&fault), fault.value)
@@ -250,4 +251,26 @@ fn told(record: &Telemetry) -> Option<(CalibrationTick, Option<MotorTick>)> {
         voltage_v: Complex::new(milli(it.voltage_d_mv), milli(it.voltage_q_mv)),
     });
     (record.phase == Phase::Calibrating).then_some((of_encoder, of_motor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HOST_SILENCE_S, watched};
+    use touchstone_control::Si;
+    use touchstone_protocol::{Board, DeviceSettings};
+
+    #[test]
+    fn an_unattended_shaft_is_off_within_a_second_of_silence() {
+        let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
+        let half = Si::ONE / 2;
+        for (set, during) in [
+            (Si::ZERO, HOST_SILENCE_S),
+            (half, half),
+            (Si::ONE, Si::ONE),
+            (Si::from_num(60), HOST_SILENCE_S),
+        ] {
+            settings.limits.host_silence_s = set;
+            assert_eq!(watched(&settings).limits.host_silence_s, during, "{set}");
+        }
+    }
 }

@@ -220,8 +220,8 @@ impl Client {
     }
 }
 
-/// Encodes a configuration: first and last position, width of a position in degrees, positions that have detents, and the present
-/// position.
+/// Encodes a configuration. `position` is the number of the present position, `bounds` the first and last number, `only` the
+/// positions that have detents.
 fn config(position: i64, bounds: [i64; 2], width_deg: f32, only: &[u64], name: &str) -> Vec<u8> {
     let mut config = [
         whole(1, position),
@@ -250,7 +250,7 @@ impl Drop for Bridge {
     }
 }
 
-/// Starts the program before a board, and a client at its pseudo terminal.
+/// Starts the program on a board, and connects a client to its pseudo terminal.
 fn bridged(board: &Demo) -> (Bridge, Client) {
     let mut command = board.command(&["bridge", "--arm"]);
     command.stdout(Stdio::piped()).stderr(Stdio::null());
@@ -268,14 +268,14 @@ fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
     configures_turns_and_reads(&mut Demo::new());
 }
 
-/// The same with the firmware of a board in the emulator.
+/// Same as the test with the demo, on the emulated firmware of a board.
 #[test]
 #[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
 fn a_program_for_a_smartknob_configures_turns_and_reads_the_emulated_firmware() {
     configures_turns_and_reads(&mut Demo::emulated());
 }
 
-/// A reset of the board is none of the knob: position and configuration are those of before.
+/// Checks that a reset of the board changes neither the position number nor the configuration that the client sees.
 #[test]
 #[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
 fn a_reset_keeps_the_position_of_the_emulated_firmware() {
@@ -291,7 +291,9 @@ fn a_reset_keeps_the_position_of_the_emulated_firmware() {
     client.until("position 7", |it| it.positions.last() == Some(&7));
     board.happens("reset");
     client.until("a reset", |it| {
-        it.logs.iter().any(|words| words.contains("another zero"))
+        it.logs
+            .iter()
+            .any(|words| words.contains("zero has changed"))
     });
     let asked = client.send(&bytes(3, &[]));
     client.until("a state", |it| it.acknowledged.contains(&asked));
@@ -316,7 +318,7 @@ fn configures_turns_and_reads(demo: &mut Demo) {
         .positions
         .split_off(client.positions.iter().position(|it| *it == 5).unwrap());
     assert_eq!(turned, [5, 6, 7, 8, 9, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
-    // The same message again is acknowledged, and not carried out again.
+    // A repeated message is acknowledged, but not carried out again.
     let again = client.send_as(client.nonce, &config(3, [0, 10], 12.0, &[], "again"));
     client.until("a repetition", |it| {
         it.logs
@@ -356,7 +358,8 @@ fn configures_turns_and_reads(demo: &mut Demo) {
     assert!(demo.run(&["device", "status"]).contains("ready"));
 }
 
-/// A knob that stands at a number below the first of a configuration gets the first, where it stands. Its end stop pushes nobody.
+/// Checks a knob whose number is below the first one of a new configuration. It gets the first number without being moved: its end
+/// stop exerts no force.
 #[test]
 fn bounds_beside_the_knob_do_not_push_it() {
     let mut demo = Demo::new();

@@ -48,7 +48,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
     let device = spun(21);
     device
         .run(&["device", "cogging", "check"])
-        .failed(1, &["no map is kept", "cogging measure"]);
+        .failed(1, &["no map is stored", "cogging measure"]);
     let said = device.run(&["device", "cogging", "measure"]).done();
     assert!(
         said.contains("at most; 84, ") && said.contains(" 12,"),
@@ -73,7 +73,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
     });
     device
         .run(&["device", "cogging", "check"])
-        .failed(1, &["% of what it is without", "cogging measure"]);
+        .failed(1, &["% of the ripple without it", "cogging measure"]);
     bent(&device, |kept| *kept = right.clone());
     device.run(&["device", "cogging", "check"]).done();
 
@@ -132,9 +132,10 @@ fn what_has_no_place_of_its_own_is_refused() {
     device
         .run(&["config", "set", "encoder.kind", "incremental"])
         .done();
-    device
-        .run(&["device", "cogging", "measure"])
-        .failed(1, &["keeps no map of the cogging", "magnetic encoder"]);
+    device.run(&["device", "cogging", "measure"]).failed(
+        1,
+        &["cannot store a map of the cogging", "magnetic encoder"],
+    );
     let out = folder("cogging-incremental").display().to_string();
     device
         .run(&["setup", "--cogging", "--out", &out])

@@ -134,8 +134,8 @@ fn a_programme_is_written_and_what_is_no_recording_of_it_is_named() {
     assert_eq!(text.lines().count(), 4_451);
     let mut wrong = words.clone();
     wrong[7] = "hop";
-    run(&wrong).failed(2, &["none of press, move-0.25"]);
+    run(&wrong).failed(2, &["not one of press, move-0.25"]);
     let compare = ["compare", name, "gimbal-knob", "--hand", "programme"];
     run(&compare).failed(2, &["has no column penetration_rad"]);
-    run(&[&compare[..], &["--from", "1"]].concat()).failed(2, &["--from", "deed by deed"]);
+    run(&[&compare[..], &["--from", "1"]].concat()).failed(2, &["--from", "action by action"]);
 }

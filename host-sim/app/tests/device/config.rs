@@ -24,9 +24,8 @@ fn settings_are_shown_alone_by_table_and_all() {
     assert_eq!(all.lines().count(), FIELDS.len() + 1);
     let guard = device.run(&["config", "get", "law.guard"]).done();
     assert!(
-        guard.contains(
-            "# this board, as it is set, gives a hand at most 45.15 mJ at once and 0.50 mW"
-        ),
+        guard
+            .contains("# with these settings a hand gets out at most 45.15 mJ at once and 0.50 mW"),
         "{guard}"
     );
     let wrong = device.run(&["config", "get", "wall.k_desired_nm_per_rad"]);
@@ -97,14 +96,22 @@ fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
             "500001",
             &["500001 is outside 0 to 500000", "N·m/rad"][..],
         ),
-        (STIFFNESS, "stiff", &["`stiff` is no decimal number"]),
-        ("motor.pole_pairs", "7.5", &["no whole number", "1 to 50"]),
+        (STIFFNESS, "stiff", &["`stiff` is not a decimal number"]),
+        (
+            "motor.pole_pairs",
+            "7.5",
+            &["not a whole number", "1 to 50"],
+        ),
         ("law.kind", "tpda", &["did you mean tdpa?"]),
         ("encoder.reversed", "yes", &["true or false"]),
         ("wall.law", "tdpa", &["did you mean law.kind?"]),
         ("control.rate_hz", "1000", &["did you mean timing.rate_hz?"]),
         ("motor.pole_pair", "7", &["did you mean motor.pole_pairs?"]),
-        ("timing.rate_hz", "3000", &["no whole fraction of 20000 Hz"]),
+        (
+            "timing.rate_hz",
+            "3000",
+            &["not a whole fraction of 20000 Hz"],
+        ),
         (
             "law.force_limit_n_m",
             "0.6",
@@ -186,7 +193,7 @@ fn a_file_that_was_cut_changes_nothing() {
     std::fs::write(&file, "# nothing\n").unwrap();
     device
         .run(&["config", "import", name])
-        .failed(2, &["there are no settings in the file"]);
+        .failed(2, &["the file contains no settings"]);
     assert_eq!(
         device.world().0.settings(),
         &DeviceSettings::defaults(Board::NucleoG474re)
@@ -241,7 +248,7 @@ fn one_wrong_line_and_nothing_is_written() {
             &[
                 ":3: law.force_limit_n_m",
                 "0.000001 to 0.5 N·m",
-                "nothing was changed",
+                "no setting was changed",
             ],
         ),
         ("[wall]\nlaw = tdpa\n", &[":2: TOML"]),
@@ -319,7 +326,7 @@ fn a_file_that_weakens_the_guard_is_refused_unless_that_is_asked_for() {
         ("change = \"estimated\"", &[":3: law.guard.change"]),
         (
             "damping_n_m_s_per_rad = 0.0005",
-            &[":3: law.guard.damping_n_m_s_per_rad", "in place of 0.0003"],
+            &[":3: law.guard.damping_n_m_s_per_rad", "instead of 0.0003"],
         ),
         ("capacity_j = 0.1", &[":3: law.guard.capacity_j", "0.045"]),
         (
@@ -337,7 +344,7 @@ fn a_file_that_weakens_the_guard_is_refused_unless_that_is_asked_for() {
             let said = device.run(&asked.collect::<Vec<_>>());
             said.failed(
                 2,
-                &[parts, &["--weaken-guard", "nothing was changed"]].concat(),
+                &[parts, &["--weaken-guard", "no setting was changed"]].concat(),
             );
             assert_eq!(device.world().0.settings(), &shipped, "{guard}");
         }

@@ -1,4 +1,4 @@
-//! Helpers for tests with a complete knob, which a test starts and turns: `touchstone demo`, or the emulated firmware.
+//! Helpers for tests with a whole knob, which a test starts and turns: `touchstone demo`, or the emulated firmware.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -33,7 +33,7 @@ impl Demo {
         }
     }
 
-    /// Starts a board's firmware in the emulator, whose paths `cargo xtask smartknob` gives.
+    /// Starts a board's firmware in the emulator. `cargo xtask smartknob` sets the environment variables with their paths.
     #[cfg(target_os = "linux")]
     pub fn emulated() -> Self {
         let path = |name| std::env::var_os(name).unwrap_or_else(|| panic!("{name} is no path"));
@@ -49,7 +49,7 @@ impl Demo {
         let said = lines.next().expect("the emulator ended").unwrap();
         let (_, address) = said.split_once("tcp:").expect("an address");
         let address = format!("tcp:{address}");
-        // Shows all later output, because the emulator would wait if nobody read it.
+        // Reads and prints all further output; otherwise the emulator would block when the pipe is full.
         std::thread::spawn(move || {
             for line in lines.map_while(Result::ok) {
                 eprintln!("emulator: {line}");

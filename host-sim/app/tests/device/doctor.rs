@@ -78,7 +78,7 @@ fn all_there() {
         "STLINK-V3 0483:374e 0042",
         "bus/usb/001/007 may be used",
         "nucleo-g474re, firmware 0.1.0",
-        "gives a hand at most 45.15 mJ at once",
+        "a hand gets out at most 45.15 mJ at once",
         "all there",
     ] {
         assert!(said.contains(part), "{part}: {said}");
@@ -101,7 +101,7 @@ fn each_thing_that_is_missing_is_named_with_its_remedy() {
         ("bin/rustc", &["no rustc", "https://rustup.rs"]),
         (
             "sys/bus/usb/devices/1-2",
-            &["no ST-LINK at the USB", "cable that carries data"],
+            &["no ST-LINK found on USB", "cable that carries data"],
         ),
         ("dev/bus/usb/001/007", &["connect the board again"]),
     ] {
@@ -126,7 +126,7 @@ fn each_thing_that_is_missing_is_named_with_its_remedy() {
         machine
             .doctor(&device.address)
             .out
-            .contains("no ST-LINK at the USB")
+            .contains("no ST-LINK found on USB")
     );
 }
 
@@ -176,8 +176,8 @@ fn who_asks_for_nothing_fails_for_nothing() {
     let said = run(&["doctor"]);
     assert_eq!(said.code, Some(0), "{}", said.out);
     for part in [
-        "no ST-LINK at the USB",
-        "simulating needs none of what is missing",
+        "no ST-LINK found on USB",
+        "a simulation needs none of the missing items",
     ] {
         assert!(said.out.contains(part), "{part}: {}", said.out);
     }
@@ -204,7 +204,7 @@ fn a_node_without_permission_comes_with_the_rule() {
     let said = machine.doctor(&device.address);
     assert_eq!(said.code, Some(1));
     for part in [
-        "may not be used by this user",
+        "cannot be opened: this user has no permission",
         "/etc/udev/rules.d/70-st-link.rules",
         "udevadm control --reload",
     ] {

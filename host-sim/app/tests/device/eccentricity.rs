@@ -86,7 +86,7 @@ fn a_magnet_is_measured_and_nothing_of_the_device_is_changed() {
 fn a_magnet_that_is_far_out_is_warned_of_with_the_reason() {
     let said = spun(32, [2.2, 0.3]).run(&["device", "eccentricity", "measure"]);
     assert!(
-        said.err.contains("seat the encoder's magnet anew"),
+        said.err.contains("mount the encoder's magnet again"),
         "{}",
         said.err
     );
@@ -137,7 +137,8 @@ fn setup_tells_it_and_the_simulator_plays_it() {
     let knob = out.join("knob.toml").display().to_string();
     let said = run(&["run", &knob]);
     assert_eq!(said.code, Some(0), "{}", said.err);
-    // The energy guard of scene and board is told the whole error. So large a one leaves too little energy for hard presses.
+    // The energy guard of scene and board is configured for the whole error. An error of this size leaves too little energy for
+    // hard presses.
     let told = of("position_error_rad").to_degrees();
     assert!((1.1..1.2).contains(&told), "{told}");
     assert!(said.err.contains("law.guard.capacity_j"), "{}", said.err);

@@ -39,7 +39,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
         "per_rev = 36",
         "strength_n_m = 0.02",
         "at most 0.25 N·m/s",
-        "from the next arming on",
+        "takes effect when the device is armed next",
         "touchstone config save",
     ] {
         assert!(said.contains(part), "{part}: {said}");
@@ -79,7 +79,7 @@ fn a_demo_knob_takes_every_shipped_feel() {
     assert_eq!(feels.len(), 20);
     for name in feels {
         let said = demo.run(&["config", "environment", name]);
-        assert!(said.contains("from the next "), "{name}: {said}");
+        assert!(said.contains("takes effect"), "{name}: {said}");
         let shown = demo.run(&["config", "environment"]);
         let part = said.lines().take(shown.lines().count()).collect::<Vec<_>>();
         assert_eq!(part, shown.lines().collect::<Vec<_>>(), "{name}");
@@ -93,7 +93,7 @@ fn a_demo_knob_takes_every_shipped_feel() {
             (around.dry_friction.is_some(), "[environment.dry_friction]"),
             (around.click.is_some(), "[environment.click]"),
             (around.inertia.is_some(), "[environment.inertia]"),
-            // A board has a list as the profile that it plays.
+            // A board stores a list of detents as the profile that it renders.
             (around.acting_profile().is_some(), "[environment.profile]"),
         ] {
             assert_eq!(shown.contains(part), is_there, "{name}: {shown}");

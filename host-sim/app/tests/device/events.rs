@@ -84,7 +84,8 @@ fn a_knob_without_positions_says_what_to_give() {
     }
 }
 
-/// A program on this computer gets positions as OSC messages, numbers them, and chooses the feel. What it may not choose is noted.
+/// Checks that a program on this computer gets positions as OSC messages, numbers them and chooses the feel. Each refused message
+/// is noted.
 #[test]
 fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
     use std::net::UdpSocket;
@@ -126,13 +127,13 @@ fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
         let sent = program.send_to(message, format!("127.0.0.1:{listen}"));
         assert_eq!(sent.unwrap(), message.len());
     };
-    // The knob has no detents, so that its first position is the whole turn.
+    // The knob has no detents, so its first position is a whole turn.
     let first = next("/touchstone/position\0\0\0\0,iif\0\0\0\0");
     assert_eq!(&first[32..36], [0; 4]);
     say(b"/touchstone/position\0\0\0\0,i\0\0\0\0\0\x64");
     let numbered = next("/touchstone/position");
     assert_eq!(&numbered[32..36], 100_i32.to_be_bytes());
-    // A file is no feel, and a text is no number.
+    // Invalid requests: a file in place of a feel, and a text in place of a number.
     say(b"/touchstone/feel\0\0\0\0,s\0\0/etc/passwd\0");
     say(b"/touchstone/position\0\0\0\0,s\0\0no\0\0");
     say(b"/touchstone/feel\0\0\0\0,s\0\0bounded-detents\0");
@@ -143,14 +144,15 @@ fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
     events.wait().unwrap();
     assert!(said.contains("there is no feel /etc/passwd"), "{said}");
     assert!(
-        said.contains("/touchstone/position is no message"),
+        said.contains("/touchstone/position is not a message"),
         "{said}"
     );
     let shown = demo.run(&["config", "environment"]);
     assert!(shown.contains("[environment.endstops]"), "{shown}");
 }
 
-/// A reset of the board and a calibration, which turns the shaft, are no positions: the number stays, and is kept for the next start.
+/// Checks that a reset of the board and a calibration, which turns the shaft, do not change the position's number. The next start
+/// reads the number from the file.
 #[test]
 #[cfg(target_os = "linux")]
 #[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
@@ -202,7 +204,7 @@ fn a_number_is_kept_over_a_reset_of_the_emulated_firmware() {
         std::fs::read_to_string(&kept).unwrap(),
         format!("{}\n", begun + 3)
     );
-    // The next start goes on from the file.
+    // The next start continues with the number in the file.
     let (mut lines, mut events) = follow(&board, "1");
     let first = lines
         .by_ref()

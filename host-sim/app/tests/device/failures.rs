@@ -55,7 +55,7 @@ fn a_command_whose_answer_is_damaged_is_not_given_twice() {
     device.run(&["device", "reboot"]).failed(
         1,
         &[
-            "it may have been carried out or not",
+            "the device may or may not have carried out the command",
             "touchstone device status",
         ],
     );
@@ -80,7 +80,7 @@ fn a_damaged_answer_is_asked_for_again() {
     });
     device
         .run(&["device", "status"])
-        .failed(1, &["no answer (3 frames came in damaged)"]);
+        .failed(1, &["no answer (3 damaged frames arrived)"]);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn a_connection_that_is_cut_is_named() {
         });
         device
             .run(&["device", "status"])
-            .failed(1, &["the connection is gone"]);
+            .failed(1, &["the connection was lost"]);
     }
 }
 
@@ -115,9 +115,12 @@ fn a_port_may_be_a_link_be_none_or_vanish() {
     let nowhere = here.join("nowhere");
     symlink(here.join("none"), &nowhere).unwrap();
     for (port, parts) in [
-        (here.join("file"), ["cannot be opened", "no serial port"]),
-        (here.clone(), ["cannot be opened", "no serial port"]),
-        ("/dev/null".into(), ["cannot be opened", "no serial port"]),
+        (here.join("file"), ["cannot be opened", "not a serial port"]),
+        (here.clone(), ["cannot be opened", "not a serial port"]),
+        (
+            "/dev/null".into(),
+            ["cannot be opened", "not a serial port"],
+        ),
         (nowhere, ["cannot be opened", "connect the board"]),
     ] {
         let port = port.display().to_string();

@@ -129,7 +129,13 @@ fn without_its_probe_nothing_is_written() {
     let flash = ["flash", "own.elf", "--board", "b-g431b-esc1", "--probe"];
     let with = |probe| run(&here, &[&flash[..], &[probe]].concat());
     with("fffe:fffd:NONE").failed(1, &["probe fffe:fffd:NONE", "is not connected"]);
-    with("st-link").failed(2, &["--probe: \"st-link\" is no probe's name", "0483:374e"]);
+    with("st-link").failed(
+        2,
+        &[
+            "--probe: \"st-link\" is not the name of a probe",
+            "0483:374e",
+        ],
+    );
     let parts = ["own.elf", "has no messages in it"];
     let mut log = [
         "log",
@@ -191,7 +197,7 @@ fn another_boards_program_is_refused_by_both_names() {
             std::fs::write(&own, &bytes).unwrap();
         }
         let problem = match mark {
-            "" => "does not say which board it is for",
+            "" => "does not name its board",
             _ => "is the program of my-board, not of nucleo-g474re",
         };
         flash("own.elf", Board::NucleoG474re, &[]).failed(2, &["own.elf", problem, "--force"]);
@@ -213,7 +219,7 @@ fn what_is_missing_is_named() {
     );
     std::fs::write(here.join("text.elf"), "no program").unwrap();
     run(&here, &["flash", "text.elf", "--board", "nucleo-g474re"])
-        .failed(2, &["is no ELF program for a 32-bit Arm"]);
+        .failed(2, &["is not an ELF program for a 32-bit Arm"]);
     #[cfg(not(feature = "probe"))]
     {
         elf_of(&here.join("own.elf"), "nucleo-g474re");
@@ -285,12 +291,12 @@ fn the_programs_that_came_with_it_are_found_beside_it() {
     asked(&["flash", "--board", "nucleo-g474re"]).failed(1, &["probe-rs: is not on the PATH"]);
     let doctor = asked(&["doctor", "--port", "tcp:127.0.0.1:1"]).out;
     assert!(
-        doctor.contains("every board's program came with this one")
+        doctor.contains("this program contains the firmware of every board")
             && doctor.contains(&format!("nucleo-g474re: {program}")),
         "{doctor}"
     );
     // A damaged file is found even in a dry run, before anything is written.
     std::fs::write(archive.join("firmware/b-g431b-esc1/touchstone.elf"), "cut").unwrap();
     asked(&["flash", "--board", "b-g431b-esc1", "--dry-run"])
-        .failed(2, &["is no ELF program", "from one archive"]);
+        .failed(2, &["is not an ELF program", "from one archive"]);
 }

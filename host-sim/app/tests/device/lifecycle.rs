@@ -51,7 +51,7 @@ fn a_fault_is_shown_with_its_page_and_its_last_second() {
     assert_eq!(device.run(&["device", "fault"]).done(), "no fault\n");
     device
         .run(&["device", "ring", "--out", name])
-        .failed(1, &["still running"]);
+        .failed(1, &["no record of a fault yet"]);
     assert!(!file.exists());
     device.fault(FaultCode::EncoderJump, 812);
     let fault = device.run(&["device", "fault"]).done();

@@ -1,8 +1,8 @@
-//! Tests that no program leaves a device on without a message when the link has faults. After every seeded fault the device is off,
-//! or the program printed that it may still be on.
+//! Tests with faults of the link between program and device. After every fault the device is off, or the program has printed that
+//! the device may still be on.
 //!
-//! A proxy between program and device drops, damages or delays frames, is deaf in one direction, or cuts the connection. A seed
-//! chooses the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS=1000` runs that many seeds with each program:
+//! A proxy between program and device drops, damages or delays frames, blocks one direction, or cuts the connection. A seed chooses
+//! the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS=1000` runs 1000 seeds with each program:
 //!
 //! ```text
 //! TOUCHSTONE_LINK_FAULTS=1000 cargo test -p touchstone --test device link_faults -- --nocapture --test-threads 1
@@ -26,17 +26,17 @@ use touchstone_protocol::{Machine, Phase, State};
 
 /// Text by which a program says that a device may be on.
 const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
-/// Warning of a program that keeps a board company whose host watchdog is off.
-const UNWATCHED: &str = "nothing switches this device off when its desktop hangs or is gone";
-/// Seeds with each program in an ordinary run of the tests.
+/// Warning of a program that uses a board whose host watchdog is off.
+const UNWATCHED: &str = "this device stays on when the computer hangs";
+/// Number of seeds for each program in an ordinary run of the tests.
 const FEW: u64 = 10;
-/// Programs that run at the same time, in an ordinary run of the tests and in one of many seeds. They mostly wait.
+/// Number of programs that run at the same time: in an ordinary run, and with `TOUCHSTONE_LINK_FAULTS`. They wait most of the time.
 const AT_ONCE: [usize; 2] = [10, 24];
-/// Longest time of a program, with a margin for a busy machine.
+/// Longest allowed time of a program, with a margin for a busy machine.
 const LONGEST: Duration = Duration::from_secs(90);
 
-/// Runs `case` for all seeds, several at a time. Prints how many runs ended how. `case` returns the ending in words; it panics where
-/// a device was left on in silence.
+/// Runs `case` for all seeds, several at a time, and prints how often each ending occurred. `case` returns the ending as text. It
+/// panics if a device was left on without a message.
 fn each(name: &str, case: impl Fn(u64) -> String + Sync) {
     let asked = std::env::var("TOUCHSTONE_LINK_FAULTS").ok();
     let at_once = AT_ONCE[usize::from(asked.is_some())];
@@ -94,8 +94,8 @@ fn is_on(device: &Fake) -> bool {
     matches!(phase, Phase::Armed | Phase::Calibrating)
 }
 
-/// The ending in words, from the messages of program and page, and from whether the device is on. Panics if the device is on
-/// without a message.
+/// Returns the ending as text: whether the device is on, and what program and page said. Panics if the device is on without a
+/// message.
 fn judged(seed: u64, said: &Said, shown: &str, device: &Fake) -> String {
     let on = is_on(device);
     let told = said.err.contains(MAY_BE_ON) || shown.contains(MAY_BE_ON);
@@ -123,7 +123,7 @@ fn a_monitor_says_that_an_armed_device_may_still_be_on() {
         {
             let (session, world) = &mut *device.world();
             let mut settings = session.settings().clone();
-            // For every second seed nothing switches the device off when the desktop is silent.
+            // For every second seed the host watchdog is off, so a silent computer does not switch the device off.
             settings.limits.host_silence_s = if seed % 2 == 0 {
                 Si::ZERO
             } else {
@@ -141,14 +141,14 @@ fn a_monitor_says_that_an_armed_device_may_still_be_on() {
         let watched = session.settings().limits.host_silence_s != Si::ZERO;
         match (said.code, said.err.contains(MAY_BE_ON)) {
             (Some(1), true) => "on, said that it may be on".into(),
-            // A monitor switches nothing off. It ended as asked, before an armed device that it was shown as armed.
+            // A monitor switches nothing off. It ended at its time limit, and its records had shown that the device is armed.
             (Some(0), _) if watched => "on as before, the watchdog ends it".into(),
             (Some(0), _) => {
                 assert!(said.err.contains(UNWATCHED), "seed {seed}: {}", said.err);
                 "on as before, warned that nothing ends it".into()
             }
             (Some(1), false) => {
-                // No record came: the program does not know that it is armed, and says that there is no answer.
+                // No record arrived: the program does not know that the device is armed, and reports that there is no answer.
                 assert!(
                     !said.out.contains("armed"),
                     "seed {seed}: {} {}",
@@ -181,7 +181,7 @@ fn a_setup_leaves_no_device_on_in_silence() {
         let law = place.join("given.toml");
         std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.00007\n").unwrap();
         let out = place.join("knob");
-        // Every second setup goes on after the measurement: settings, flash and calibration are left.
+        // Every second setup continues after the measurement: only settings, flash and calibration are left.
         if seed % 2 == 1 {
             crate::setup::goes_on(&device, &out);
         }

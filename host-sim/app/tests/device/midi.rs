@@ -26,7 +26,7 @@ impl Drop for Events {
     }
 }
 
-/// Passes on every byte that `from` gives, in a thread.
+/// Reads bytes in a thread, and sends each to the returned receiver.
 fn bytes(mut from: impl Read + Send + 'static) -> Receiver<u8> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
@@ -50,7 +50,8 @@ fn message(bytes: &Receiver<u8>) -> [u8; 3] {
     })
 }
 
-/// Turns a dial of eleven positions to its end and back. Every position is one control change, with exactly these bytes.
+/// Turns a dial of eleven positions to its end and back. Checks that every position is one control change, with exactly these
+/// bytes.
 #[test]
 fn a_dial_is_a_midi_controller() {
     let values = [0, 13, 25, 38, 51, 64, 76, 89, 102, 114, 127];
@@ -64,7 +65,7 @@ fn a_dial_is_a_midi_controller() {
     demo.run(&["device", "arm"]);
     let path = fifo.display().to_string();
     let _events = Events::new(&demo, &["--midi", &path, "--midi-channel", "3"]);
-    // Opened for both directions the FIFO does not wait for a writer.
+    // A FIFO that is opened for both directions does not wait for a writer.
     let both = std::fs::File::options().read(true).write(true).open(&fifo);
     let line = bytes(both.unwrap());
     demo.happens("turn 250");
@@ -87,7 +88,7 @@ fn a_dial_is_a_midi_controller() {
     }
 }
 
-/// A program chooses a feel by a program change and sets the value from which a knob without end stops goes on.
+/// Checks that a program change chooses a feel, and that a control change sets the value of a knob without end stops.
 #[test]
 fn a_midi_program_chooses_the_feel_and_sets_the_value() {
     let feels = touchstone_sim::scene::feels();
@@ -102,7 +103,7 @@ fn a_midi_program_chooses_the_feel_and_sets_the_value() {
     let mut events = Events::new(&demo, &["--midi", &path, "--midi-controller", "7"]);
     let mut said = BufReader::new(events.0.stdout.take().unwrap()).lines();
     let line = bytes(program.try_clone_native().unwrap());
-    // A clock stands inside the message; the second feel comes by running status.
+    // The first message contains a MIDI clock byte. The second feel is sent with running status.
     program
         .write_all(&[
             0xc0,
@@ -119,7 +120,7 @@ fn a_midi_program_chooses_the_feel_and_sets_the_value() {
     program.write_all(&[0xb0, 7, 100]).unwrap();
     std::thread::sleep(Duration::from_secs(1));
     demo.happens("turn 90");
-    // Whichever way the knob moves before it is turned, each message is one step.
+    // The knob may move either way before it is turned, but each message is one step.
     let mut last = 100;
     while last != 103 {
         let [status, controller, value] = message(&line);
@@ -137,7 +138,7 @@ fn what_is_no_midi_device_and_no_key_is_refused() {
     let device = crate::fake::Fake::new();
     for (words, part) in [
         (&["--midi", "/nowhere/midi"][..], "/dev/snd/midi"),
-        (&["--midi", &file], "no device and no FIFO"),
+        (&["--midi", &file], "neither a device nor a FIFO"),
         (
             &[
                 "--midi",

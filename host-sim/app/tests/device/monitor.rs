@@ -31,7 +31,7 @@ fn every_record_is_kept_and_what_is_missing_is_counted() {
     assert!(ticks.len() > 20, "{said}");
     let missing: u32 = ticks.windows(2).map(|pair| pair[1] - pair[0] - 1).sum();
     assert!(missing > 0);
-    let summary = format!("{} records, {missing} lost on the way", ticks.len());
+    let summary = format!("{} records, {missing} lost (", ticks.len());
     assert!(said.contains(&summary), "{summary} is not in {said}");
     assert!(said.contains("boot") && said.contains("-0.250"), "{said}");
 }

@@ -115,7 +115,8 @@ fn a_board_becomes_a_tuned_knob() {
     let said = setup(&device, &out, &law);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(
-        said.err.contains("not taken into the guard: law.guard.on"),
+        said.err
+            .contains("ignored for the energy guard: law.guard.on"),
         "{}",
         said.err
     );
@@ -130,7 +131,8 @@ fn a_board_becomes_a_tuned_knob() {
     assert!(guard.damping_n_m_s_per_rad.to_num::<f64>() <= 0.8 * measured);
 }
 
-/// The measured values of a setup's progress file: the motor is that of the board's first settings.
+/// The measured values of a setup's progress file. Resistance, inductance and torque constant are those of the board's default
+/// settings.
 fn measured(board: Board, damping: f64, uncertainty: f64) -> serde_json::Value {
     let settings = DeviceSettings::defaults(board);
     let motor = &settings.motor;
@@ -147,7 +149,7 @@ fn measured(board: Board, damping: f64, uncertainty: f64) -> serde_json::Value {
     })
 }
 
-/// Makes the folder of a setup whose motor has been measured.
+/// Makes the folder of a setup whose motor has been measured, with these values.
 fn is_measured(device: &Fake, out: &Path, measured: serde_json::Value) {
     std::fs::create_dir(out).unwrap();
     let before = out.join("before.toml").display().to_string();
@@ -162,7 +164,7 @@ pub fn goes_on(device: &Fake, out: &Path) {
     is_measured(device, out, measured(Board::NucleoG474re, 1e-4, 1e-6));
 }
 
-/// A control law's settings that claim a better device than any.
+/// Settings of a control law that claim a better device than any board is.
 const TOO_GOOD: &str = "[encoder]\ncounts_per_rev = 1000000
 [drive]\nkind = \"analogue\"
 [limits]\nhost_silence_s = 0
@@ -171,7 +173,7 @@ damping_n_m_s_per_rad = 1\nshare_of_damping = 1\ncapacity_j = 1\nrefill_w = 1\n"
 
 #[test]
 fn what_is_left_on_every_board_is_within_the_conditions_of_the_bound() {
-    // With the second uncertainty, two of it are more than a fifth of the damping.
+    // The second case has so large an uncertainty that twice its value is more than a fifth of the damping.
     let (damping, cases) = (1e-4, [(1e-6, 0.8e-4), (3e-5, 0.4e-4)]);
     for board in Board::ALL.into_iter().filter(|it| it.senses_current()) {
         for (uncertainty, sure) in cases {
@@ -204,7 +206,7 @@ fn what_is_left_on_every_board_is_within_the_conditions_of_the_bound() {
             assert_eq!(left.encoder, shipped.encoder, "{board:?}");
             assert_eq!(left.drive, shipped.drive, "{board:?}");
             assert_eq!(left.limits, shipped.limits, "{board:?}");
-            // What the board itself makes of the settings: its own delay, and a count that is not too small.
+            // The settings as the board itself changes them: with its own delay, and with a count that is not too small.
             let (law, change) = law_settings(left, hardware(board)).unwrap();
             let (own, _) = law_settings(&shipped, hardware(board)).unwrap();
             assert!(change.is_some(), "{board:?}");
@@ -241,7 +243,13 @@ fn a_hand_on_the_shaft_is_refused_and_another_try_goes_on() {
     let (out, law) = place("setup-hand");
     // This friction stops the push with a quarter of 1 A, but not the stronger alignment.
     let held = Spun::new(motor(), &knob(0.1), 3);
-    setup(&held, &out, &law).failed(1, &["fault: 10 calibration-failed", "hands off"]);
+    setup(&held, &out, &law).failed(
+        1,
+        &[
+            "fault: 10 calibration-failed",
+            "take your hand off the knob",
+        ],
+    );
     assert!(kept(&out)["measured"].is_null());
     // The same board without the hand on the shaft.
     setup(&Spun::new(motor(), &knob(1.3e-3), 3), &out, &law).done();
@@ -343,12 +351,9 @@ fn a_board_without_current_sensors_is_not_set_up() {
     let out = folder("setup-no-current");
     device
         .run(&["setup", "--out", &out.display().to_string()])
-        .failed(
-            1,
-            &["does not measure its currents", "docs/voltage-mode.md"],
-        );
+        .failed(1, &["has no current sensors", "docs/voltage-mode.md"]);
     assert!(!out.join("before.toml").exists());
     // The setting that requests a motor measurement is refused, too.
     let failed = device.run(&["config", "set", "calibration.measures", "true"]);
-    failed.failed(2, &["can measure no motor"]);
+    failed.failed(2, &["cannot measure a motor"]);
 }

@@ -1,5 +1,5 @@
-//! The folder of `touchstone setup` with every fault at its place: files of the user, links, a full disk, another user's folder, a
-//! killed process, two processes at once.
+//! Tests of the folder of `touchstone setup` with faults: files of the user, links, a full disk, another user's folder, a killed
+//! process, two processes at once.
 
 use super::spun::Spun;
 use super::{Said, folder};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use touchstone_world::motor::GIMBAL;
 use touchstone_world::plant::{Coulomb, Device};
 
-/// All that a setup leaves in its folder.
+/// All files and folders that a setup leaves in its folder.
 const MADE: [&str; 5] = [
     "before.toml",
     "knob.toml",
@@ -31,7 +31,7 @@ fn device(number: u8) -> Spun {
     Spun::new(GIMBAL, &knob, number)
 }
 
-/// An empty folder with a law's settings, so that nothing is tuned.
+/// Makes an empty folder with the settings of a control law, so that the setup need not tune.
 fn place(test: &str) -> PathBuf {
     let here = folder(&format!("setup-outputs-{test}"));
     let law = "[law.estimator]\ninertia_kg_m2 = 0.00007\n";
@@ -146,7 +146,7 @@ fn a_full_disk_is_said_and_the_same_command_goes_on_where_there_is_room() {
         !left.contains(".touchstone") && !left.contains("before.toml"),
         "{left}"
     );
-    // There is room for the first files and not for the page: what was measured is kept.
+    // The disk has room for the first files but not for the page. The measured values must be kept.
     is_refused(&said("said2", "code2"), "No space left on device");
     let left = read("left2");
     assert!(
@@ -155,7 +155,7 @@ fn a_full_disk_is_said_and_the_same_command_goes_on_where_there_is_room() {
     );
 }
 
-/// If the tests run as root, the command runs as the user nobody.
+/// Checks the error for a folder without write permission. If the tests run as root, the command runs as the user nobody.
 #[test]
 fn a_folder_that_may_not_be_written_is_said() {
     let (here, device) = (place("read-only"), device(33));
@@ -207,7 +207,7 @@ fn a_killed_setup_leaves_nothing_torn_and_the_same_command_ends_it() {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        // From its first file to its last.
+        // The kills are spread over the time in which the setup writes, from its first file to its last.
         std::thread::sleep(takes.mul_f64(0.02 + 0.14 * f64::from(part)));
         let _ = child.kill();
         child.wait().unwrap();
@@ -222,7 +222,7 @@ fn a_killed_setup_leaves_nothing_torn_and_the_same_command_ends_it() {
     }
 }
 
-/// The first file is there and the second not yet: the setup goes on.
+/// Checks that a setup resumes if it was interrupted after its first file and before its second.
 #[test]
 fn an_interruption_between_the_first_files_costs_nothing() {
     let (here, device) = (place("first"), device(35));
@@ -237,7 +237,7 @@ fn an_interruption_between_the_first_files_costs_nothing() {
     let said = setup(&here, &device);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(names(&out), MADE);
-    // A finished setup without the file has no settings of before: it does not take the tuned ones for them.
+    // A finished setup whose file of earlier settings is missing is refused: the board now has the tuned settings instead.
     std::fs::remove_file(out.join("before.toml")).unwrap();
     is_refused(&setup(&here, &device), "before.toml");
     assert!(!out.join("before.toml").exists());

@@ -38,14 +38,14 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
     device.run(&["device", "calibrate"]).done();
     assert_eq!(status(&device)["start"]["was_checked"], false);
     let said = device.run(&["device", "alignment", "keep"]).done();
-    assert_eq!(said, "kept and saved; checked at once: it holds\nready\n");
+    assert_eq!(said, "stored and saved; the check passed\nready\n");
     assert_eq!(status(&device)["start"]["was_checked"], true);
 
     // The next start uses the stored alignment.
     device.power_up();
     let said = device.run(&["device", "status"]).done();
     for part in [
-        "alignment kept: the next calibration checks it",
+        "alignment stored; the next calibration checks it",
         "autostart off",
     ] {
         assert!(said.contains(part), "{part}: {said}");
@@ -97,7 +97,7 @@ fn a_wrong_one_is_refused_and_looked_for_anew() {
     bend(&device, 0x4000);
     device.run(&["device", "calibrate"]).failed(
         1,
-        &["check of the kept alignment failed", "calibrate --anew"],
+        &["check of the stored alignment failed", "calibrate --anew"],
     );
     device.run(&["device", "arm"]).failed(1, &["state `fault`"]);
     let said = device.run(&["device", "fault"]).done();
@@ -117,7 +117,7 @@ fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
     let device = spun(13);
     device
         .run(&["device", "autostart", "on"])
-        .failed(1, &["no alignment is kept", "device alignment keep"]);
+        .failed(1, &["no alignment is stored", "device alignment keep"]);
     device.run(&["device", "calibrate"]).done();
     device.run(&["device", "alignment", "keep"]).done();
     // In the state `ready` the board cannot save, so that nothing is changed.
@@ -128,7 +128,7 @@ fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
     device.run(&["device", "stop"]).done();
     let said = device.run(&["device", "autostart", "on"]).done();
     assert!(said.contains("THE SHAFT MOVES"), "{said}");
-    // A board that starts without a host must not switch off because the host is silent.
+    // A board that starts without a computer must not switch off because it gets no requests.
     assert_eq!(device.world().0.settings().limits.host_silence_s, 0);
     device.power_up();
     let said = device.run(&["device", "autostart"]).done();
@@ -169,7 +169,7 @@ fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
     }
     let said = small.run(&["device", "status"]).done();
     assert!(
-        said.contains("alignment is not kept on this board"),
+        said.contains("alignment cannot be stored on this board"),
         "{said}"
     );
     let law = folder("start-setup").join("law.toml");
@@ -189,11 +189,13 @@ fn the_kits_board_says_that_it_has_no_room() {
         ..Trouble::default()
     });
     for command in ["alignment", "autostart"] {
-        kit.run(&["device", command])
-            .failed(1, &["nucleo-g431rb-ihm16m1", "no room", "NUCLEO-G474RE"]);
+        kit.run(&["device", command]).failed(
+            1,
+            &["nucleo-g431rb-ihm16m1", "too little flash", "NUCLEO-G474RE"],
+        );
     }
     kit.run(&["device", "cogging", "measure"])
-        .failed(1, &["no room", "NUCLEO-G474RE"]);
+        .failed(1, &["too little flash", "NUCLEO-G474RE"]);
     kit.run(&["config", "set", "encoder.kind", "mt6701"]).done();
     let law = folder("start-kit").join("law.toml");
     std::fs::write(&law, "[law.estimator]\ninertia_kg_m2 = 0.0001\n").unwrap();
@@ -201,7 +203,7 @@ fn the_kits_board_says_that_it_has_no_room() {
     let law = law.display().to_string();
     for option in ["--keep-alignment", "--cogging"] {
         kit.run(&["setup", "--out", &out, "--law", &law, option])
-            .failed(2, &[option, "no room", "leave it out"]);
+            .failed(2, &[option, "too little flash", "leave it out"]);
     }
 }
 
@@ -223,7 +225,7 @@ fn a_setup_keeps_it_where_it_is_asked_to() {
     assert_eq!(status(&device)["start"]["alignment_is_kept"], false);
     let said = setup(&["--keep-alignment"]);
     assert!(
-        said.contains("keeps its alignment, and checks it"),
+        said.contains("stores the alignment and checks it"),
         "{said}"
     );
     device.power_up();

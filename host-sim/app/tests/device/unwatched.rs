@@ -8,10 +8,10 @@ use std::process::Stdio;
 use touchstone_world::motor::GIMBAL;
 use touchstone_world::plant::{Coulomb, Device};
 
-const WARNING: &str = "nothing switches this device off when its desktop hangs or is gone";
+const WARNING: &str = "this device stays on when the computer hangs";
 
-/// What a command prints on standard error. The test ends `live` once its page exists; the other commands end without the test's
-/// help.
+/// Returns what a command prints on standard error. The test ends `live` once its page exists; the other commands end by
+/// themselves.
 fn errors(device: &Fake, words: &[&str]) -> String {
     let mut child = program(&[words, &["--port", &device.address]].concat())
         .stdout(Stdio::piped())
@@ -24,7 +24,7 @@ fn errors(device: &Fake, words: &[&str]) -> String {
     if words[0] == "live" {
         child.kill().unwrap();
     }
-    // Read to the end, so that the program can print all of it.
+    // Standard output is read to its end; otherwise the program could block on a full pipe.
     out.read_to_string(&mut line).unwrap();
     let mut err = String::new();
     child

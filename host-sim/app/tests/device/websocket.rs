@@ -1,4 +1,4 @@
-//! Tests of `touchstone events --websocket`: what programs and pages get, what they may ask for, and who is refused.
+//! Tests of `touchstone events --websocket`: what programs and pages receive, what they may request, and which clients are refused.
 
 use crate::demo::Demo;
 use serde_json::Value;
@@ -16,7 +16,7 @@ const LIMIT: Duration = Duration::from_secs(30);
 struct Events {
     child: Child,
     lines: Lines<BufReader<ChildStdout>>,
-    /// The address that was printed, with the token.
+    /// The printed address, which contains the token.
     address: String,
 }
 
@@ -122,8 +122,8 @@ impl Page {
     }
 }
 
-/// Two clients get every line that is printed. One of them numbers the position and chooses the feel; what it may not choose is
-/// answered, to it alone.
+/// Checks that two clients get every printed line. One of them numbers the position and chooses the feel. Only the sender of an
+/// invalid request gets an error.
 #[test]
 fn programs_and_pages_get_positions_and_choose_the_feel() {
     let mut demo = Demo::new();
@@ -137,7 +137,7 @@ fn programs_and_pages_get_positions_and_choose_the_feel() {
         (&first["event"], &first["change"]),
         (&"position".into(), &0.into())
     );
-    // Both come after the first lines were printed, and get them all the same.
+    // Both clients connect after the first lines were printed, and must get these lines, too.
     let mut program = events.page();
     let own = [("Origin", "http://localhost:8000")];
     let mut page = events.connect(&events.address, &own).unwrap();
@@ -158,10 +158,13 @@ fn programs_and_pages_get_positions_and_choose_the_feel() {
             r#"{"feel": "/etc/passwd"}"#,
             "there is no feel /etc/passwd; give ",
         ),
-        (r#"{"position": 1e99}"#, "this is no request"),
-        (r#"{"position": 9223372036854775807}"#, "this is no request"),
+        (r#"{"position": 1e99}"#, "this is not a valid request"),
+        (
+            r#"{"position": 9223372036854775807}"#,
+            "this is not a valid request",
+        ),
         (r#"{"arm": true}"#, "expected `position` or `feel`"),
-        ("turn", "this is no request"),
+        ("turn", "this is not a valid request"),
     ] {
         program.say(wrong);
         let line = program.next();
@@ -183,7 +186,7 @@ fn programs_and_pages_get_positions_and_choose_the_feel() {
         let place = client.until("position");
         assert_eq!(place["change"], 1, "{place}");
     }
-    // A client that comes later has seen no change.
+    // For a client that connects later, the newest line is not a change.
     let mut late = events.page();
     assert_eq!(late.next()["state"], "armed");
     let place = late.next();
@@ -193,8 +196,8 @@ fn programs_and_pages_get_positions_and_choose_the_feel() {
     );
 }
 
-/// Checks that a wrong client is refused, and one that does harm is disconnected, each with a line, while another client keeps
-/// getting its positions.
+/// Checks that wrong clients are refused and harmful ones disconnected, each with a note, while another client keeps getting
+/// positions.
 #[test]
 fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     let mut demo = Demo::new();
@@ -206,7 +209,7 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     let events = Events::new(&demo, &named);
     let mut good = events.page();
     good.until("position");
-    // One that is connected and reads nothing, not even a ping.
+    // This client is connected and reads nothing, not even a ping.
     let silent = events.page();
     let silent_since = Instant::now();
 
@@ -252,14 +255,17 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     );
     let plain = raw(plain.as_bytes());
     assert!(plain.starts_with("HTTP/1.1 426"), "{plain}");
-    assert!(plain.contains("this is a WebSocket and no page"), "{plain}");
+    assert!(
+        plain.contains("this address serves a WebSocket, not a page"),
+        "{plain}"
+    );
 
     // The header of a masked text frame of 2^62 bytes.
     let mut endless = events.page();
     let header = [0x81, 0xff, 0x40, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4];
     endless.socket.get_mut().write_all(&header).unwrap();
     endless.closed();
-    // A message of many parts, of which none is the last.
+    // A message of many frames without a last one.
     let mut parts = events.page();
     let part = [&[0x01, 0xfe, 0x0f, 0xa0, 0, 0, 0, 0][..], &[b'x'; 4000]].concat();
     let next = [&[0x00, 0xfe, 0x0f, 0xa0, 0, 0, 0, 0][..], &[b'x'; 4000]].concat();
@@ -269,7 +275,7 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     let _ = nonsense.socket.get_mut().write_all(&[0x7f; 1000]);
     nonsense.closed();
 
-    // As many clients as there may be, then one more.
+    // Connects the largest allowed number of clients, then one more.
     let mut many = Vec::new();
     let full = loop {
         assert!(many.len() < 20, "there is no limit");
@@ -286,9 +292,9 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     drop(many);
 
     demo.happens("turn 90");
-    // On a busy machine the knob may still have been on its way to its first place.
+    // On a busy machine the knob may still be moving to its first position.
     while good.until("position")["change"] != 1 {}
-    // Reads on, because a client that answers no ping is disconnected.
+    // Keeps reading, because a client that answers no ping is disconnected.
     while silent_since.elapsed() < Duration::from_secs(12) {
         let _ = good
             .socket
@@ -314,10 +320,10 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
         "pages of https://evil.example may not connect; --websocket-origin permits them",
         "pages of null may not connect",
         "wrong Host",
-        "this is a WebSocket and no page",
+        "this address serves a WebSocket, not a page",
         "8 clients are connected",
         "a client sent a message of more than 4096 bytes; it is disconnected",
-        "a client sent what is no message of a WebSocket; it is disconnected",
+        "a client sent an invalid WebSocket message; it is disconnected",
         "a client answers no ping; it is disconnected",
     ] {
         assert!(said.contains(line), "{line} is not in {said}");

@@ -100,10 +100,10 @@ fn shells_and_manuals_know_every_command() {
 fn the_help_defines_codes_and_verdicts() {
     let help = run(&["run", "--help"]).ended(0).out;
     for part in [
-        "3    done, but something",
+        "3    done, but a demand is not met",
         "130  interrupted",
         "passive:",
-        "came to rest; the user never got out more energy than was put in",
+        "came to rest; the hand never got out more energy than it had put in",
         "no-contact:",
         "--max-penetration <RAD>",
         "--min-stiffness <N_M_PER_RAD>",
@@ -115,7 +115,7 @@ fn the_help_defines_codes_and_verdicts() {
         run(&["--help"])
             .ended(0)
             .out
-            .contains("3    done, but something")
+            .contains("3    done, but a demand is not met")
     );
 }
 
@@ -245,7 +245,7 @@ fn the_comparison_says_what_it_cannot_change() {
     assert!(names(&here).is_empty());
 }
 
-/// Checks that haptic effects are listed, can be run by their names, and are accepted by every command as scenes.
+/// Checks the scorecard of a feel: a good feel passes, failed demands end with exit code 3, and a scene without a feel is refused.
 #[test]
 fn a_feel_is_judged_and_what_has_none_is_refused() {
     let card = |words: &[&str]| {
@@ -255,7 +255,7 @@ fn a_feel_is_judged_and_what_has_none_is_refused() {
     };
     let good = card(&["on-off", "--feel", "--no-buzz", "--positions", "--as-drawn"]).ended(0);
     assert!(good.out.contains("positions crossed"), "{}", good.out);
-    // A demand on positions says nothing where no position was crossed.
+    // A demand on positions fails if no position was crossed.
     let none = card(&["smooth", "--feel", "--positions"]).ended(3);
     assert!(
         none.err.contains("no grip crossed a position"),
@@ -319,8 +319,8 @@ fn survey_named(name: &str) -> String {
     )
 }
 
-/// Checks that no text from a scene file, a survey or the name of a file reaches a log unchanged where it could do harm. A CI system executes log lines that begin
-/// like its commands, and a terminal executes control characters.
+/// Checks that no text from a scene file, a survey or a file's name reaches a log with characters that could do harm. A CI system
+/// executes log lines that begin like its commands, and a terminal executes control characters.
 #[test]
 fn no_name_of_a_scene_reaches_a_log_as_a_command() {
     let here = folder("name-as-command");
@@ -393,7 +393,7 @@ fn a_wall_that_is_further_than_positions_reach_is_named_once() {
         ("wall.surface_rad=-130", &[][..], 1),
         ("wall.surface_rad=-130", &["--set", detents], 1),
         ("wall.surface_rad=-120", &[], 0),
-        // Outside of a wall there is nothing to feel, however far it is.
+        // The device is outside this wall, at whatever distance, so no wall is off.
         ("wall.surface_rad=130", &[], 0),
     ] {
         let start = "device.initial_angle_rad=0";
@@ -403,8 +403,7 @@ fn a_wall_that_is_further_than_positions_reach_is_named_once() {
         let said = run_in(&here, &[&words[..], others].concat()).ended(0);
         let page = std::fs::read_to_string(here.join("page/index.html")).unwrap();
         for text in [&said.err, &page] {
-            let note =
-                "a wall is off from 0.000 s on: the device is deeper inside it than positions";
+            let note = "a wall is off from 0.000 s on, because the device is deeper inside it than";
             assert_eq!(
                 text.matches(note).count(),
                 notes,
@@ -420,5 +419,5 @@ fn a_demand_that_three_axes_do_not_have_is_refused_by_its_name() {
     for option in ["--max-penetration", "--min-stiffness", "--baseline"] {
         run(&["run", "delta-ball", option, "0.01"]).refused(&[option, "three axes"]);
     }
-    run(&["run", "delta-ball", "--junit", "tests.xml"]).refused(&["--junit", "nothing is asked"]);
+    run(&["run", "delta-ball", "--junit", "tests.xml"]).refused(&["--junit", "there is no demand"]);
 }

@@ -25,19 +25,21 @@ fn right(case: &str, file: &str) -> Option<Right> {
         ("03-stl-uppercase" | "04-stl-spacing", _) => Said(&["12 triangles", "most      5.30 N"]),
         ("06-stl-two-solids", _) => Said(&["24 triangles", "has 2 solids", "most      5.30 N"]),
         ("08-stl-inverted", "half.stl") => Said(&["edges run the same way", "inside out"]),
-        ("08-stl-inverted", _) => Said(&["its volume is -288.000 cm³: it is inside out"]),
-        ("10-stl-broken", "countless.stl") => Refused("6 triangles, 600 bytes are there for 12"),
+        ("08-stl-inverted", _) => Said(&["its volume is -288.000 cm³: the mesh is inside out"]),
+        ("10-stl-broken", "countless.stl") => {
+            Refused("6 triangles, but its 600 bytes of data hold 12")
+        }
         ("10-stl-broken", _) => Refused("no STL: "),
         ("12-stl-far", "far.stl" | "offset1m.stl") => {
             Said(&["does not meet the device's workspace"])
         }
         ("12-stl-far", "metres.stl" | "micron.stl") => {
-            Said(&["mm across: is --mesh-unit-m its unit?"])
+            Said(&["mm across: check that --mesh-unit-m is the file's unit"])
         }
         ("12-stl-far", _) => Quiet,
         ("23-csv-time", "gap.csv") => Said(&["a gap of 3.000 s after 2.250 s"]),
         ("23-csv-time" | "28-csv-burst", _) => Said(&["samples come in bursts"]),
-        ("24-csv-values", "wrap360.csv") => Said(&["by a whole turn between neighbours, 3 times"]),
+        ("24-csv-values", "wrap360.csv") => Said(&["by a whole turn between two samples, 3 times"]),
         ("24-csv-values", _) => Said(&["is faster than a hand"]),
         ("25-csv-header", _) => Said(&["from 0.200 to 0.800 rad"]),
         ("27-csv-ragged", "right.csv") => Said(&["from 0.151 to 0.849 rad"]),

@@ -37,7 +37,7 @@ fn every_verdict_can_be_asked_for() {
             } else {
                 let err = said.ended(3).err;
                 assert_eq!(err.lines().count(), 1, "{err}");
-                let line = format!("not met: --expect: wanted {asked}, came {verdict}");
+                let line = format!("not met: --expect: required {asked}, result {verdict}");
                 assert!(err.starts_with(&line), "{err}");
             }
         }
@@ -70,13 +70,14 @@ fn numbers_are_asked_for_from_both_sides() {
         assert_eq!(asked(1e-3).ended(0).err, "", "{option}");
         let err = asked(-1e-3).ended(3).err;
         assert!(
-            err.starts_with(&format!("not met: {option}: wanted at ")) && err.lines().count() == 1,
+            err.starts_with(&format!("not met: {option}: required at "))
+                && err.lines().count() == 1,
             "{err}"
         );
     }
     // A run without a hold displays no stiffness, so it does not even meet a minimum of 0.
     let err = run(&["run", "tap", "--min-stiffness", "0"]).ended(3).err;
-    assert!(err.contains("came none"), "{err}");
+    assert!(err.contains("result none"), "{err}");
 }
 
 #[test]
@@ -156,7 +157,7 @@ fn junit_has_a_test_for_each_demand() {
     assert!(
         text.contains("tests=\"2\"")
             && text.contains("failures=\"1\"")
-            && text.contains("wanted unstable, came passive"),
+            && text.contains("required unstable, result passive"),
         "{text}"
     );
     run_in(&here, &["run", "tap", "--junit", "no.xml"]).refused(&["--junit", "--expect"]);
@@ -272,7 +273,7 @@ fn a_baseline_says_what_became_worse() {
     );
 
     let other = hold("same.json", &["--k-desired", "4"]).ended(3).err;
-    let none = "wanted a run to compare with, came none of this scene, law, stiffness";
+    let none = "required a run to compare with, result none of this scene, law, stiffness";
     assert!(other.contains(none), "{other}");
     let missing = hold("missing.json", &[]).ended(2).err;
     assert!(missing.contains("missing.json"), "{missing}");
@@ -340,18 +341,19 @@ fn what_cannot_be_judged_is_said_with_why() {
         .ended(3)
         .err;
     assert!(
-        err.contains(&format!("wanted passive, came not-judged: {said}")),
+        err.contains(&format!("required passive, result not-judged: {said}")),
         "{err}"
     );
     let junit = std::fs::read_to_string(here.join("taps.xml")).unwrap();
     assert!(
-        junit.contains(&format!("came not-judged: {said}")),
+        junit.contains(&format!("result not-judged: {said}")),
         "{junit}"
     );
     taps(&["--expect", "not-judged"]).ended(0);
 }
 
-/// A run that is not judged, and demands that are met: the JUnit file must not read as a wall that rests, nor as one that failed.
+/// Checks a run that is not judged but meets its demands. The JUnit file must not read as a wall that rests, nor as one that
+/// failed.
 #[test]
 fn what_is_met_by_a_run_that_is_not_judged_is_no_verdict() {
     let here = folder("not-judged-met");
@@ -368,8 +370,8 @@ fn what_is_met_by_a_run_that_is_not_judged_is_no_verdict() {
         let text = std::fs::read_to_string(here.join("short.xml")).unwrap();
         (said.err, text)
     };
-    let why = "not-judged: only 10.0 ms of rest are seen, 20 ms are the least";
-    // Nothing is asked of the verdict: a skipped test says that there is none.
+    let why = "not-judged: the run shows only 10.0 ms of rest; at least 20 ms are needed";
+    // Without a demand on the verdict, a skipped test says that there is no verdict.
     let met = ["--max-penetration", "10", "--max-energy-out", "10"];
     let (err, text) = short(&met, 0);
     let count = |part: &str| text.matches(part).count();
@@ -389,24 +391,24 @@ fn what_is_met_by_a_run_that_is_not_judged_is_no_verdict() {
         "{text}"
     );
     assert!(
-        err.starts_with("note: not judged") && err.lines().count() == 1,
+        err.starts_with("note: the run is not judged") && err.lines().count() == 1,
         "{err}"
     );
-    // A demand that fails is a failure, and the others are still no verdict.
+    // A demand that is not met is a failure; the skipped test still says that there is no verdict.
     let (err, text) = short(&["--max-penetration", "0", "--max-energy-out", "10"], 3);
     let count = |part: &str| text.matches(part).count();
     assert_eq!((count("<failure "), count("<skipped ")), (1, 1), "{text}");
     assert!(err.starts_with("not met: --max-penetration"), "{err}");
-    // The demanded verdict says it itself.
+    // With a demand on the verdict, the test of that demand names the reason, so no test is skipped.
     let (err, text) = short(&["--expect", "not-judged", "--max-penetration", "10"], 0);
     let count = |part: &str| text.matches(part).count();
     assert_eq!((count("<testcase "), count("<skipped ")), (2, 0), "{text}");
     assert!(
-        text.contains(&format!("<system-out>came {why}</system-out>")),
+        text.contains(&format!("<system-out>result {why}</system-out>")),
         "{text}"
     );
     assert_eq!(err, "");
-    // A run that is judged has none of this.
+    // For a judged run, the file contains no such text.
     run_in(
         &here,
         &[

@@ -33,12 +33,12 @@ fn a_feel_is_edited_on_the_live_page() {
     );
     let scene = edited["scene"].as_str().unwrap();
     assert!(scene.contains("strength_n_m = 0.02"), "{scene}");
-    // The page's command repeats name and changes, not what concerns the file alone.
+    // The page's command has the name and the changes of the scene, but not the options for the page's file.
     assert_eq!(
         edited["source"],
         "on-off --set environment.detents.strength_n_m=0.02"
     );
-    // The page of `live` differs in the flag alone.
+    // The page of `live` differs only in the flag that opens the editor.
     let sets = ["--set", "environment.detents.strength_n_m=0.02"];
     run_in(
         &here,
@@ -52,7 +52,7 @@ fn a_feel_is_edited_on_the_live_page() {
     let live = std::fs::read_to_string(here.join("live.html")).unwrap();
     let flag = ("\"edits\":false", "\"edits\":true");
     assert_eq!(live.replace(flag.0, flag.1), page);
-    // A scene's file may be edited too, and it answers in JSON.
+    // A scene's file can also be edited, and the command prints JSON.
     std::fs::write(here.join("mine.toml"), "base = \"on-off\"\n").unwrap();
     let mine = run_in(
         &here,
@@ -79,15 +79,15 @@ fn a_feel_that_is_none_is_named_with_its_neighbour() {
         .refused(&["no such feel or file", "`touchstone feels` lists the feels"]);
     run(&["feels", "edits"]).refused(&["edits", "did you mean edit?"]);
     assert_eq!(names(&here), [""; 0]);
-    // A file that is no page of this program stays as it is.
+    // A file that is not a page of this program is not replaced.
     std::fs::write(here.join("touchstone-feel.html"), "mine").unwrap();
-    wrong("ratchet").refused(&["touchstone-feel.html", "is no page of `touchstone live`"]);
+    wrong("ratchet").refused(&["touchstone-feel.html", "is not a page of `touchstone live`"]);
     let kept = std::fs::read_to_string(here.join("touchstone-feel.html")).unwrap();
     assert_eq!(kept, "mine");
 }
 
-/// A scene reads a profile from a file in the scene's folder, from any current folder. The printed scene has the points and no
-/// path.
+/// Checks that a scene reads a profile from a file in the scene's folder, from any current folder. The printed scene has the points
+/// and not the path.
 #[test]
 fn a_profile_comes_from_a_file_beside_the_scene() {
     let here = folder("profile-file");
@@ -120,7 +120,7 @@ fn a_profile_comes_from_a_file_beside_the_scene() {
             .collect::<Vec<_>>()
     };
     assert_eq!(body(&again.out), body(&printed.out));
-    // The page and its links carry points alone.
+    // The page and its links contain only the points.
     run_in(
         &here,
         &[
@@ -169,7 +169,7 @@ fn a_profile_s_mistakes_name_the_file_or_the_scene() {
         .refused(&["s.toml:4: environment.profile.shape: p.csv gives it too; leave it out"]);
     scene("file = \"p.csv\"\nper_rev = -1")
         .refused(&["s.toml:4: environment.profile.per_rev: must be between 0 and 6283"]);
-    // The device's torque limit is that of the scene.
+    // The strength is checked against the force limit of the scene.
     std::fs::write(
         here.join("p.csv"),
         "angle_deg,torque_n_m\n0,0\n10,9.0\n20,0\n",
@@ -179,8 +179,9 @@ fn a_profile_s_mistakes_name_the_file_or_the_scene() {
         "s.toml:3: environment.profile.strength_n_m: 9 is more than law.force_limit_n_m",
     ]);
     std::fs::write(here.join("p.csv"), vec![b'1'; 1_000_001]).unwrap();
-    scene("file = \"p.csv\"")
-        .refused(&["p.csv: is longer than the 1 MB that are read; give a file with a row a point"]);
+    scene("file = \"p.csv\"").refused(&[
+        "p.csv: is larger than 1 MB, the limit; give a file with one row for each point",
+    ]);
     std::fs::write(here.join("p.csv"), b"PK\x03\x04\0").unwrap();
     scene("file = \"p.csv\"").refused(&[
         "p.csv: is not text in UTF-8: it is a zip archive",

@@ -1,9 +1,9 @@
-//! Tests of `touchstone export-fmu`: its files, refusals, and what it says. `bindings/fmi` runs the FMUs.
+//! Tests of `touchstone export-fmu`: its files, its refusals and its output. `bindings/fmi` runs the FMUs.
 
 use crate::{folder, names, run_in};
 use std::path::Path;
 
-/// A file that the program takes for the shared library: no FMU runs here.
+/// Writes a file that the program accepts as the shared library. No FMU runs in these tests.
 fn with_library(here: &Path) {
     let text = format!("fmi3InstantiateCoSimulation {}", touchstone_fmu::MARK);
     std::fs::write(here.join("library"), text).unwrap();
@@ -34,7 +34,7 @@ fn both_halves_are_written_or_the_one_that_was_asked_for() {
     assert_eq!(said["fmus"][0]["inputs"], serde_json::json!(["angle_rad"]));
     assert_eq!(said["fmus"][1]["half"], "plant");
     assert!(said["step_s"].as_f64().is_some_and(|step| step > 0.0));
-    // A scene's own file, with a name that is no name of C.
+    // A user's scene file, whose name is not a valid identifier in C.
     std::fs::write(
         here.join("1 knob.toml"),
         "[device]\ninertia_kg_m2 = 0.0002\n",
@@ -53,7 +53,7 @@ fn both_halves_are_written_or_the_one_that_was_asked_for() {
     let said = run_in(&here, &words).ended(0);
     assert_eq!(names(&here.join("one")), ["scene_1_knob_law.fmu"]);
     assert!(said.out.contains("energy_account_j"), "{}", said.out);
-    // The same file again only by request.
+    // An existing file is replaced only with `--force`.
     run_in(&here, &words).refused(&["scene_1_knob_law.fmu", "--force"]);
     run_in(&here, &[&words[..], &["--force"]].concat()).ended(0);
 }

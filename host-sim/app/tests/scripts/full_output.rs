@@ -1,4 +1,5 @@
-//! Standard output that takes no more: a full disk, which `/dev/full` imitates, and a pipe that its reader closed.
+//! Tests with a standard output that accepts no more data: a full disk, imitated by `/dev/full`, and a pipe whose reader has closed
+//! it.
 
 use crate::{Said, folder};
 use std::path::Path;

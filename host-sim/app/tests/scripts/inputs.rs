@@ -1,10 +1,10 @@
-//! Tests of every command that reads a file, with files that are no input of any: each is refused in one line, soon.
+//! Gives every command that reads a file an unusable file. Each command must refuse the file in one line, within a short time.
 
 use crate::{folder, run_in};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Every way to name an input, with `IN` in place of the file. Each command reads it before it connects to a device.
+/// Every command that reads a file, with `IN` in place of the file. Each reads the file before it connects to a device.
 const READERS: [&str; 22] = [
     "run IN",
     "plan IN",
@@ -30,10 +30,11 @@ const READERS: [&str; 22] = [
     "config import IN --port tcp:127.0.0.1:1",
 ];
 
-/// Longest time until a refusal. It leaves room for a busy machine; a file without end would never be refused.
+/// Longest allowed time until a refusal, with a margin for a busy machine. Without a limit, a file without end would be read for
+/// ever.
 const SOON: Duration = Duration::from_secs(20);
 
-/// Makes files that are no input of any command, and returns their paths.
+/// Makes files that no command can use, and returns their paths.
 fn odd_files(here: &Path) -> Vec<String> {
     let write = |name: &str, bytes: &[u8]| std::fs::write(here.join(name), bytes).unwrap();
     let utf_16: Vec<u8> = "\u{feff}name = \"x\"\n"
@@ -52,7 +53,7 @@ fn odd_files(here: &Path) -> Vec<String> {
         format!("\"{}", "x\n".repeat(20_000)).as_bytes(),
     );
     write("deep", "[".repeat(100_000).as_bytes());
-    // A sparse file of ten gigabytes takes no room on the disk.
+    // A sparse file of ten gigabytes takes no space on the disk.
     let long = std::fs::File::create(here.join("ten-gigabytes")).unwrap();
     long.set_len(10_000_000_000).unwrap();
     std::fs::create_dir(here.join("folder")).unwrap();

@@ -96,7 +96,7 @@ fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
 
     // A hidden folder without its locked file may be in use. The program prints its name and does not remove it.
     std::fs::create_dir(here.join("new/.touchstone-report-1.0")).unwrap();
-    assert!(next().contains("may be left of a run that was ended"));
+    assert!(next().contains("may be the remainder of an interrupted run"));
     // Other names, and links, are not the program's.
     let others = [".touchstone-report-1", ".touchstone-report-mine"];
     for other in others {
@@ -117,8 +117,7 @@ fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     }
 }
 
-/// Checks that a report which another command writes to the same folder removes what a killed run left there, as the next write does,
-/// not only the next run.
+/// Checks that another command that writes a report beside the hidden folder of a killed run removes that folder.
 #[test]
 fn what_a_killed_run_left_is_removed_by_every_command_that_writes_a_report() {
     let here = folder("killed-any");

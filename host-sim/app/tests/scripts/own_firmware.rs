@@ -9,10 +9,10 @@ use touchstone_lab::tune::Tuned;
 use touchstone_lab::tune::own_firmware::{CFile, OwnFirmware, settings};
 use touchstone_sim::scene::Scene;
 
-/// Folder of the committed texts.
+/// Folder of the committed sample files.
 const SAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bindings/c/tests/tuned");
 
-/// A scene as after a search that changed nothing.
+/// A tuning result whose search changed no setting of the scene.
 fn tuned(scene: &Scene) -> Tuned {
     let rival = Rival::named("enhanced").expect("a law");
     Tuned {
@@ -49,7 +49,7 @@ fn the_committed_texts_are_those_that_the_program_writes() {
             "{name} is old: TOUCHSTONE_WRITE_TUNED=1 cargo test -p touchstone --test scripts own_firmware"
         );
     }
-    // The test of `bindings/c` compiles both languages and compares them, so here one is enough.
+    // A test of `bindings/c` compiles the files in both languages and compares them, so this test reads only one language.
     let mut read = Settings {
         position: PositionSettings::of_counts_per_rev(16_384),
         ..Settings::default()
@@ -81,7 +81,7 @@ fn the_guard_is_told_no_better_device_than_the_scene_has() {
             scene.device.damping_n_m_s_per_rad = damping;
             scene.law.guard.share_of_damping = share;
             scene.law.guard.damping_n_m_s_per_rad = 9e-4;
-            // Neither a longer nor a shorter delay than the device's is safe.
+            // The guard's delay must be the device's: neither a longer nor a shorter one is safe.
             scene.law.guard.delay_s = 8e-4;
             scene.law.guard.change = ChangeOfForce::Measured;
             let (settings, _) = settings(&tuned(&scene).scene).expect("settings");
@@ -110,7 +110,7 @@ fn what_the_libraries_cannot_hold_is_refused() {
     blind.encoder = None;
     let refused = settings(&blind).expect_err("no encoder").to_string();
     assert!(refused.contains("encoder.counts_per_rev"), "{refused}");
-    // The delay alone is within a tick, but not with the current loop's lag.
+    // The delay alone is within a tick, but delay and current loop's lag together are not.
     let mut late = scene("voltage-knob");
     late.timing.computational_delay_s = 9e-4;
     let refused = settings(&tuned(&late).scene).expect_err("late").to_string();

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-/// STL mesh of a triangle far from the simulated hand's path. The hand never touches the mesh, so that all forces are zero.
+/// STL mesh of a triangle far from the simulated hand's path. The hand never touches it, so all forces are zero.
 const NEVER_MET: &str = "solid far
 facet normal 0 0 1
 outer loop
@@ -20,10 +20,10 @@ endfacet
 endsolid far
 ";
 
-/// Number of rows after which no reader looks for the type of a column.
+/// Number of rows that is larger than any reader inspects to infer the type of a column.
 const QUIET_ROWS: usize = 30_000;
 
-/// Runs a command, given as its words with blanks between them.
+/// Runs a command, given as words separated by spaces.
 fn run_words(here: &Path, words: &str) {
     let words: Vec<&str> = words.split(' ').collect();
     run_in(here, &words).ended(0);
@@ -66,7 +66,7 @@ fn monitored() -> String {
     format!("tick,time_s,count,penetration_rad,force_n_m,state,limits\n{rows}")
 }
 
-/// Starts a sweep of many cells and kills it when its file of finished cells has some. Returns the path of that file.
+/// Starts a sweep of many cells and kills it when its file of finished cells has some rows. Returns the path of that file.
 #[cfg(unix)]
 fn journal(here: &Path) -> String {
     let words = "sweep low-stiffness --no-certificate -q --x wall.k_desired_n_m_per_rad=0.1..40:2000 --y timing.rate_hz=1000,2000,3000 \
@@ -80,7 +80,7 @@ fn journal(here: &Path) -> String {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    // An interruption tears at most the last line.
+    // The interruption can leave at most the last line incomplete.
     let text = std::fs::read_to_string(&file).unwrap();
     let whole = text.rfind('\n').map_or(0, |at| at + 1);
     std::fs::write(&file, &text[..whole]).unwrap();
@@ -136,7 +136,7 @@ fn other_tools_read_what_was_written() {
     for (object, seconds, file) in [("far.stl", "8", "far.csv"), ("plane", "1", "plane.csv")] {
         run_words(
             &here,
-            // As fast as the machine can: a loaded machine is late in real time, which is a fault of the device.
+            // In real time, a busy machine would be late, which is a fault of the device.
             &format!(
                 "device run {object} --device simulated --fast -q --seconds {seconds} --csv {file}"
             ),

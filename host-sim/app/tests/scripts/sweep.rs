@@ -61,7 +61,7 @@ fn an_interrupt_keeps_the_cells_and_the_same_command_goes_on() {
     let output = child.wait_with_output().unwrap();
     let err = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{err}");
-    assert!(err.contains("what is done is kept"), "{err}");
+    assert!(err.contains("finished cells are saved"), "{err}");
     assert_eq!(names(&here.join("ended")), ["journal.csv", "sweep.json"]);
     // The journal contains complete lines below a header.
     let kept = lines() - 1;
@@ -71,7 +71,7 @@ fn an_interrupt_keeps_the_cells_and_the_same_command_goes_on() {
     assert!(
         again
             .err
-            .contains(&format!("{kept} cells were there already"))
+            .contains(&format!("{kept} cells were already computed"))
             && again.err.contains(&format!("{} cells in", 24 * 16 - kept)),
         "{}",
         again.err

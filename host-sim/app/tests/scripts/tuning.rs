@@ -104,7 +104,7 @@ fn what_does_not_hold_is_written_only_where_that_is_asked_for() {
     // The energy bound of the guard covers at most one tick of delay. For a device with more delay no file is written.
     run(&["tune", "--set", "timing.computational_delay_s=0.0015"]).refused(&[
         "timing.computational_delay_s",
-        "1.500 ticks",
+        "1.500 control periods",
         "667 Hz",
     ]);
 }

@@ -196,20 +196,20 @@ impl Client {
     fn silent(&self, request: &Request<'_>) -> Error {
         let damaged = match self.decoder.errors() {
             0 => String::new(),
-            count => format!(" ({count} frames came in damaged)"),
+            count => format!(" ({count} damaged frames arrived)"),
         };
         match request {
             Request::Hello => self.wrong(
                 format!("no answer{damaged}"),
-                "is the firmware flashed, is this its port? see `touchstone doctor`",
+                "check that the firmware is flashed and that this is the board's port; see `touchstone doctor`",
             ),
             Request::Command(_) | Request::Save => self.wrong(
-                format!("no answer{damaged}: it may have been carried out or not"),
-                "look with `touchstone device status`",
+                format!("no answer{damaged}: the device may or may not have carried out the command"),
+                "check it with `touchstone device status`",
             ),
             _ => self.wrong(
                 format!("no answer{damaged}"),
-                "look with `touchstone device status`",
+                "check it with `touchstone device status`",
             ),
         }
     }

@@ -5,7 +5,7 @@ use touchstone_link::told;
 use touchstone_protocol::{DeviceCommand, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 
-/// Number of attempts to switch the device off before it counts as out of reach: some ten seconds of silence.
+/// Number of attempts to switch the device off before it counts as out of reach: some ten seconds if no answer arrives.
 const ROUNDS: u32 = 20;
 /// Beginning of an error message if it is unknown whether the device is off.
 pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";

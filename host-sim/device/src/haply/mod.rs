@@ -45,7 +45,7 @@ pub struct Inverse3 {
     open: bool,
     /// Number of commands that no state has followed yet. The service sends a state for every command.
     unanswered: u32,
-    /// Whether a message did not come or go as expected.
+    /// Whether reading or sending a message has failed.
     broken: bool,
 }
 
@@ -179,7 +179,7 @@ impl Inverse3 {
                     return Ok(state);
                 }
                 Ok(Message::Close(_)) => return Err(wrong("the service closed it".into())),
-                // The socket answers pings by itself. Data that already arrived are read without a check of the deadline.
+                // The socket answers pings automatically. Data that already arrived are read without a check of the deadline.
                 Ok(_) if self.socket.get_ref().is_over() => {
                     return Err(wrong(self.socket.get_ref().over().to_string()));
                 }
@@ -198,7 +198,8 @@ impl Inverse3 {
         sent.map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Waits for the states that follow the commands so far, the last of which ends the force: until then it may still act.
+    /// Waits for one state for each command that has had none. The last command ends the force, which may act until its state
+    /// arrives.
     fn confirmed(&mut self) -> Result<(), HapticFault> {
         while self.unanswered > 0 && !self.broken {
             self.state()?;
@@ -214,7 +215,7 @@ impl Inverse3 {
             match self.socket.read() {
                 Err(tungstenite::Error::Io(why)) if why.kind() == ErrorKind::TimedOut => break,
                 Err(why) => return Err(lost("reading its state")(why.to_string())),
-                // A service that does not wait for commands sends states without end.
+                // A service that does not wait for commands never stops sending states.
                 Ok(_) if Instant::now() > until => break,
                 Ok(_) => {}
             }

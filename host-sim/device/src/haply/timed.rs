@@ -36,11 +36,11 @@ impl Timed {
         let milliseconds = self.patience.as_millis();
         Error::new(
             ErrorKind::TimedOut,
-            format!("nothing whole within {milliseconds} ms"),
+            format!("no complete message within {milliseconds} ms"),
         )
     }
 
-    /// Calls `work`, which reads or writes, and lets it wait no longer than until the deadline.
+    /// Calls `work`, which reads or writes, with a time limit that ends at the deadline. `set` sets the limit of the stream.
     fn within(
         &mut self,
         set: fn(&TcpStream, Option<Duration>) -> Result<()>,

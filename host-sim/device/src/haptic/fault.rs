@@ -70,14 +70,19 @@ impl fmt::Display for HapticFault {
             Self::HeldElsewhere => write!(f, "another program holds it"),
             Self::Unusable(why, _) => f.write_str(why),
             Self::SwitchedOff(cause) => write!(f, "it switched its motors off: {cause}"),
-            Self::Stale(seconds) => write!(f, "no new position for {:.1} ms", seconds * 1e3),
-            Self::NotFinite(what) => write!(f, "a {what} that is no number"),
+            Self::Stale(seconds) => {
+                write!(f, "it sent no new position for {:.1} ms", seconds * 1e3)
+            }
+            Self::NotFinite(what) => write!(f, "it reported a {what} that is not a number"),
             Self::Saturated(seconds) => {
-                write!(f, "its motors gave less than asked for {seconds:.2} s")
+                write!(
+                    f,
+                    "for {seconds:.2} s its motors gave less force than commanded"
+                )
             }
             Self::Late(seconds) => write!(f, "a tick came {:.1} ms late", seconds * 1e3),
             Self::Jumped(speed) => write!(f, "its position jumped, {speed:.1} m/s"),
-            Self::Overspeed => write!(f, "faster than the guard answers for"),
+            Self::Overspeed => write!(f, "it moves faster than the energy guard allows"),
             Self::Outside(far) => write!(f, "{:.0} mm outside its workspace", far * 1e3),
         }
     }
@@ -92,7 +97,7 @@ impl HapticFault {
             Self::HeldElsewhere => "end the other program",
             Self::Unusable(_, fix) => fix,
             Self::SwitchedOff(_) => {
-                "press its force button where it has one, see docs/devices.md#faults"
+                "press its force button if it has one; see docs/devices.md#faults"
             }
             Self::Stale(_) | Self::Jumped(_) => {
                 "check the cable and the device's calibration, then start again"
@@ -100,7 +105,7 @@ impl HapticFault {
             Self::NotFinite(_) => "report it: docs/devices.md#faults",
             Self::Saturated(_) => "lower --force-limit-n",
             Self::Late(_) => {
-                "lower --rate-hz, end what loads the machine, or permit real-time priority: docs/devices.md#real-time"
+                "lower --rate-hz, end other programs, or permit real-time priority: docs/devices.md#real-time"
             }
             Self::Overspeed => "move it slower",
             Self::Outside(_) => "bring it back to its centre, then start again",

@@ -20,7 +20,7 @@ impl<D: HapticDevice> OneAxis<D> {
         }
         Err(HapticFault::Unusable(
             format!("{} has no axis {axis}", device.sheet().name),
-            "choose one that it has".into(),
+            "choose an axis of the device".into(),
         ))
     }
 

@@ -32,10 +32,7 @@ impl Default for DeviceTwin {
 
 /// The simulated equations of motion and their state, with a hand or for the device alone.
 #[derive(Debug, Clone)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one in a device, and it stays where it is"
-)]
+#[expect(clippy::large_enum_variant, reason = "a device has only one")]
 enum Simulated {
     Held(Cartesian<HeldLinear>, [State<4>; 3]),
     Alone(Cartesian<BareLinear>, [State<2>; 3]),

@@ -37,8 +37,8 @@ pub const FALCON_RATE_HZ: u32 = 1000;
 /// The device fault for a position that the mechanism cannot reach.
 fn left(why: Unreachable) -> HapticFault {
     HapticFault::Unusable(
-        format!("its arms came to where they cannot be: {why}"),
-        "hold it nearer to the centre of its workspace".into(),
+        format!("it left the positions that its arms can reach: {why}"),
+        "keep it nearer to the centre of its workspace".into(),
     )
 }
 

@@ -22,10 +22,11 @@ pub fn real_time() -> Priority {
 /// The thread's priority in % of the real-time range: above all ordinary threads, below the kernel's own interrupts.
 const SHARE: u8 = 80;
 
-/// Requests real-time priority alone, for a servo loop in another program: locked memory may leave its other threads without any.
+/// Requests real-time priority alone, for a servo loop in another program: with locked memory, that program's other threads might
+/// get no more memory.
 ///
 /// # Errors
-/// The reason of the operating system.
+/// The operating system's reason for its refusal.
 #[cfg(unix)]
 pub fn first_of_threads() -> Result<(), String> {
     use thread_priority::{
@@ -44,7 +45,7 @@ pub fn first_of_threads() -> Result<(), String> {
 /// Requests the highest priority for the calling thread.
 ///
 /// # Errors
-/// The reason of the operating system.
+/// The operating system's reason for its refusal.
 #[cfg(not(unix))]
 pub fn first_of_threads() -> Result<(), String> {
     thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max)

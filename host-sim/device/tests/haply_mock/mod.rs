@@ -70,7 +70,7 @@ impl Service {
         self.saw_at_all().expect("the service ends")
     }
 
-    /// Same as [`Self::saw`]; `None` for a service that no device state was read from, or that broke.
+    /// Same as [`Self::saw`]; `None` if the service broke, or if nobody connected to its WebSocket.
     pub fn saw_at_all(&self) -> Option<Saw> {
         self.saw.recv_timeout(Duration::from_secs(10)).ok()
     }

@@ -1,5 +1,5 @@
-//! The mock's plan of faults. Each line is one of these. CALL is a function of the library, AT the number of the first affected call
-//! of this function, counted from 0, TIMES the number of affected calls:
+//! The mock's plan of faults. Each line is one of the following. CALL is a function of the library, AT the number of the first
+//! affected call of this function, counted from 0, TIMES the number of affected calls:
 //!
 //! ```text
 //! fail CALL AT TIMES ERROR   these calls return -1 with this error number

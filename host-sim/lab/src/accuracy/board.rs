@@ -1,7 +1,7 @@
 //! Instruction counts of the control laws on the board, a Cortex-M4F at 170 MHz. The counts come from an emulator and are stored in
 //! `board.txt`.
 
-// The shared list of budgets also has those of the laws, which only the tests here use.
+// The file is shared with the firmware. Only the tests use its budgets of the control laws.
 #[allow(dead_code)]
 #[path = "../../../../firmware/budgets.rs"]
 mod budgets;

@@ -112,7 +112,7 @@ pub fn k_max(
         if !stable(1e-3 * expected) {
             return Ok(None);
         }
-        // Raised from below in steps of a tenth, then bisected.
+        // The stiffness rises in steps of a tenth until the loop is unstable. Bisection then refines the limit.
         let mut low = 1e-3 * expected;
         while stable(1.1 * low) && low < 1e6 * expected {
             low *= 1.1;

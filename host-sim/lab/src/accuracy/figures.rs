@@ -1,4 +1,5 @@
-//! Draws diagrams of computing time over error, on logarithmic axes.
+//! Draws the diagrams of an accuracy measurement: computing time against error on logarithmic axes, and the results of the
+//! sampling.
 
 use super::plant::{Diagram, Point};
 use super::sampling::SamplingPoint;

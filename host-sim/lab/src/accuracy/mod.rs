@@ -142,7 +142,7 @@ pub fn measure(
             .map_err(|invalid| Error::Option {
                 option: problem.name.to_owned(),
                 problem: invalid.to_string(),
-                fix: "report it: the problem is the program's own".to_owned(),
+                fix: "this is an error of the program; please report it".to_owned(),
             })?;
         plant.push(diagram);
     }

@@ -142,7 +142,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     let (mut largest, mut squares) = (0.0_f64, 0.0);
     for (angle, known) in angles.iter().zip(&known.angle_rad) {
         let off = (angle - known).abs();
-        // A deviation of a whole turn is no error but another motion.
+        // The method has diverged if the angle is off by a whole turn.
         if off.is_nan() || off >= std::f64::consts::TAU {
             return None;
         }

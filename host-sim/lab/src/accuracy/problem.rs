@@ -177,7 +177,7 @@ fn contact(ticks: u32) -> Result<Problem> {
     let motion = touchstone_sim::scene::RestPath::from_scene(&scene)?;
     let start = scene.start_rad(&motion);
     let mut held = run::watch(&scene, Torques(Vec::new()))?.0;
-    // The problem begins shortly before the first force; before it the knob only hangs on the hand.
+    // The problem begins shortly before the first force. Before that only the hand moves the knob.
     let touch = held
         .iter()
         .position(|[torque, _]| *torque != 0.0)

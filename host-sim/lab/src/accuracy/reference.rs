@@ -153,8 +153,8 @@ impl Reference {
         }
     }
 
-    /// Distance to the end of the mode (sliding or stuck). It falls below zero once a sliding device has stopped or friction no
-    /// longer holds a stuck one.
+    /// Value that falls below zero at the end of the mode: the speed in the direction of a sliding device (rad/s), or the spare
+    /// friction of a stuck one (N·m). Without friction a mode does not end.
     fn margin(&self, z: &Entries, u: f64, mode: Mode) -> f64 {
         match (self.device.friction, mode) {
             (None, _) => 1.0,

@@ -55,7 +55,7 @@ pub fn schema() -> Value {
             (
                 "reference_floor_rad",
                 "number",
-                "what the reference may be off by; rad",
+                "largest possible error of the reference; rad",
             ),
         ],
         &[("points", array(point))],

@@ -17,7 +17,7 @@ const SLOW_RAD_PER_S: f64 = 0.02;
 pub fn rest_point_rad(scene: &Scene, told: &Told) -> Result<Vec<f64>> {
     let hand = scene.operator.hand().ok_or_else(|| Error::Option {
         option: "--hand held".into(),
-        problem: format!("nobody holds the device in the scene {}", scene.name),
+        problem: format!("no hand holds the device in the scene {}", scene.name),
         fix: "give it a grip: --set operator.grip=medium; or --hand released".into(),
     })?;
     let times: Vec<f64> = told

@@ -95,8 +95,8 @@ impl Beside {
     }
 }
 
-/// Simulates the scene with the recorded hand and compares the courses of position and force. If the hand held the knob, its motion
-/// is written to a file in `folder`.
+/// Simulates the scene with the recorded hand and compares the courses of position and force. If the hand held the knob, the
+/// hand's computed motion is written to a file in `folder`.
 ///
 /// # Errors
 /// The recording does not fit the scene's encoder or rate, or is too short for this case; or the scene is not valid.

@@ -63,7 +63,7 @@ fn differences(beside: &Beside) -> Block {
     };
     Block::Table {
         caption: format!(
-            "Over {} ticks. They part where the difference first leaves {:.0} % of what was recorded, from its lowest to its highest value.",
+            "Over {} ticks. They count as different from where the difference first exceeds {:.0} % of the recorded range.",
             beside.time_s.len(),
             100.0 * PARTS
         ),
@@ -76,7 +76,7 @@ fn differences(beside: &Beside) -> Block {
 
 fn fits(beside: &Beside) -> Block {
     Block::Table {
-        caption: "What of the knob would have to be how much larger than the scene says, each alone, and what of the position's difference would stay.".into(),
+        caption: "Change of each property of the knob, alone, that fits the recording best, and the position's difference that would remain.".into(),
         header: ["value", "factor", "rms that stays, rad"].map(str::to_owned).to_vec(),
         rows: beside
             .fits

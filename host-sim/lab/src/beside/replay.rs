@@ -161,7 +161,7 @@ fn fits(scene: &Scene, told: &Told) -> Result<f64> {
                 1.0 / recorded,
                 scene.timing.rate_hz
             ),
-            "give the scene the device's rate: --set timing.rate_hz=…",
+            "set the scene's rate to the device's: --set timing.rate_hz=…",
         ));
     }
     Ok(period_s)
@@ -177,7 +177,7 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
         return Err(Error::Option {
             option: "encoder.counts_per_rev".into(),
             problem: "the scene has no encoder, the device has one".into(),
-            fix: "give the scene the device's: --set encoder.counts_per_rev=…".into(),
+            fix: "set the scene's encoder to the device's: --set encoder.counts_per_rev=…".into(),
         });
     };
     let step = TAU / encoder.counts_per_rev;
@@ -191,10 +191,10 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
     if high - low > 0.5 * step {
         return Err(told.wrong(
             format!(
-                "its counts are not those of an encoder with {} a turn",
+                "its positions are not whole counts of an encoder with {} counts a turn",
                 encoder.counts_per_rev
             ),
-            "give the scene the device's: --set encoder.counts_per_rev=…",
+            "set the scene's encoder to the device's: --set encoder.counts_per_rev=…",
         ));
     }
     Ok(0.5 * (low + high))
@@ -210,10 +210,10 @@ fn flight(told: &Told) -> Result<Range<usize>> {
     let no_flight = |problem: &str| {
         told.wrong(
             problem,
-            "flick the knob towards the wall and let go well before it is there; or hold it: --hand held",
+            "flick the knob towards the wall and let go well before it reaches the wall; or hold it, with --hand held",
         )
     };
-    let touch = touch.ok_or_else(|| no_flight("the knob never came to the wall"))?;
+    let touch = touch.ok_or_else(|| no_flight("the knob never reached the wall"))?;
     let period = told.time_s[1] - told.time_s[0];
     let half = ((FLIGHT_S / 2.0 / period).round() as usize).max(5);
     let start = touch.checked_sub(2 * half + 1);
@@ -246,13 +246,13 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
-    // A killed comparison of the same recording has written it.
+    // An earlier comparison of the same recording, ended before its results were complete, may have written the same file.
     let is_there = file.symlink_metadata().is_ok_and(|meta| meta.is_file())
         && input::text(&file, input::MOST_OF_RECORDING).is_ok_and(|there| there == text);
     if is_there {
         return Ok(file);
     }
-    // In a folder with results the file belongs to them; in any other folder an existing file is not overwritten.
+    // A folder with results owns this file. In any other folder an existing file is not overwritten.
     let wrong = |error: std::io::Error| Error::Io {
         path: file.clone(),
         problem: error.to_string(),

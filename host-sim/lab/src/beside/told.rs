@@ -86,8 +86,8 @@ impl Told {
         let length_s = told.time_s.last().zip(told.time_s.first());
         if length_s.is_none_or(|(last, first)| last - first < SHORTEST_S) {
             return Err(told.wrong(
-                format!("the wall was never on for {SHORTEST_S} s without a lost tick, in what is to be compared"),
-                "record while it is armed: touchstone monitor --csv FILE",
+                format!("the compared part has no {SHORTEST_S} s with the wall on and without a lost record"),
+                "record while the device is armed: touchstone monitor --csv FILE",
             ));
         }
         Ok(told)
@@ -107,8 +107,7 @@ impl Told {
 const SHORTEST_S: f64 = 0.1;
 
 fn rows(file: &Path) -> Result<Vec<Row>> {
-    const FIX: &str =
-        "give a file that touchstone monitor --csv kept, with every tick (--decimation 1)";
+    const FIX: &str = "give a file of `touchstone monitor --csv FILE --decimation 1`, which has every control period";
     let wrong = |problem: String| Error::Io {
         path: file.to_owned(),
         problem,
@@ -135,7 +134,7 @@ fn rows(file: &Path) -> Result<Vec<Row>> {
             value.ok_or_else(|| {
                 let name = COLUMNS[column];
                 wrong(format!(
-                    "line {line}, {name}: `{}` is no number",
+                    "line {line}, {name}: `{}` is not a number",
                     cell(column)
                 ))
             })

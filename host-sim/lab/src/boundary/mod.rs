@@ -109,7 +109,7 @@ impl TunedEnding {
 /// Results of one cell of the map: a device and a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
-    /// Digest of scene, law, search budget and seed. Cells with different digests belong to different maps.
+    /// Digest of scene, law, search length, seed and program version. Cells with different digests belong to different maps.
     pub plan: String,
     /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
@@ -310,7 +310,7 @@ impl BoundaryPlan {
         if cells.iter().any(|cell| cell.plan != digest) {
             return Err(Error::Io {
                 path: file.to_owned(),
-                problem: "holds cells of another scene, law, budget or seed".to_owned(),
+                problem: "contains cells of another scene, law, search length or seed".to_owned(),
                 fix: "give --out another folder, or remove the file".to_owned(),
             });
         }

@@ -61,14 +61,14 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
     };
     let (spring, of_spring) = narrow("spring");
     let (tuned, of_tuned) = narrow("spring-damper-estimated");
-    // The slope is nearer to one half than to zero, or the reverse. Over one decade of damping one row of the map is a slope of
-    // 0.21.
+    // The slope of a spring is nearer to 0.5 than to 0, that of a tuned wall nearer to 0. One row of the map over this decade of
+    // damping is a slope of 0.21.
     assert!((0.25..0.75).contains(&spring), "{spring} {of_spring:?}");
     assert!(tuned.abs() < 0.25, "{tuned} {of_tuned:?}");
     for (spring, tuned) in of_spring.iter().zip(&of_tuned) {
         assert!(spring.rests_up_to < tuned.rests_up_to);
         assert!(tuned.highest_at_rest < Some(1.9), "the plane ends above");
-        // The certificate's limit is close to that of the simulated runs; for a spring it is lower.
+        // Tuned walls are certified up to at least 0.3 of the stiffness at which they rest, and further than springs.
         assert!(tuned.certified_up_to >= tuned.rests_up_to.map(|most| 0.3 * most));
         assert!(spring.certified_up_to < tuned.certified_up_to);
     }

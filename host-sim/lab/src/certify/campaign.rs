@@ -96,7 +96,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
 fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f64) {
     let inertia = scene.device.inertia_kg_m2;
     let law = &mut scene.law;
-    // The campaign is not about the law's own arithmetic.
+    // Rounding of the law's number format is not part of the campaign.
     law.number = Number::F64;
     law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
@@ -110,7 +110,7 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
             law.virtual_damping_n_m_s_per_rad = 2.0 * critical * random.between(0.05, 1.0);
         }
         3 => {
-            // The shipped settings in proportion: times in seconds, stiffnesses in units of k_c.
+            // The shipped settings, scaled to the device: times in seconds, stiffnesses in units of k_c.
             law.kind = LawKind::EnhancedSfa;
             law.step_of_ideal_per_ms = 0.012;
             law.limit_of_penetration_per_ms = 0.03;
@@ -151,7 +151,7 @@ pub enum Ended {
 impl Ended {
     fn of(verdict: Outcome) -> Self {
         match verdict {
-            // A knob that did not move for lack of a wall is at rest too.
+            // A knob that never met the wall counts as at rest.
             Outcome::Passive | Outcome::Active | Outcome::NotJudged | Outcome::NoContact => {
                 Ended::Rest
             }

@@ -1,10 +1,10 @@
 //! Certificate of a knob's feel: the steepest place of every part, and whether the knob rests there in a hand.
 //!
-//! Detents, a profile, a spring to a centre and dry friction are torques over the angle that are straight between certain angles.
-//! Between two of these angles, in a **cell**, such a part is a spring of the cell's slope on measured positions, and the loop's
-//! matrix is exact. A cell whose torque falls with the angle is **restoring**, a spring. A cell whose torque rises **drives** the
-//! knob away, such as the way from one detent to the next. There the knob snaps on, unless a hand is stiff enough to hold it.
-//! A wall is certified as a scene's wall is, with its simulated touches.
+//! Detents, a profile, a spring to a centre and dry friction are torques that depend piecewise linearly on the angle. The
+//! interval between two corners is a **cell**. In a cell the part is a linear spring on measured positions, and the loop's matrix
+//! is exact. In a **restoring** cell the torque falls with the angle and draws the knob back. In a **driving** cell the torque
+//! rises with the angle and drives the knob away, as on the way from one detent to the next. There the knob snaps to the next
+//! cell, unless a stiff enough hand holds it. The stiffest wall is certified like the wall of a scene, with simulated touches.
 
 mod cells;
 #[cfg(test)]
@@ -32,18 +32,18 @@ use touchstone_world::plant::Hand;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rest {
-    /// It comes to rest.
+    /// The knob comes to rest.
     Stable,
-    /// It leaves the cell without an oscillation, because the torque drives it away.
+    /// The knob leaves the cell without an oscillation, because the torque drives it away.
     Snaps,
-    /// Matrices and simulations do not decide.
+    /// Neither the matrices nor the simulations decide.
     Undecided,
-    /// It oscillates, and the oscillation grows.
+    /// The knob oscillates, and the oscillation grows.
     Unstable,
 }
 
 impl Rest {
-    /// Name in lower case.
+    /// Name of the result in lower case.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl From<Verdict> for Rest {
     }
 }
 
-/// One hand at the steepest place of a part.
+/// Result for one hand at the steepest place of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HandAtPart {
     /// Name of the grip, or `nobody`.
@@ -82,26 +82,26 @@ pub struct HandAtPart {
     pub rest: Rest,
     /// Rate at which the slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// Frequency of that motion, Hz.
+    /// Frequency of the slowest motion, Hz.
     pub frequency_hz: f64,
-    /// Reasons why the knob does not simply rest.
+    /// Reasons why the knob does not rest, or why this is undecided.
     pub causes: Vec<String>,
 }
 
 /// The steepest place of one part of a feel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartAtSteepest {
-    /// Table of the part in the scene; `together` for the sum of parts.
+    /// Scene table that describes the part; `together` for the sum of all parts.
     pub part: String,
-    /// Stiffness there, N·m/rad: positive if the torque draws the knob back, negative if it drives the knob away.
+    /// Stiffness at the steepest place, N·m/rad: positive if the torque draws the knob back, negative if it drives the knob away.
     pub stiffness_n_m_per_rad: f64,
-    /// Where the cell begins and ends, rad; `None` for any angle.
+    /// Angles at which the cell begins and ends, rad; `None` for a part that acts at any angle.
     pub cell_rad: Option<[f64; 2]>,
-    /// Distance after which the cell comes again, rad; `None` if it does not.
+    /// Distance after which the cell repeats, rad; `None` if it does not repeat.
     pub every_rad: Option<f64>,
-    /// Worst over the grips.
+    /// Worst result over the three grips (light, medium, firm).
     pub rest: Rest,
-    /// Every grip, and nobody.
+    /// Results for every grip, and for a knob that nobody holds (`nobody`).
     pub hands: Vec<HandAtPart>,
 }
 
@@ -110,17 +110,17 @@ pub struct PartAtSteepest {
 pub struct FeelCertificate {
     /// Name of the scene.
     pub scene: String,
-    /// Worst over all parts and grips. A place at which the knob snaps as drawn counts as stable.
+    /// Worst verdict over all parts and grips. A place at which the knob snaps as intended counts as stable.
     pub verdict: Verdict,
     /// Index of the part with the largest restoring stiffness in `parts`.
     pub stiffest: usize,
-    /// The steepest restoring and the steepest driving place of every part.
+    /// The steepest restoring and the steepest driving place of every part, the sum of all parts, and the stiffest wall.
     pub parts: Vec<PartAtSteepest>,
     /// Effects that the certificate does not cover.
     pub not_covered: Vec<String>,
 }
 
-/// Certifies a feel. `None` if the torque of no part changes with the angle.
+/// Certifies a feel. `None` if it has no wall and no part whose torque changes with the angle.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -160,12 +160,13 @@ pub fn certify_feel(scene: &Scene, options: &Options) -> Result<Option<FeelCerti
     }))
 }
 
-/// Coefficients of what a feel takes from the velocity.
+/// Coefficients of the feel's parts that depend on the velocity.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drag {
-    /// Viscous friction: the part of its force that remains after a tick, and force per displacement.
+    /// Viscous friction: fraction of its force that remains after a tick, and force per displacement in a tick.
     viscous: Option<(f64, f64)>,
-    /// Inertia: the part of the distance to the mass that remains after a tick, and its damper's coefficients.
+    /// Inertia: fraction of the distance to the virtual mass that remains after a tick, and the coefficients of the damper to
+    /// that mass.
     inertia: Option<(f64, (f64, f64))>,
 }
 
@@ -192,7 +193,7 @@ fn drag(scene: &Scene) -> Result<Drag> {
     })
 }
 
-/// A part as a linear law: a spring, and what else the feel takes from the velocity.
+/// Linear law of a part with the given stiffness, together with the feel's viscous friction and inertia.
 fn law(stiffness: f64, Drag { viscous, inertia }: Drag) -> LinearLaw {
     let damped = |force: &mut f64, (kept, per_way): (f64, f64), moved: f64| {
         *force = kept * *force + per_way * moved;
@@ -235,10 +236,10 @@ fn at_cell(
             first_contact: None,
             clamps: None,
         },
-        // These parts take the position as it was read.
+        // These parts use the measured position, not an estimate.
         estimator: None,
         k_desired: cell.stiffness.abs(),
-        // Dry friction is judged against a swing as wide as the cell.
+        // Dry friction has to end an oscillation as wide as the cell.
         press_n_m: Some(cell.stiffness.abs() * cell.half),
         touch_n_m: None,
         hold_s: None,
@@ -260,7 +261,7 @@ fn at_cell(
     }
 }
 
-/// Worst of the grips. A knob that nobody holds does not count.
+/// Worst result over the grips. A knob that nobody holds does not count.
 fn worst(hands: &[HandAtPart]) -> Rest {
     let grips = hands.iter().filter(|it| it.hand != "nobody");
     grips.map(|it| it.rest).max().unwrap_or(Rest::Undecided)
@@ -293,15 +294,15 @@ fn at_hand(contact: &Contact, stiffness: f64, name: &str, hand: Option<&Hand>) -
     }
 }
 
-/// Whether dry friction ends a motion that without friction decays slowly. Friction that is more than the torque of one encoder
-/// count then holds the knob, so that rounding does not move it again.
+/// Whether dry friction ends a motion that decays slowly without friction. The friction must exceed the torque of one encoder
+/// count, so that rounding cannot move the resting knob again.
 fn friction_ends(contact: &Contact, report: &HandReport) -> bool {
     let of_a_count = contact.k_desired * contact.count_rad.unwrap_or(0.0);
     let friction = contact.device.friction;
     report.decay_per_s > 0.0 && friction.is_some_and(|it| it.kinetic > of_a_count)
 }
 
-/// Whether the loop's only growing motion is one without an oscillation.
+/// Whether every motion that grows does so without oscillating.
 fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
     let Some(plant) = contact.plant(hand) else {
         return false;
@@ -317,7 +318,7 @@ fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
     })
 }
 
-/// The certificate of the scene's stiffest wall, made like that of a single wall; `None` without a wall.
+/// Result for the scene's stiffest wall, certified like a scene's only wall; `None` without a wall.
 fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
     let own = scene.wall.k_desired_n_m_per_rad;
     let first = around

@@ -122,8 +122,8 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
         }
         _ => decay_per_s >= SLOWEST_PER_S,
     };
-    // Dry friction may end a motion that decays slowly. A motion that grows without friction ends only if it never exceeds the
-    // assumed amplitude.
+    // Dry friction may end a motion that decays slowly. A motion that grows without friction is not accepted here: friction would
+    // end it only below the assumed amplitude.
     let dies_out = dies(report.decay_per_s)
         || report.decay_per_s > 0.0 && report.decay_with_friction_per_s.is_some_and(dies);
     if dies_out {
@@ -170,7 +170,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
         {
             say(
                 Verdict::Undecided,
-                "rounding to counts moves it by more than counts".to_owned(),
+                "rounding to counts moves it by more than a few counts".to_owned(),
             );
         }
         if report.radius_between >= 1.0 {
@@ -193,14 +193,14 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
                 } else {
                     Verdict::Undecided
                 },
-                format!("a bounce comes back with {back:.2} of its speed"),
+                format!("a bounce returns with {back:.2} of its speed"),
             );
         }
     }
     if let Some(used) = report.loan_used.filter(|used| *used > LOAN_USED) {
         say(
             Verdict::Undecided,
-            format!("the press borrows {used:.2} of the loan"),
+            format!("the press uses {used:.2} of the energy credit"),
         );
     }
     report.verdict = found
@@ -216,7 +216,7 @@ pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     if report.verdict == Verdict::Stable && stiffness_per_tick > STIFFEST_PER_TICK {
         report.verdict = Verdict::Undecided;
         report.causes.push(format!(
-            "T sqrt(k_de/J) is {stiffness_per_tick:.2}, and certificates were held against runs up to {STIFFEST_PER_TICK} only"
+            "T sqrt(k_de/J) is {stiffness_per_tick:.2}, but certificates were tested against runs only up to {STIFFEST_PER_TICK}"
         ));
     }
 }
@@ -235,13 +235,13 @@ pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option
     if let Some(ends) = presses {
         (least, most) = (least.min(ends[0]), most.max(ends[1]));
         (each, all) = (
-            "touch and slow press that was played",
-            "touches and slow presses that were played",
+            "touch and slow press that was simulated",
+            "touches and slow presses that were simulated",
         );
     }
     let said = report.verdict == Verdict::Stable;
     let rests = if said { RESTS_AS_SAID } else { RESTS };
-    // If the law alone grows and only dry friction holds it, a few simulated presses do not prove that all presses come to rest.
+    // If the motion grows without dry friction, a few presses that come to rest do not prove that all do.
     let shown = presses.is_some() && report.decay_per_s > 0.0;
     if most <= rests && (shown || !asks_for_presses(report)) {
         if said {

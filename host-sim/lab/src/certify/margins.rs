@@ -90,7 +90,7 @@ fn delay(contact: &Contact, hands: &[Hand], stable_now: bool) -> (f64, bool) {
     let is_stable = |more_s: f64| radius(&contact.with_delay(more_s), hands) < 1.0;
     let mut last = 0.0;
     let mut step = period / 8.0;
-    // The first limit from below counts. A longer delay may be stable again, which is of no use.
+    // The shortest delay that makes the loop unstable is the margin, even if a longer delay is stable again.
     while last < LONGEST_TICKS * period {
         let next = last + step;
         if !is_stable(next) {

@@ -161,7 +161,8 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
                 loan_used: touch::loan_used(scene, &contact, hand.as_ref())?,
             };
             let mut report = report(&contact, name, hand.as_ref(), played);
-            // A law that reduces its force by energy, or changes its gain by direction, may do what no simulated touch has shown.
+            // A law that reduces its force by energy, or changes its gain by direction, may behave as no simulated touch has
+            // shown.
             let shown = contact.phases.clamps.is_none() && !contact.phases.by_direction;
             // Matrices do not describe what happens between phases, or when a device leaves the wall and comes back.
             let alone = report.verdict == Verdict::Unstable;

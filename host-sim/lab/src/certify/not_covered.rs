@@ -27,9 +27,9 @@ pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
         "loss of contact in the middle of an oscillation, and how hard a wall throws back"
             .to_owned(),
         format!(
-            "presses that come in another time than those that are played where an offset dies out slowly: {RAMPS_S:?} s"
+            "presses with other ramp times than the simulated ones, {RAMPS_S:?} s, where an offset decays slowly"
         ),
-        "force limits: a law or drive at its limit is softer than its matrix".to_owned(),
+        "force limits: a law or drive at its limit is softer than the linear model".to_owned(),
         "compliance between encoder and hand, cogging, noise, a wrong torque constant".to_owned(),
         format!(
             "rounding inside the law ({}); rounding of readings and torques but for its gain and mean square",
@@ -43,7 +43,7 @@ pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
         .collect();
     if !beyond.is_empty() {
         list.push(format!(
-            "effects that the scene names and no matrix has: {}",
+            "effects of the scene that the linear model does not include: {}",
             beyond.join(", ")
         ));
     }
@@ -56,7 +56,9 @@ pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
         list.push("a current loop: the torque follows its command at once".to_owned());
     }
     if contact.device.friction.is_some() {
-        list.push("dry friction: left out of the matrices, where it could only damp".to_owned());
+        list.push(
+            "dry friction: left out of the linear model, where it would only damp".to_owned(),
+        );
     }
     match contact.phases.clamps {
         Some(Clamp::Tdpa) => {

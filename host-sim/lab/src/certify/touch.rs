@@ -1,9 +1,9 @@
 //! Simulated touches: the motion of a device that bounces between a wall and the hand.
 //!
-//! Several laws start a contact as a spring of the requested stiffness until the motion turns, and only then behave as the matrices
-//! describe. Bounces are therefore simulated. The pad of a hand at rest presses the device against the wall. The device meets the
-//! wall at various moments of the tick (control period), comes out, and is pressed back. A bounce counts only if the device moves
-//! out by more than the press' depth. If the device returns slower each time, the bounces decay, and the matrices decide.
+//! Several laws start a contact as a spring of the requested stiffness until the motion turns, and only then behave as the
+//! matrices describe. Bounces are therefore simulated. The pad of a hand at rest presses the device against the wall. The device
+//! meets the wall at various moments of the tick (control period), comes out, and is pressed back. If the device returns more
+//! slowly each time, the bounces decay, and the matrices decide.
 //!
 //! If the matrices do not decide, touches are simulated to the end of the press, with encoder counts, dry friction and the law's
 //! energy loan: [`ends`].
@@ -100,7 +100,7 @@ impl Recorder for Bounce {
 /// A device at the wall's surface, with the pad of a hand at rest pressing it in.
 struct Touched {
     scene: Scene,
-    /// Compression of the pad, and stretch of the spring that holds the hand, rad.
+    /// `ahead_rad`: compression of the pad; `beyond_rad`: stretch of the spring that holds the hand; both in rad.
     ahead_rad: f64,
     beyond_rad: f64,
     period_s: f64,
@@ -116,7 +116,7 @@ impl Touched {
         bare.operator.motion = MotionSpec::None;
         bare.law.number = Number::F64;
         bare.law.guard.on = false;
-        // The push compresses the pad, and the hand's spring, stretched to its rest point, holds the hand.
+        // The push compresses the pad and stretches the spring that holds the hand at its rest point.
         let by = |stiffness: fn(&Hand) -> f64| {
             hand.map(stiffness)
                 .filter(|stiffness| *stiffness > 0.0)
@@ -132,9 +132,9 @@ impl Touched {
         }
     }
 
-    /// Simulates a touch for `ticks` ticks, or until `done` returns true. The touch starts with `share` times
-    /// [`Self::speed_rad_per_s`], at a distance from the wall that takes the fraction `before` of a tick. The simulation goes in
-    /// pieces, because most bounces end after a few ticks.
+    /// Simulates a touch for `ticks` ticks, or until `done` returns true. The device starts with `share` times
+    /// [`Self::speed_rad_per_s`], at the distance from the wall that it covers in the fraction `before` of a tick. The simulation
+    /// runs in pieces of 64 ticks, because most bounces end early.
     fn play<R: Recorder>(
         &self,
         (share, before): (f64, f64),
@@ -175,11 +175,11 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
     (0..count).map(move |phase| (f64::from(phase) + 0.5) / f64::from(count))
 }
 
-/// Largest ratio, over all simulated touches, of a bounce's return speed to the speed of the touch before, as a mean over `RETURNS`
-/// returns.
+/// Largest ratio, over all simulated touches, of a bounce's return speed to the speed of the touch before. For each touch it is
+/// the geometric mean over `RETURNS` returns.
 ///
-/// It is 0 if the device stays inside or outside, and infinite if a simulation diverges. Without a hand, the speed at which the
-/// device leaves counts.
+/// It is 0 if the device returns fewer times, and infinite if a simulation diverges. Without a hand, the speed at which the
+/// device first leaves the wall counts.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -253,8 +253,8 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the control law gives out in the scene's press beyond what it took, if it may lend without limit, divided by the
-/// scene's limit of the loan. `None` without a loan, a press or a hand.
+/// Energy that the control law gives out in the scene's press beyond what it took, divided by the scene's limit of the loan. It
+/// is simulated with a loan without limit. `None` without a loan, a press or a hand.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.

@@ -94,7 +94,7 @@ fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     for tick in 0..2 * HALF {
         let command = -stiffness * state.position();
         crossing.cross(&mut state, command, 0.0);
-        // Only the second half of each half counts; motions that decay quickly are over by then.
+        // The amplitudes at the end of both halves are compared, because motions that decay quickly are over by then.
         if tick % HALF >= HALF / 2 {
             largest[tick / HALF] = largest[tick / HALF].max(state.position().abs());
         }
@@ -127,7 +127,7 @@ fn k_max(_: Effort) -> Result<Vec<Finding>> {
             off(eigenvalue),
             1e-6,
         ));
-        // The first correction is a fraction of b T/J (1/2 + delay).
+        // The formula neglects terms of the relative size b T/J (1/2 + delay).
         let share = KNOB.damping * PERIOD_S / KNOB.inertia * (0.5 + ticks);
         found.push(Finding::new(
             format!("{ticks} ticks, formula"),
@@ -216,8 +216,8 @@ fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     Ok(high)
 }
 
-/// Control laws whose verdict is stable or a limit cycle at a hundred times the largest stable stiffness of a plain spring. Every
-/// other law is expected to be unstable.
+/// Control laws that are at worst in a limit cycle at a hundred times the largest stable stiffness of a plain spring. Every other
+/// law is expected to be unstable.
 const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
 
 fn hundred(_: Effort) -> Result<Vec<Finding>> {
@@ -349,7 +349,8 @@ fn one_count(_: Effort) -> Result<Vec<Finding>> {
             if ran.is_some() {
                 let name = format!("{share} k_c, friction {times} k res/2");
                 found.push(Finding::new(format!("{name}, moves"), moved, 0.0));
-                // Friction bears the rest of the torque; rounding adds half a count of it. The step of the gain is 2^-12.
+                // The knob rests where friction holds the rest of the torque, within half a count by rounding. The stiffness is
+                // rounded to steps of 2^-12.
                 let bound = (friction.breakaway + press * 0.000_244_140_625 / stiffness)
                     / stiffness
                     + 0.5 * count_rad;
@@ -381,7 +382,7 @@ fn intervals(_: Effort) -> Result<Vec<Finding>> {
             let force = stiffness * state.position();
             let from = state.position();
             let loss = plant.step_with_loss(&mut state, -force, 0.0).device_j;
-            // Energy balance: what the wall took, what the damper took, and what a spring in place of the wall stores.
+            // What wall and damper took, less what an ideal spring would store. It must not become negative.
             let taken = force * (state.position() - from);
             let stored = 0.5 * stiffness * (state.position().powi(2) - from * from);
             energy += taken + loss - stored;

@@ -1,4 +1,4 @@
-//! Hard cases of what a knob has to touch besides one wall: walls that overlap, torques with a cliff, fine detents, many turns.
+//! Hard cases of a knob's feel: walls that overlap, torques with a cliff, fine detents, many turns.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -70,7 +70,7 @@ fn bare<N: Reported>(walls: &[WallSettings]) -> Result<Environment<N>> {
     Environment::new(&settings(), walls, None).map_err(refused)
 }
 
-/// The reading of a count.
+/// Input of a control law at this encoder count.
 fn at(count: i64) -> Result<Counted> {
     let scale = CountScale::new(COUNTS, Si::ZERO).ok_or_else(|| refused("no scale"))?;
     Ok(Counted { scale, count })
@@ -80,7 +80,7 @@ fn angle(count: i64) -> f64 {
     TAU * count as f64 / f64::from(COUNTS)
 }
 
-/// Runs a function that is generic over the number format for the formats of boards and of references.
+/// Runs a check that is generic over the number format in fixed16, fixed32, f32 and f64.
 macro_rules! formats {
     ($name:literal, $check:ident, $bound:expr) => {
         [
@@ -92,7 +92,7 @@ macro_rules! formats {
     };
 }
 
-/// One step of force or position of a format, at least what angles and coefficients resolve (2^-30).
+/// Step of force and position in a number format, but at least 2^-30, the resolution of angles and coefficients.
 fn step<N: Reported>() -> f64 {
     Position::<N>::quantum().to_f64().max(2f64.powi(-30))
 }
@@ -140,7 +140,7 @@ fn overlapping_walls(_: Effort) -> Result<Vec<Finding>> {
         let (mut got_out, mut last) = (0.0_f64, [0.0_f64; 2]);
         let (centre, away) = (0.51, 0.006);
         for tick in 0..8000_u32 {
-            // To and fro through the overlap, then at rest beside its middle.
+            // The hand moves to and fro through the overlap, then rests beside its middle.
             let way = if tick < 6000 {
                 0.1 * (f64::from(tick) * TAU / 1500.0).sin()
             } else {
@@ -157,7 +157,8 @@ fn overlapping_walls(_: Effort) -> Result<Vec<Finding>> {
             got_out / allowed,
             1.0,
         ));
-        // Both walls have the stiffness k, so that they pull to the middle with 2 k against the hand. Dry friction and a count remain.
+        // Both walls have the stiffness k. Together they pull to the middle with 2 k, against the hand. Friction and one count
+        // are allowed as an error.
         let hand = scene.operator.hand().map(|it| it.compliance_rad_per_n_m());
         let hand = 1.0 / hand.unwrap_or(f64::INFINITY);
         let walls = 2.0 * scene.wall.k_desired_n_m_per_rad;
@@ -177,13 +178,14 @@ fn overlapping_walls(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Energy beyond what the guard allows, and positions that were not counted once, for a feel in three grips.
+/// Findings for a feel in three grips: energy over the guard's allowance, and number of positions that were lost or counted
+/// twice.
 fn played(name: &str, sets: &[&str]) -> Result<Vec<Finding>> {
     let scene = Scene::load(name)?.with_overrides(sets)?;
     let card = feel_card(&scene, 300)?;
     let of_grip = card.grips.iter().flat_map(|felt| {
         let energy = felt.energy_out_j.max(0.0) / felt.energy_allowed_j;
-        // A knob that did not turn has counted nothing.
+        // If no position was crossed, the case has tested nothing and fails.
         let wrong = match felt.crossings {
             0 => f64::NAN,
             _ => (felt.lost + felt.doubled) as f64,
@@ -196,7 +198,7 @@ fn played(name: &str, sets: &[&str]) -> Result<Vec<Finding>> {
     Ok(of_grip.collect())
 }
 
-/// Points that fall from 1 to -1 within a step, and rise to 1 again over the rest of a copy.
+/// Points of a profile that rise from -1 to 1 over one period and fall back to -1 in a single step.
 fn cliff_points() -> Vec<f64> {
     (0..96).map(|i| 2.0 * f64::from(i) / 95.0 - 1.0).collect()
 }
@@ -220,7 +222,7 @@ fn cliff(_: Effort) -> Result<Vec<Finding>> {
             .map_err(refused)?;
         let mut worst = 0.0_f64;
         for count in -i64::from(COUNTS)..i64::from(COUNTS) {
-            // In parts of a turn, without rounding: 96 points a copy.
+            // Position in units of the 96 points of a period, without rounding.
             let place =
                 count.rem_euclid(COUNTS.into()) as f64 * f64::from(COPIES) / f64::from(COUNTS);
             let place = 96.0 * place.fract();
@@ -246,7 +248,7 @@ fn cliff(_: Effort) -> Result<Vec<Finding>> {
 }
 
 fn narrow_detents(_: Effort) -> Result<Vec<Finding>> {
-    /// 8.2 counts of 16,384 are 20 of 40,000; 4,878 in a turn are 8.2 of these.
+    /// Detents per turn: 8.2 counts of 40,000 apart, as 2,000 detents are on an encoder with 16,384 counts.
     const PER_TURN: u16 = 4_878;
     fn error<N: Reported>() -> Result<f64> {
         let strength = 0.002;
@@ -283,11 +285,12 @@ fn narrow_detents(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Turns to either side.
+/// Number of turns by which the knob is away from the first turn, to either side.
 const TURNS: i64 = 10_000;
 
 fn ten_thousand_turns(_: Effort) -> Result<Vec<Finding>> {
-    /// Ticks in which a torque differs from that of the first turn, on both sides, with a way there turn by turn.
+    /// Number of ticks in which the torque 10,000 turns away differs from that in the first turn. A knob is moved there through
+    /// all clicks, another one is placed there.
     fn differing<N: Reported>() -> Result<f64> {
         let limit = settings().force_limit;
         let ring = DetentSettings {
@@ -331,8 +334,8 @@ fn ten_thousand_turns(_: Effort) -> Result<Vec<Finding>> {
         let mut differ = 0_u32;
         for side in [1, -1] {
             let mut felt = made()?;
-            // There in steps of a hundredth of a turn, so that every click on the way is passed. The knob to compare with comes to the
-            // first turn from two turns away: both have passed clicks on the same side.
+            // The knob moves there in steps of a hundredth of a turn, and so passes every click. The knob to compare with comes
+            // to the first turn from two turns away. Both have then passed clicks in the same direction.
             let end = side * TURNS * i64::from(COUNTS);
             let mut fresh = made()?;
             for (knob, from, to) in [
@@ -344,7 +347,7 @@ fn ten_thousand_turns(_: Effort) -> Result<Vec<Finding>> {
                     knob.tick(&at(count)?, None);
                     count += side * 400;
                 }
-                // Pulses of clicks on the way end.
+                // Pulses of clicks that were passed on the way end.
                 for _ in 0..20 {
                     knob.tick(&at(to)?, None);
                 }

@@ -65,7 +65,7 @@ fn stiff_pole(_: Effort) -> Result<Vec<Finding>> {
                 1e-12,
             ));
         }
-        // In the first and last step a tenth of a step's way is lost or won: far more than the error of any stable method.
+        // The bound is the relative change of the angle by a delay of one tick, far more than the error of any stable method.
         let coarse = 2.0 * PERIOD_S / t;
         let stiffness = w * PERIOD_S / 16.0;
         let implicit = [

@@ -198,7 +198,7 @@ fn zero_damping(_: Effort) -> Result<Vec<Finding>> {
             bound,
         ));
     }
-    // One whole turn of a device at half the break-away torque. Dry friction alone takes the energy F |x|.
+    // A device without damping that starts at 5 rad/s. Dry friction alone takes the energy F |x|.
     let sticky = Device {
         damping: 0.0,
         ..STICKY
@@ -310,7 +310,7 @@ fn compare(device: &Device, hand: Option<&Hand>, held: &[[f64; 2]]) -> (f64, u64
 }
 
 fn stick(_: Effort) -> Result<Vec<Finding>> {
-    // Without a hand the torque holds; in a hand the rest point stays where the device is.
+    // The torque stays below the break-away torque. In a hand, the rest point stays where the device is.
     let found = each_plant!(STICKY, MEDIUM, PERIOD_S, |name, plant| {
         let mut state = State::at_rest(0.1);
         for _ in 0..10_000 {
@@ -331,7 +331,8 @@ fn stick(_: Effort) -> Result<Vec<Finding>> {
 }
 
 fn break_away(_: Effort) -> Result<Vec<Finding>> {
-    // 3e-3 N·m in 1000 steps that are exact in binary, so that the torque meets the level to the bit.
+    // The torque rises to the break-away torque of 2^-8 N·m in 1024 steps that are exact in binary, so the two become equal to
+    // the bit.
     let friction = Coulomb {
         kinetic: 0.001_953_125,
         breakaway: 0.003_906_25,
@@ -355,7 +356,7 @@ fn break_away(_: Effort) -> Result<Vec<Finding>> {
             });
             found.push(Finding::new(format!("bare, {sign:+}"), off, 0.0));
         }
-        // A hand whose pad is not strained while the device rests changes nothing.
+        // A hand whose pad is not compressed while the device rests does not change the result.
         if let Ok(plant) = HeldCoulomb::new(&device, &LIGHT, PERIOD_S) {
             let mut state = State::at_rest(0.0);
             let off = tick_of(&mut |torque| {
@@ -380,8 +381,8 @@ fn denormals(_: Effort) -> Result<Vec<Finding>> {
             before = state.velocity();
         }
         found.push(Finding::new("bare, ticks that rise", f64::from(rises), 0.0));
-        // Rounding stops the device at the last denormal numbers, some 250 of them: b T/J is 4e-3, and half a step of 1/250 rounds
-        // to zero.
+        // A tick takes 4e-3 of the velocity (b T/J). Near 125 denormal numbers this is below half of one, so rounding stops the
+        // decay.
         found.push(Finding::new("bare, what is left", state.velocity(), 1e-321));
         let way = KNOB.inertia / KNOB.damping;
         found.push(Finding::new(

@@ -19,11 +19,11 @@ pub fn schema() -> Value {
                 "number?",
                 "what was measured, in the case's unit; null: beyond all numbers",
             ),
-            ("bound", "number", "what it may be at most"),
+            ("bound", "number", "its limit"),
             (
                 "fails_because",
                 "string?",
-                "why it is known to be more; null: it must hold",
+                "why this case is expected to exceed the limit; null: it must not",
             ),
         ],
         &[],
@@ -37,7 +37,7 @@ pub fn schema() -> Value {
             (
                 "passed",
                 "boolean",
-                "everything came out as it must, expected failures included",
+                "every case gave the expected result, expected failures included",
             ),
             ("seconds", "number", "time it took; s"),
         ],

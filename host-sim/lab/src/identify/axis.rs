@@ -37,7 +37,7 @@ pub enum Unidentified {
     #[error("{0:.2} s of motion are too short")]
     TooShort(f64),
     /// The axis moved too little, or not in a way that separates mass from damping; the value is the travel in millimetres.
-    #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
+    #[error("it moved by only {0:.3} mm, too little to measure mass and damping")]
     Still(f64),
     /// The forces do not explain the motion, for example because a hand holds the device or control periods were missed.
     #[error(
@@ -158,7 +158,7 @@ pub fn mechanics(
         uncertainty: (variance * inverse[(i, i)]).sqrt() * scale[i],
     };
     let mass = of(0);
-    // A mass that may be zero within its uncertainty is no result, nor is NaN.
+    // Reject NaN, and a mass that may be zero within two standard uncertainties.
     let told = mass.value - 2.0 * mass.uncertainty;
     if told.is_nan() || told <= 0.0 {
         return Err(Unidentified::Unexplained {

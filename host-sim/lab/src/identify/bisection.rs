@@ -43,7 +43,8 @@ impl Trial {
     /// Whether the press comes to rest.
     #[must_use]
     pub fn settles(&self) -> bool {
-        // A knob that the oscillation has thrown out of the wall is no evidence for an oscillation that stops growing.
+        // If the oscillation has thrown the knob out of the wall, a small motion afterwards does not show that the press comes to
+        // rest.
         self.held && (self.late_rad < self.early_rad || self.late_rad < REST_RAD)
     }
 }

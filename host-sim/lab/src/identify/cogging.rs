@@ -76,13 +76,13 @@ pub struct MeasuredCogging {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMap {
     /// Data of the sweep are missing.
-    #[error("the sweep is not whole: a turn is missing, or {lost} records in a row were lost")]
+    #[error("the slow turn is incomplete: a turn is missing, or {lost} records in a row were lost")]
     Incomplete {
         /// Longest gap in the data, in ticks (control periods).
         lost: u32,
     },
     /// No harmonic of the cogging exceeds the noise.
-    #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
+    #[error("no cogging is measurable: it is below {n_m:.1e} N·m at every order")]
     Nothing {
         /// Torque above which a harmonic would have exceeded the noise, N·m.
         n_m: f64,
@@ -285,8 +285,8 @@ impl Turn {
             false => it.current_a,
         };
         let time = |it: &SweepTick| f64::from(it.tick.wrapping_sub(ticks[0].tick)) / known.rate_hz;
-        // Time over position: a straight line is fitted, because the motion is even except for its ripple. The residual of the
-        // position is the ripple.
+        // Fits a straight line to time as a function of position, because the speed is constant except for the ripple. The
+        // residual of the position is the ripple.
         let count = ticks.len() as f64;
         let sum =
             |of: &dyn Fn(&SweepTick) -> f64| ticks.iter().map(|it| of(it)).sum::<f64>() / count;
@@ -294,7 +294,7 @@ impl Turn {
         let speed = sum(&|it| (time(it) - t) * (angle(it) - x)) / sum(&|it| (time(it) - t).powi(2));
         let ripple = |it: &SweepTick| angle(it) - x - speed * (time(it) - t);
         let direction = speed.signum();
-        // Angle that a record stands for: half of the distance to each neighbour, across the ends of the turn too.
+        // Range of angles that a record represents: half of the distance to each neighbour, also across the ends of the turn.
         let whole = TAU * direction;
         let share = |index: usize| {
             let at = |index: usize, turns: f64| angle(ticks[index]) + turns * whole;

@@ -111,7 +111,7 @@ impl Lever {
                 damping: self.linear(filter.damping),
                 ground_damping: self.linear(filter.ground_damping),
             },
-            // Its inertia is that of the pulse at the touch.
+            // The estimator's inertia also sets the size of the pulse at the touch.
             estimator: self.estimator(&knob.estimator),
             ..*knob
         }

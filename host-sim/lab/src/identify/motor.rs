@@ -1,9 +1,9 @@
 //! Identifies the motor of a real knob. Resistance, inductance and flux come from the voltages of its current controller. Inertia,
 //! damping and friction then come from [`super::swing`], with torques computed from current and flux.
 //!
-//! The data are those that the device sends during a measurement (`touchstone_drive::measurement`). First a current of two sizes
-//! turns far faster than the rotor can follow. Then the device is pushed to two speeds in both directions; each push ends in a
-//! coast.
+//! The data are those that the device sends during a measurement (`touchstone_drive::measurement`). First a current vector
+//! rotates far faster than the rotor can follow, at two amplitudes one after the other. Then the motor pushes the rotor to two
+//! speeds in both directions; each push ends in a coast.
 
 use super::swing::{self, Estimate, Mechanics, Swing, Torques};
 use nalgebra::Complex;
@@ -59,25 +59,25 @@ pub struct MeasuredMotor {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotMeasured {
     /// Data of the measurement are missing.
-    #[error("the measurement is not whole: {part} is missing")]
+    #[error("the measurement is incomplete: {part} is missing")]
     Incomplete {
         /// Name of the missing part of the measurement.
         part: &'static str,
     },
     /// Too many records in a row were lost in transmission.
-    #[error("{lost} records in a row were lost on the way")]
+    #[error("{lost} records in a row were lost")]
     Lost {
         /// Number of records lost in a row.
         lost: u32,
     },
     /// A push was too short: it reached its speed after too few samples.
-    #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
+    #[error("a push lasted {ticks} control periods, too short to show the voltage rise")]
     ShortPush {
         /// Duration of the push, in ticks (control periods).
         ticks: usize,
     },
     /// A computed value is impossible for a motor.
-    #[error("the {what} comes out as {value:.3e}, which no motor has")]
+    #[error("the {what} results as {value:.3e}, which is impossible for a motor")]
     Absurd {
         /// Name of the quantity whose value is impossible.
         what: &'static str,
@@ -85,7 +85,7 @@ pub enum NotMeasured {
         value: f64,
     },
     /// The motion does not fit a free knob.
-    #[error("the motion is none of a free knob: {0}")]
+    #[error("the motion is not that of a free knob: {0}")]
     Motion(#[from] swing::NotFound),
     /// The swings (pushes with coasts) give different inertias, for example because a hand holds the knob.
     #[error("the swings disagree about the inertia by {percent:.0} %")]
@@ -146,8 +146,9 @@ pub fn motor(
             of_swing(&ticks, whole, constant * both, known)
         })
         .collect();
-    // A tick reports the current at its end. In the first of a slow push's 35 ticks it is a third more than the mean current, an
-    // error of less than a percent. A fit that took the torques as exact would attribute it to friction.
+    // The reported current is that at the end of a control period. In the first of a slow push's 35 ticks it is a third above
+    // that tick's mean current. The push's torque is then wrong by less than a percent, which `Torques::Exact` would attribute to
+    // friction.
     let mechanics = swing::mechanics(&swings, 1.0 / known.rate_hz, Torques::Unsure)?;
     let inertia = mechanics.inertia_kg_m2;
     let disagreement = 4.0 * inertia.uncertainty / inertia.value;
@@ -226,8 +227,8 @@ fn parts(ticks: &[MotorTick]) -> Vec<(MeasuringPart, Range<usize>)> {
         .collect()
 }
 
-/// Impedance: difference of the voltages over difference of the two currents. It is computed from the last quarter of a second of
-/// each current, and from the two halves of that time.
+/// Impedance: difference of the voltages divided by difference of the currents, between the low and the high current. Returns the
+/// value over the last quarter of a second of each current, then the values over the two halves of that time.
 fn impedance(
     ticks: &[MotorTick],
     low: &Range<usize>,

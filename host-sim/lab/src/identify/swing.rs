@@ -84,7 +84,7 @@ pub enum NotFound {
     },
     /// The fit failed or leaves too large a residual.
     #[error(
-        "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
+        "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms remain"
     )]
     NoFit {
         /// Root mean square difference between predicted and measured angles, rad.
@@ -104,7 +104,7 @@ pub fn swing(scene: &Scene, swings: &Swings) -> Result<std::result::Result<Vec<S
         breakaway: 0.0,
     });
     let plant = BareCoulomb::new(&device, period_s)
-        .map_err(|invalid| scene.error("device", invalid.to_string(), "mend it in the scene"))?;
+        .map_err(|invalid| scene.error("device", invalid.to_string(), "correct it in the scene"))?;
     let read = |angle: f64| match &scene.encoder {
         Some(encoder) => (angle / encoder.step_rad()).round() * encoder.step_rad(),
         None => angle,
@@ -326,7 +326,7 @@ pub fn mechanics(
             .map(|part| (part[index] - value).powi(2))
             .sum::<f64>()
             / (count * (count - 1.0)).max(1.0);
-        // The mean of the torques is as uncertain as their differences show; it scales all three parameters.
+        // The differences between the torques give the uncertainty of their mean, which scales all three parameters.
         let scale = (value * all.torques_apart).powi(2) / swings.len() as f64;
         Estimate {
             value,

@@ -72,7 +72,11 @@ fn matrix(links: &Links) -> std::result::Result<DMatrix<f64>, Invalid> {
 /// The plant's parameters are not valid.
 pub fn eigenvalues(scene: &Scene) -> Result<Vec<Eigenvalue>> {
     let matrix = matrix(&train::links(scene)).map_err(|invalid| {
-        scene.error("device", invalid.to_string(), "give a plant that can be")
+        scene.error(
+            "device",
+            invalid.to_string(),
+            "correct these values of the scene",
+        )
     })?;
     let mut found: Vec<Eigenvalue> = matrix
         .complex_eigenvalues()

@@ -108,14 +108,14 @@ pub fn steps(scene: &Scene, asked: Asked) -> u64 {
 /// timing and for each effect that is tried.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// The scene cannot be run.
 pub fn plan(
     scene: &Scene,
     asked: Asked,
     program: ProgramVersion,
     step: &mut dyn FnMut(),
 ) -> Result<Planned> {
-    // What a run would be refused for is refused here.
+    // Refuses a scene that a run would refuse.
     Plan::of(scene)?;
     let (tier, substeps, reasons) = tier(scene);
     let named: Vec<_> = EFFECTS

@@ -116,7 +116,7 @@ pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
 /// of the scene's are left out.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// The scene cannot be run.
 pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<Omitted>> {
     let plain = run::run(scene, false)?.summary;
     let nudged = scene.with(|scene| {
@@ -146,7 +146,7 @@ pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<
                 not_tried: None,
             };
             if effect.of_hand && scene.operator.hand().is_none() {
-                found.not_tried = Some("nobody holds the device".to_owned());
+                found.not_tried = Some("no hand holds the device".to_owned());
                 return found;
             }
             if effect.place == Place::Velocity && scene.law.kind != LawKind::SpringDamper {

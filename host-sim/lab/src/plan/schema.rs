@@ -59,9 +59,9 @@ pub fn schema() -> Value {
     let omitted = object(
         &[
             ("name", "string", "an effect that the scene does not name"),
-            ("field", "string", "the field or table that would"),
+            ("field", "string", "field or table that would name it"),
             ("typical", "string", "the magnitude at which it was tried"),
-            ("source", "string", "who says that this is typical"),
+            ("source", "string", "source for this magnitude"),
             (
                 "verdict",
                 "string?",
@@ -103,7 +103,7 @@ pub fn schema() -> Value {
                 (
                     "tolerance",
                     "number",
-                    "share by which an output may move before it is told",
+                    "relative change of an output from which on an effect is listed",
                 ),
             ],
             &[

@@ -52,7 +52,7 @@ columns! {
     energy_observed_j, "J", "energy that the law's own observer reports (NaN: it has none)";
     energy_true_j, "J", "true energy of the wall's port under the zero-order hold";
     energy_device_loss_j, "J", "energy that the device dissipated so far";
-    guard_account_j, "J", "what the energy guard would still pay the hand (NaN: there is none)";
+    guard_account_j, "J", "energy that the hand may still get out, by the energy guard's account (NaN: there is none)";
 }
 
 /// Number of samples in a trace. All columns of a [`Trace`] should have equal length; the shortest counts, so that no reader

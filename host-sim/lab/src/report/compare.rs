@@ -36,7 +36,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let (a, b) = first
         .and_then(|table| picture::pair(input.runs, table))
         .unwrap_or((traced[0].0, traced[1].0));
-    // Conditions that all runs share are left out of their names.
+    // If all runs share the same conditions, the conditions are left out of their names.
     let conditions: Vec<Condition> = traced
         .iter()
         .map(|(index, _)| Condition::of(&input.runs[*index].summary))
@@ -110,8 +110,8 @@ fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     })
 }
 
-/// Indices of the ticks that are embedded in the page. A long trace is divided into stretches, of which only the ticks with the
-/// lowest and the highest value are embedded.
+/// Indices of the ticks that are embedded in the page. A long trace is divided into stretches. Of each stretch the ticks with the
+/// lowest and the highest value are embedded, and of the trace the first and the last tick.
 fn kept(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST {
         return (0..values.len()).collect();

@@ -1,4 +1,4 @@
-//! Writes a folder of results that are not runs of scenes: either all files or none, and never over files of another command.
+//! Writes a folder of results that are not runs of scenes, and never over files of another command.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,8 @@ use touchstone_sim::error::Result;
 ///
 /// # Errors
 /// [`touchstone_sim::error::Error::Io`], one line with the remedy: the folder holds the results of another command or cannot be
-/// written. Then nothing in the folder has changed.
+/// written. Then no new file is left in the folder. Only if moving the files failed half-way, some older ones are already
+/// replaced.
 pub fn publish(
     folder: &Path,
     command: &str,

@@ -55,7 +55,7 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
         page.push_str("<h2 id=\"figures\">Figures, by stiffness</h2>\n");
     }
     if figures {
-        page.push_str("<p class=\"note js\">Under the pointer stand the numbers; dragging over a figure enlarges a part, a double click shows all again.</p>\n");
+        page.push_str("<p class=\"note js\">Move the pointer over a figure to see numbers. Drag to enlarge a part; double-click to show everything again.</p>\n");
     }
     rows.iter().for_each(|row| page.push_str(row));
     compare::section(&mut page, input, &matrices);
@@ -207,7 +207,7 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
                 (false, _) => "Parquet",
             },
             if origin.runs.iter().any(|run| run.scene.is_some()) {
-                " Any run alone, from this folder: <code>touchstone run SCENE --out plots/NAME</code>, with its scene."
+                " A single run, from this folder: <code>touchstone run SCENE --out plots/NAME</code>, with its scene."
             } else {
                 ""
             }

@@ -20,19 +20,19 @@ pub fn law_words(law: LawKind) -> LawWords {
         LawKind::SpringDamper => ("Damped spring", "a spring with virtual damping"),
         LawKind::Tdpa => (
             "TDPA",
-            "time-domain passivity approach: a spring that damps once its observer counts a loss",
+            "time-domain passivity approach: a spring that is damped as soon as its observer counts a loss of energy",
         ),
         LawKind::Fba => (
             "FBA",
-            "force bounding approach: a spring whose force the observed energy bounds",
+            "force bounding approach: a spring whose force is bounded by the observed energy",
         ),
         LawKind::Sfa => (
             "Original SFA",
-            "successive force augmentation: a soft spring whose rest point is moved at each turn inwards",
+            "successive force augmentation: a soft spring whose rest point moves each time the motion turns inwards",
         ),
         LawKind::SfaContinuous => (
             "SFA, contin.",
-            "successive force augmentation at every tick inwards",
+            "successive force augmentation in every control period of inward motion",
         ),
         LawKind::EnhancedSfa => (
             "Enhanced SFA",
@@ -137,7 +137,7 @@ impl Condition {
     }
 }
 
-/// Number of letters of a scene's name that the names of its files have; file systems accept names of 255 bytes.
+/// Largest number of characters of a scene's name in the names of its files. File systems accept names of 255 bytes.
 const SCENE_MAX: usize = 80;
 
 /// Name of a run's trace file without extension. It contains everything that usually differs between runs of a report.

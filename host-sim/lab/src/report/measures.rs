@@ -74,10 +74,10 @@ measures! {
         "lowest account of the energy guard, negative after overspeed; null without a guard",
         |s| s.guard_account_min_j, |_, x| with_unit(x, "J", 3);
     guard_limited_ticks, "ticks limited by the guard", "1",
-        "ticks in which the energy guard gave less force than the law wanted; null without a guard",
+        "control periods in which the energy guard passed less force than the law commanded; null without a guard",
         |s| s.guard_limited_ticks.map(|n| n as f64), |_, x| significant(x, 3);
-    guard_tripped_s, "force off by the guard after", "s",
-        "when the energy guard switched the force off, for overspeed or where positions end; null if it did not",
+    guard_tripped_s, "guard switched the force off after", "s",
+        "time at which the energy guard switched the force off, because of overspeed or at the end of the position range; null if it did not",
         |s| s.guard_tripped_s, |_, x| with_unit(x, "s", 3);
     limit_cycle_peak_to_peak, "motion at rest, peak to peak", "rad",
         "largest motion of the device in the last quarter of a hold",
@@ -86,7 +86,7 @@ measures! {
         "from the first touch until force over penetration stays within 5 % of the desired stiffness",
         |s| s.settle_time, |_, x| with_unit(x, "s", 3);
     penetration_max, "deepest penetration", "rad",
-        "deepest true penetration of the wall; null for a run that left all numbers",
+        "deepest true penetration of the wall; null for a run whose values overflowed",
         |s| s.penetration_max.is_finite().then_some(s.penetration_max), |_, x| with_unit(x, "rad", 3);
     energy_out, "given to the user from the start", "J",
         "most that the user's port ever gave beyond what it had taken from the start on",

@@ -139,7 +139,7 @@ impl Origin {
         let name = |(index, run): (usize, &touchstone_sim::run::record::Run)| {
             let text = texts.get(index);
             let sha256 = text.map(|text| self::sha256(text.as_bytes()));
-            // The first digits of the scene's hash. So traces of different scenes have different names.
+            // The name ends in the first digits of the scene's hash, so that traces of different scenes have different names.
             let stem = match &sha256 {
                 Some(sha256) => format!("{}_{}", stems[index], &sha256[..8]),
                 None => stems[index].clone(),
@@ -185,7 +185,7 @@ fn read(path: &Path, copy: Option<String>) -> Result<Input> {
         .map_err(|error| Error::Io {
             path: path.to_owned(),
             problem: error.to_string(),
-            fix: "leave the file where it is until the report is written".to_owned(),
+            fix: "do not move the file before the report is written".to_owned(),
         })?;
     Ok(Input {
         path: path.to_owned(),
@@ -214,7 +214,7 @@ fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) ->
 const STEM_MAX: usize = 160;
 
 /// Makes the names of the runs from their conditions. If several runs share a name, the values in which their scenes differ are
-/// added, or a number if the name would be too long for a file.
+/// added. If the name would then be too long for a file, a number is added instead.
 fn stems(input: &ReportInput) -> Vec<String> {
     let mut stems: Vec<String> = input
         .runs

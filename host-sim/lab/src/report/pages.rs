@@ -56,7 +56,7 @@ fn html(input: &Page) -> String {
     page
 }
 
-/// Writes the folder: either all files or none, as for a report of runs.
+/// Writes the folder. On an error no new file is left; if moving the files failed half-way, some older ones are already replaced.
 pub fn write(page: &Page, folder: &Path) -> Result<Written> {
     let mut names: Vec<String> = page.files.iter().map(|(name, _)| name.clone()).collect();
     names.extend(["results.json", "index.html"].map(str::to_owned));

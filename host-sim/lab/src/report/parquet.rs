@@ -62,7 +62,7 @@ fn write_file(
     let mut file =
         SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties(run, more)))?;
     let len = columns::len(trace);
-    // An empty trace still has its columns, so it gets no group and stays readable.
+    // An empty trace gets no row group. The file still has its columns and can be read.
     for start in (0..len).step_by(GROUP * every) {
         let end = len.min(start + GROUP * every);
         let mut group = file.next_row_group()?;

@@ -86,7 +86,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     let mut x = Axis::new("desired stiffness k_de, N·m/rad", "", range);
     let mark = |(index, k): (usize, &f64)| (index as f64, plain(*k));
     x.marks = Some(table.stiffnesses.iter().enumerate().map(mark).collect());
-    // The space below zero is for the signs of walls that were lost.
+    // The range below zero leaves room for the symbols of walls without a displayed stiffness, which are drawn at zero.
     let range = Range {
         min: -12.0,
         max: (1.1 * top.max).min(250.0),
@@ -148,8 +148,8 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// Chooses two runs of the first table to draw over each other: the best and the worst law at the highest stiffness at which more
-/// than one law was run.
+/// Chooses two runs of the first table to draw over each other: the best and the worst run at the highest stiffness at which more
+/// than one run has a trace.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {
         let members = table.row(row);

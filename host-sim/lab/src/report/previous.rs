@@ -43,7 +43,9 @@ fn not_listed(folder: &Path, command: &str, force: bool, names: &[String]) -> Re
             if !same {
                 let problem = match &previous.command {
                     Some(other) => format!("holds the results of `{}`", cut(other)),
-                    None => "holds results that do not say which command made them".to_owned(),
+                    None => {
+                        "contains results that do not name the command that made them".to_owned()
+                    }
                 };
                 return Err(refused(folder, problem));
             }
@@ -55,7 +57,7 @@ fn not_listed(folder: &Path, command: &str, force: bool, names: &[String]) -> Re
         if let Some(name) = foreign {
             return Err(refused(
                 folder,
-                format!("holds {name}, which no results list"),
+                format!("contains {name}, which is not in the list of its results"),
             ));
         }
     }

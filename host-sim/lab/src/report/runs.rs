@@ -205,7 +205,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
             "<div class=\"kind\"><h4>{}</h4>{legend}{}</div>",
             kind.title(),
             if clipped && kind == Kind::Energy {
-                "<span class=\"aside\">the energy of an unstable run leaves the figure; whole below</span>"
+                "<span class=\"aside\">the energy of an unstable run exceeds this figure; the whole figure is below</span>"
             } else {
                 ""
             }

@@ -53,7 +53,7 @@ fn schema() -> Value {
     let measures = MEASURES.iter().map(|m| (m.field, m.unit, m.meaning));
     let mut units = Map::new();
     for (field, unit, meaning) in SETTINGS.iter().copied().chain(measures) {
-        // What is not finite or does not apply is null.
+        // A value that is not finite or does not apply is null.
         run.insert(
             field.into(),
             json!({"type": ["number", "null"], "description": format!("{meaning}; {unit}")}),
@@ -127,7 +127,7 @@ fn schema() -> Value {
                     },
                 },
             },
-            "trace_every": {"type": "integer", "minimum": 1, "description": "of the ticks, each so-manieth is in the traces"},
+            "trace_every": {"type": "integer", "minimum": 1, "description": "the traces have every Nth control period; this is N"},
             "files": {"type": "array", "items": {"type": "string"}, "uniqueItems": true,
                       "description": "all files of the report, relative to the folder"},
             "units": {"type": "object", "required": fields, "additionalProperties": false, "properties": units},

@@ -58,7 +58,7 @@ pub struct Input<'a> {
 fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     let rows = found.worst().into_iter().map(|it| {
         let (heading, factor) = match it.measure {
-            // A force, not a torque.
+            // In three axes the ripple is that of a force, not of a torque.
             Measure::RippleRmsNM => ("ripple mN", 1e3),
             _ => it.measure.heading(),
         };
@@ -111,7 +111,7 @@ pub fn held_out_text(found: &HeldOut) -> String {
     text
 }
 
-/// Writes the page and `results.json` into a folder: either both or none.
+/// Writes the page and `results.json` into a folder. On an error no new file is left.
 ///
 /// # Errors
 /// The errors of [`super::write::write`].
@@ -212,11 +212,11 @@ fn title(mechanism: Mechanism, compares: bool) -> &'static str {
     }
 }
 
-const ABOUT_ALL: &str = "Each object is probed, held, slid along and let go. The five approaches have the thesis' settings (§5.2). \
-    \"Shipped\" is the wall that touchstone device run plays on such a device: tuned for it, on estimated states, behind the energy guard.";
-const ABOUT_ONE: &str = "The object is probed, held, slid along and let go.";
+const ABOUT_ALL: &str = "The hand presses each object, holds, slides along it and lets go. The five approaches have the thesis' settings (§5.2). \
+    \"Shipped\" is the wall of `touchstone device run` on such a device: tuned for it, on estimated states, followed by the energy guard.";
+const ABOUT_ONE: &str = "The hand presses the object, holds, slides along it and lets go.";
 
-/// A displayed stiffness in N/mm as text, or in its place why the run has none.
+/// Displayed stiffness in N/mm as text; the reason if the run has none.
 fn displayed(run: &Record, stiffness: f64) -> String {
     match run.judged().0 {
         Verdict::Unstable | Verdict::LimitCycle => "rings".to_owned(),
@@ -229,7 +229,7 @@ fn displayed(run: &Record, stiffness: f64) -> String {
 #[must_use]
 pub fn runs_text(runs: &[Record]) -> String {
     let mut text = String::from(
-        "Displayed stiffness at rest, N/mm (\"rings\": it never came to rest; \"shipped\": the tuned wall behind the energy guard)\n",
+        "Displayed stiffness at rest, N/mm (\"rings\": never at rest; \"shipped\": the tuned wall with the energy guard)\n",
     );
     let _ = write!(text, "  {:16} {:>5}", "approach", "k_de");
     for object in Object::ALL {

@@ -54,7 +54,7 @@ fn displayed(runs: &[&Record]) -> Figure {
             .map(|(i, it)| (i as f64, it.name().to_owned()))
             .collect(),
     );
-    // The space below zero is for the signs of walls that were lost.
+    // The range below zero leaves room for the symbols of walls that do not come to rest, which are drawn at zero.
     let range = Range {
         min: -12.0,
         max: 140.0,
@@ -129,7 +129,7 @@ fn over_each_other(runs: &[&Record]) -> Option<Figure> {
         figure.line(class(run.cell.approach), &name, Shape::Series(depth(run)));
     }
     figure.description =
-        "Probed, held, slid along and let go; the inside of the object is shaded.".to_owned();
+        "Pressed, held, slid along and released; the inside of the object is shaded.".to_owned();
     Some(figure)
 }
 

@@ -55,7 +55,7 @@ fn held_out() -> Value {
             (
                 "longest_n",
                 "number",
-                "the longest force that was wanted of the motors; N",
+                "largest force commanded of the motors; N",
             ),
             (
                 "cause",
@@ -195,7 +195,7 @@ fn device_card() -> Value {
                 "number?",
                 "in the unit of its name; null: not measured, or lost",
             ),
-            ("limit", "number?", "what it may be at most; null: no limit"),
+            ("limit", "number?", "its limit; null: no limit"),
             (
                 "not_measured",
                 "string?",
@@ -235,7 +235,11 @@ pub fn device_run() -> Value {
             ("law", "string", "the law along the normal"),
             ("k_desired_n_per_m", "number", "desired stiffness; N/m"),
             ("source", "string", "where law and stiffness come from"),
-            ("caution", "string?", "what the wall is known not to keep"),
+            (
+                "caution",
+                "string?",
+                "limits that the wall is known to exceed",
+            ),
             ("guarded", "boolean", "whether the energy guard was in"),
         ],
         &[],

@@ -25,7 +25,7 @@ const GOING: &str = ".going";
 /// A temporary folder of this process.
 struct Present {
     path: PathBuf,
-    /// Parent folders that were created for it, innermost first.
+    /// Parent folders that were created for the temporary folder, innermost first.
     made: Vec<PathBuf>,
     lock: Beside,
 }
@@ -65,7 +65,7 @@ impl Staging {
                     Beside::create(beside, |process| format!("{PREFIX}{process}{LOCK}").into())?;
                 let path = lock.path().with_extension("");
                 match fs::create_dir(&path) {
-                    // Something without a locked file has the name.
+                    // The name is taken by something without a locked file. The next number is tried.
                     Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                     made => return made.map(|()| (path, lock)),
                 }
@@ -112,7 +112,10 @@ impl Staging {
         }
         // If a folder of the report were a symbolic link, files would go elsewhere.
         if let Some(folder) = files.iter().find_map(|file| link(&self.target, file)) {
-            let problem = format!("{} is a link, which is not followed", folder.display());
+            let problem = format!(
+                "{} is a symbolic link, which this program does not follow",
+                folder.display()
+            );
             return Err(io::Error::new(io::ErrorKind::NotADirectory, problem));
         }
         for file in files {
@@ -174,7 +177,7 @@ fn undo(path: &Path, lock: &Beside) {
             let (mark, name) = entry.split_first()?;
             Some((*mark, Path::new(std::str::from_utf8(name).ok()?)))
         })
-        // No name leads out of the folder.
+        // Only names within the folder are accepted.
         .filter(|(_, name)| {
             name.components()
                 .all(|it| matches!(it, Component::Normal(_)))
@@ -235,7 +238,7 @@ fn remove_folder(path: &Path) -> bool {
         }
         !is_folder(path)
     };
-    // A removal was interrupted.
+    // Completes a removal that was interrupted.
     remove(&going);
     // The folder is renamed first. A thread that still writes into it by its old name then fails, and cannot keep it from becoming
     // empty. If it cannot be renamed (open files on some systems), it is removed under its own name.
@@ -270,12 +273,13 @@ pub fn abandon(last: impl FnOnce(&[PathBuf])) {
 pub struct Stale {
     /// Path of the temporary folder.
     pub path: PathBuf,
-    /// Whether the folder was removed. If not, its process may still be running.
+    /// Whether the folder was removed. If not, it has no locked file, so that its process may still be running, or the removal
+    /// failed.
     pub removed: bool,
 }
 
-/// Finds temporary folders of ended processes in and beside `target`, and removes them with their locked files. A folder whose
-/// process may still be running is returned but not removed.
+/// Finds temporary folders of ended processes in and beside `target`, and removes them with their locked files. A folder in use
+/// is left out. A folder without a locked file is returned but not removed, because its process may still be running.
 pub fn sweep(target: &Path) -> Vec<Stale> {
     let mut found = Vec::new();
     for place in BTreeSet::from([target, parent(target)]) {
@@ -349,7 +353,8 @@ pub fn io_error(folder: &Path, error: &io::Error) -> Error {
 mod tests {
     use super::*;
 
-    /// A report's folder, and in it the temporary folder of an ended process with `left` in it. Its locked file has this list.
+    /// Makes a report's folder with the temporary folder of an ended process in it; returns the paths of both. The temporary
+    /// folder still holds the files `left`; its locked file has the list `list`.
     fn killed(test: &str, list: &str, left: &[&str]) -> (PathBuf, PathBuf) {
         let around =
             std::env::temp_dir().join(format!("touchstone-staging-{test}-{}", std::process::id()));
@@ -372,7 +377,7 @@ mod tests {
         names
     }
 
-    /// A killed process had moved a new and an older file, but not yet its results.
+    /// An ended process had moved a new file and a replacing file, but not yet its results.
     #[test]
     fn a_move_that_was_killed_half_way_is_undone() {
         let list = "+traces/a.csv\0=scene.toml\0+b.csv\0+results.json\0";
@@ -389,7 +394,7 @@ mod tests {
                 removed: true
             }]
         );
-        // `b.csv` was not moved, so that it is somebody else's.
+        // `b.csv` was not moved by the process, so it belongs to someone else.
         assert_eq!(names(&target), ["b.csv", "mine.txt", "scene.toml"]);
         fs::remove_dir_all(parent(&target)).unwrap();
     }
@@ -421,7 +426,7 @@ mod tests {
         fs::remove_dir_all(parent(&target)).unwrap();
     }
 
-    /// A temporary folder in use, and one without its locked file, stay.
+    /// A temporary folder in use, and one without a locked file, are not removed.
     #[test]
     fn what_is_in_use_or_unknown_stays() {
         let (target, hidden) = killed("used", "", &["a.csv"]);

@@ -59,10 +59,10 @@ pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
             count => format!("{count} sets of conditions"),
         },
         if traced == runs.len() {
-            "Every run has its figures below.".to_owned()
+            "The figures of every run are below.".to_owned()
         } else {
             format!(
-                "{traced} have their figures below; of the others the command is named that makes them."
+                "The figures of {traced} are below; for the others the command that makes them is given."
             )
         }
     )
@@ -80,7 +80,7 @@ pub fn words(page: &mut String, input: &ReportInput) {
     );
     if let Some(k) = input.k_critical {
         let meaning = format!(
-            "critical stiffness 2 c<sub>i</sub>/T = {}: what sampling shows unaided",
+            "critical stiffness 2 c<sub>i</sub>/T = {}: a plain spring is stable up to it",
             with_unit(k, "N·m/rad", 3)
         );
         word("k<sub>c</sub>", &meaning);
@@ -139,7 +139,7 @@ pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices:
         String::new()
     } else {
         format!(
-            "{}. Last line of a cell: of all {} conditions, in how many the run came to rest. ",
+            "{}. Last line of a cell: number of conditions, of all {}, in which the run came to rest. ",
             leading.condition.text(),
             matrices.len()
         )

@@ -90,7 +90,7 @@ fn single(s: &Summary, colour: Colour) -> String {
     out
 }
 
-/// Formats the table of several runs. Each cell has three lines, so that five laws fit into 80 columns; with one line they would
+/// Formats the table of several runs. Each cell has two lines, so that five laws fit into 80 columns; with one line they would
 /// need 130.
 fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
     let all = || {
@@ -156,7 +156,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
     out += &line("", widths.iter().map(|width| "─".repeat(*width)).collect());
     for (row, k) in firsts.iter().enumerate() {
         let cells = &matrix.cells[row];
-        // A cell that was run more than once takes several pairs of lines.
+        // A cell that was run more than once has two lines for each run.
         for repeat in 0..cells.iter().map(Vec::len).max().unwrap_or(0) {
             let summary =
                 |column: usize| cells[column].get(repeat).map(|&index| &runs[index].summary);

@@ -24,7 +24,7 @@ pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
             format!("<p class=\"note\">Push this wall yourself, from this folder: {command}</p>\n")
         }
         Some(_) if recorded(index) => format!(
-            "<p class=\"note\">Push this wall yourself, from this folder: {command}. It is not inside this page: its hand is a recording, which is a file.</p>\n"
+            "<p class=\"note\">Push this wall yourself, from this folder: {command}. It is not part of this page, because its hand is a recording in a file.</p>\n"
         ),
         Some(_) => format!(
             "<p class=\"note\"><button type=\"button\" class=\"try\" data-scene=\"{path}\" hidden>Try this cell</button> Push this wall yourself; from this folder: {command}</p>\n"

@@ -37,7 +37,8 @@ pub struct Written {
 ///
 /// # Errors
 /// [`touchstone_sim::error::Error::Io`], one line with the remedy: `folder` is a file, holds the results of another command or
-/// cannot be written, or an input can no longer be read. Then no file in it has changed.
+/// cannot be written, or an input can no longer be read. Then no new file is left in the folder. Only if moving the files failed
+/// half-way, some older ones are already replaced.
 pub fn write(input: &ReportInput, folder: &Path) -> Result<Written> {
     let origin = Origin::of(input)?;
     let names = names(input, &origin);

@@ -49,8 +49,9 @@ pub const CASES: [Case; 9] = [
     case("double damping", Change::Damping(2.0)),
 ];
 
-/// Stiffness of a wall above which it need not work at half the inertia or with a whole tick of delay. Stiffness is the angle in
-/// rad by which the device's oscillation on the wall advances per control period. Sampling limits every wall near 1.
+/// Stiffness above which a wall need not work on all devices: only on the nominal one, and with up to half a tick of delay.
+/// Stiffness is the angle in rad by which the device's oscillation on the wall advances per control period. Sampling limits every
+/// wall near 1.
 pub const STIFFEST_FOR_ALL: f64 = 0.5;
 /// Delay in ticks (control periods) from which on a deeper press is allowed.
 pub const LATE_TICKS: f64 = 0.5;

@@ -19,8 +19,8 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 use touchstone_world::plant::{FIRM, Hand, LIGHT};
 
-/// Relative depth above which a wall counts as lost: depth of a press over the ideal depth (force of the press over requested
-/// stiffness).
+/// Relative depth above which a wall counts as lost: depth of a press or touch over the ideal depth (force of the press over
+/// requested stiffness).
 pub const LOST_DEPTH: f64 = 5.0;
 /// Largest deviation of the stiffness in a hold, as a fraction of the requested stiffness; with a larger deviation the wall counts
 /// as lost.
@@ -139,7 +139,7 @@ impl Member {
     }
 
     /// Deepest penetration of press and touch, each divided by the ideal depth (force of the press over requested stiffness).
-    /// `None` if the wall is lost: a press too deep, or its stiffness far off.
+    /// `None` if the wall is lost: press or touch too deep, or stiffness far off.
     fn depths(&self) -> Result<Option<[f64; 2]>> {
         let (grip, hand) = self.hand;
         let mut pressed = Programme::of(&self.scene).scene(&self.scene, grip, Deed::Press);
@@ -279,16 +279,16 @@ pub struct Judged {
     /// Whether the wall is stiffer than any tuned law was found to handle at this delay.
     pub beyond_map: bool,
     /// Deepest penetration of the press over the ideal depth (force of the press over requested stiffness). Absent if the wall is
-    /// lost: a press too deep, or its stiffness far off.
+    /// lost: press or touch too deep, or stiffness far off.
     pub press: Option<f64>,
     /// Deepest penetration of the light touch over the ideal depth of the press (force over requested stiffness). Absent if the
-    /// wall is lost: a press too deep, or its stiffness far off.
+    /// wall is lost: press or touch too deep, or stiffness far off.
     pub touch: Option<f64>,
 }
 
 impl Judged {
-    /// The larger of the relative depths of press and touch; infinite if the wall is lost (a press too deep, or its stiffness far
-    /// off).
+    /// The larger of the relative depths of press and touch; infinite if the wall is lost (press or touch too deep, or stiffness
+    /// far off).
     #[must_use]
     pub fn depth(&self) -> f64 {
         let both = self.press.zip(self.touch);
@@ -305,12 +305,11 @@ pub struct Family {
     pub k_desired: f64,
     /// Number of device variants that were simulated.
     pub members: usize,
-    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off).
+    /// Number of device variants on which the wall is lost (press or touch too deep, or stiffness far off).
     pub lost: usize,
-    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off) and would be with any tuned
-    /// law.
+    /// Number of device variants on which the wall is lost and would be lost with any tuned law, see [`Judged::beyond_map`].
     pub lost_beyond_map: usize,
-    /// Number of device variants on which the wall is lost (its stiffness far off), or press or touch is deeper than [`DEEP`].
+    /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
     pub deep: usize,
     /// Deepest press over the device variants on which the wall is not lost, divided by the ideal depth (force over requested
     /// stiffness).
@@ -372,7 +371,7 @@ pub fn judge(
         nominal,
         worst: Vec::new(),
     };
-    // Among lost variants those with the smallest stiffness per tick come first, because their loss says most about the setting.
+    // Lost variants with the smallest stiffness per tick come first, because sampling limits these walls least.
     judged.sort_by(|a, b| {
         (b.depth().total_cmp(&a.depth()))
             .then(a.stiffness_per_tick.total_cmp(&b.stiffness_per_tick))
@@ -439,8 +438,8 @@ mod tests {
             let own = Around::default();
             judge(law, &scene, &own, &corners(&scene, &own), || ()).expect("runs")
         };
-        // Half of the critical stiffness of the variant with the least damping and the most delay. With half the damping and a tick
-        // of delay k_c is a sixth.
+        // Below the critical stiffness of every variant. With half the damping and a tick of delay it is about a sixth of the
+        // nominal 1 N·m/rad.
         let soft = judged("spring", 0.1);
         assert_eq!((soft.members, soft.lost), (216, 0));
         // Pressed by a step, an undamped spring would go twice as deep as it rests.

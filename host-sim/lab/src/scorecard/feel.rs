@@ -1,7 +1,9 @@
-//! The scorecard of a knob's feel: what a hand gets of its torque, whether it rests, and whether a program counts its positions right.
+//! The scorecard of a knob's feel: how well the hand feels its torque, whether the knob rests, and whether a program counts its
+//! positions correctly.
 //!
-//! Three simulated grips turn the knob slowly, rest on it, and spin it. The torque is compared with the drawn one: that of the same
-//! settings in 64-bit floats, at the true angle, in the same tick and without the energy guard.
+//! Three simulated grips turn the knob slowly, rest on it, and spin it. The commanded torque is compared with the drawn torque.
+//! The drawn torque is that of the same settings in 64-bit floats, at the true angle, in the same tick and without the energy
+//! guard.
 
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -18,20 +20,21 @@ use super::cases::GRIPS;
 const SLOW_RAD_PER_S: f64 = 0.5;
 /// Speeds at which the hand spins the knob, rad/s. People turn knobs at 1 to 10 rad/s; a flick reaches 20.
 const SPINS_RAD_PER_S: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
-/// How fast the hand changes its speed, rad/s².
+/// Acceleration of the hand's rest point, rad/s².
 const ACCELERATION_RAD_PER_S2: f64 = 100.0;
-/// Time for which the hand rests, s; buzz is measured in its second half.
+/// Time for which the hand rests, s. Buzz (motion of a knob at rest) is measured in the second half.
 const REST_S: f64 = 4.0;
-/// Ticks this near to a wall, rad, are not compared: a wall's law on estimated states pushes before its surface.
+/// Distance from an end stop within which torques are not compared, rad. A wall's law on estimated states pushes before its
+/// surface.
 const NEAR_A_WALL_RAD: f64 = 0.1;
 /// Rate at which a program reads the knob's angle, Hz: that of `touchstone events`.
 const READ_HZ: f64 = 250.0;
-/// Least turn back of the knob between two opposite changes of the counted position, as a fraction of the distance between
-/// positions. It is twice the hysteresis, less the motion between two readings.
+/// Fraction of the distance between positions by which the knob must turn back between two opposite changes of the counted
+/// position. It is twice the hysteresis, less the motion between two readings.
 const TURNED_BACK: f64 = 0.4;
-/// Angle of the slow turn of a feel without positions and end stops, rad.
+/// Angle by which the slow turn goes to either side in a feel without positions, rad.
 const SLOW_TURN_RAD: f64 = 1.5;
-/// Parts of the slow turn, per encoder count, in which both directions are compared.
+/// Width of the angle ranges in which both directions of the slow turn are compared, encoder counts.
 const BIN_COUNTS: f64 = 4.0;
 
 /// The scorecard of a feel.
@@ -41,50 +44,52 @@ pub struct FeelCard {
     pub scene: String,
     /// Angle between two positions, rad; `None` if the feel has no positions.
     pub pitch_rad: Option<f64>,
-    /// What each grip got.
+    /// Results for each grip.
     pub grips: Vec<Felt>,
 }
 
-/// The figures of a feel with one grip.
+/// Results for a feel with one grip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Felt {
     /// The grip's name.
     pub grip: &'static str,
-    /// Largest drawn torque in the slow turn, away from walls, N·m.
+    /// Largest drawn torque in the slow turn, away from end stops, N·m.
     pub drawn_n_m: f64,
-    /// Largest commanded torque over the largest drawn one; `None` if nothing is drawn there.
+    /// Largest commanded torque divided by the largest drawn torque; `None` if the drawn torque is zero.
     pub peak_share: Option<f64>,
-    /// Largest difference between commanded and drawn torque, as a fraction of the largest drawn one; `None` likewise.
+    /// Largest difference between commanded and drawn torque, divided by the largest drawn torque; `None` if the drawn torque is
+    /// zero.
     pub off_share: Option<f64>,
-    /// Largest difference of the commanded torque at one angle between the two directions, N·m.
+    /// Largest difference between the mean commanded torques of the two directions at one angle, N·m.
     pub hysteresis_n_m: f64,
-    /// Largest peak-to-peak motion at rest, in encoder counts. The hand rests in a position, and at two fifths of the way to the next.
+    /// Largest peak-to-peak motion at rest, encoder counts. The hand rests at a position, and at two fifths of the way to the
+    /// next.
     pub buzz_counts: f64,
-    /// Fastest motion of the knob in the slow turn, rad/s: how hard it falls into the next position.
+    /// Largest speed of the knob in the slow turn, rad/s: how fast it snaps into the next position.
     pub snap_rad_per_s: f64,
-    /// Positions that the knob passed when it was spun.
+    /// Number of positions that the program counted while the knob was spun.
     pub crossings: u64,
-    /// Readings in which the counted position was not the knob's.
+    /// Number of readings in which the counted position was not that of the knob.
     pub lost: u64,
-    /// Changes of the counted position back to the one before, although the knob did not turn back.
+    /// Number of times that the counted position changed back although the knob did not turn back.
     pub doubled: u64,
-    /// Fraction of the ticks at each of the spinning speeds in which the energy guard passed less torque.
+    /// Fraction of the ticks at each spinning speed in which the energy guard reduced the torque.
     pub limited_share: [f64; SPINS_RAD_PER_S.len()],
-    /// Most energy that the hand got beyond what it put in, at any time, J.
+    /// Most energy that the hand got out beyond what it had put in since the start, J.
     pub energy_out_j: f64,
-    /// What the energy guard allows until the end: its account and its refill, J; infinite without a guard.
+    /// Energy that the guard allows until the end, J: its capacity, and its refill over the time. Infinite without a guard.
     pub energy_allowed_j: f64,
 }
 
 impl Felt {
-    /// Whether every position was counted once.
+    /// Whether every position was counted exactly once.
     #[must_use]
     pub const fn counts_right(&self) -> bool {
         self.lost == 0 && self.doubled == 0
     }
 }
 
-/// The simulated knob in the hand, with the sums of what happened.
+/// A simulated knob in the hand, with what was measured so far.
 struct Hand {
     live: Live,
     drawn: Environment<f64>,
@@ -93,13 +98,13 @@ struct Hand {
     period_s: f64,
     surface_rad: f64,
     ends: (f64, f64),
-    /// Where the knob is at the start: the motions are around it.
+    /// Angle of the knob at the start, rad; the hand moves around it.
     start_rad: f64,
     guard_j: (f64, f64),
     energy_out_j: f64,
 }
 
-/// What one tick gave.
+/// Result of one simulated tick.
 struct Given {
     angle_rad: f64,
     velocity_rad_per_s: f64,
@@ -159,7 +164,7 @@ impl Hand {
         lower + NEAR_A_WALL_RAD < angle_rad && angle_rad < upper - NEAR_A_WALL_RAD
     }
 
-    /// Moves the rest point at a speed until it has passed `to_rad`; calls `each` with every tick.
+    /// Moves the rest point towards `to_rad` at a speed until it arrives; calls `each` with every tick.
     fn go(&mut self, to_rad: f64, speed_rad_per_s: f64, mut each: impl FnMut(&mut Self, &Given)) {
         let way = (to_rad - self.rest_rad).signum();
         let step = ACCELERATION_RAD_PER_S2 * self.period_s;
@@ -172,7 +177,7 @@ impl Hand {
         self.speed_rad_per_s = 0.0;
     }
 
-    /// Rests for some time and returns the peak-to-peak motion in its second half, rad.
+    /// Keeps the rest point for some seconds; returns the knob's peak-to-peak motion in the second half, rad.
     fn rest(&mut self, seconds: f64) -> f64 {
         let ticks = (seconds / self.period_s) as u64;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -187,10 +192,10 @@ impl Hand {
     }
 }
 
-/// Judges a feel under three grips, with at least this number of crossed positions for each.
+/// Judges a feel in three grips. Each grip spins the knob until `crossings` positions were counted, or until it crosses none.
 ///
 /// # Errors
-/// The scene is refused.
+/// The scene cannot be run.
 pub fn feel_card(scene: &Scene, crossings: u64) -> Result<FeelCard> {
     let around = scene.environment.clone().unwrap_or_default();
     let positions = Positions::of(&around);
@@ -214,7 +219,7 @@ fn felt(scene: &Scene, grip: Grip, positions: Option<Positions>, crossings: u64)
         Some(it) => (6.0 * it.pitch_rad).max(0.5),
         None => SLOW_TURN_RAD,
     };
-    // The hand may push somewhat into an end, but not turn the knob through it.
+    // The hand may push against an end stop, but must not turn the knob through it.
     let start_rad = hand.start_rad;
     let (low, high) = (
         (start_rad - turn_rad).max(lower - 0.2),
@@ -251,7 +256,7 @@ fn felt(scene: &Scene, grip: Grip, positions: Option<Positions>, crossings: u64)
     Ok(felt)
 }
 
-/// Turns the knob slowly to and fro, and compares the torque with the drawn one.
+/// Turns the knob slowly to and fro, and compares the commanded torque with the drawn torque.
 fn slow(hand: &mut Hand, felt: &mut Felt, (low, high): (f64, f64), bin_rad: f64) {
     let bins = ((high - low) / bin_rad).ceil() as usize + 1;
     let mut means = [(); 2].map(|()| vec![(0.0, 0_u32); bins]);
@@ -298,7 +303,7 @@ fn spin(hand: &mut Hand, felt: &mut Felt, positions: Positions, count_rad: f64, 
     let mut counter = positions;
     counter.hysteresis = HYSTERESIS;
     let mut ticks = 0_u64;
-    // The last change of the counted position, and the knob's angle at it.
+    // Direction of the last change of the counted position, and the knob's angle at that change.
     let mut changed = (0, 0.0);
     let mut limited = [(0_u64, 0_u64); SPINS_RAD_PER_S.len()];
     let mut read = |felt: &mut Felt, given: &Given| {
@@ -314,14 +319,14 @@ fn spin(hand: &mut Hand, felt: &mut Felt, positions: Positions, count_rad: f64, 
             felt.doubled += u64::from(is_back && turned < TURNED_BACK);
             changed = (place.change, given.angle_rad);
         }
-        // Beyond an end the position stays the last one.
+        // Beyond an end the counted position must stay the last one.
         let inside = given.angle_rad.clamp(lower, upper);
         let inside = match positions.listed_between() {
             Some((first, last)) => inside.clamp(first, last),
             None => inside,
         };
         let beside = counter.beside(inside).abs();
-        // The encoder tells the angle to within a count.
+        // The angle that the encoder reports is exact to one count.
         felt.lost += u64::from(beside > 0.5 + HYSTERESIS + count_rad / pitch_rad);
     };
     let mut round = 0;
@@ -336,7 +341,7 @@ fn spin(hand: &mut Hand, felt: &mut Felt, positions: Positions, count_rad: f64, 
             }
         }
         round += 1;
-        // A light hand cannot leave the strongest positions.
+        // A hand that cannot leave a position counts none.
         if felt.crossings >= crossings || felt.crossings == before || round > 100_000 {
             break;
         }

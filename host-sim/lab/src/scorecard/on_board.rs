@@ -237,7 +237,7 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
         }
     }
     if let ([], Some(recording)) = (&played[..], recordings.first()) {
-        return Err(recording.wrong("has no deed of the scorecard's programme"));
+        return Err(recording.wrong("contains no action of the scorecard's programme"));
     }
     let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
     let places: Vec<Scene> = (0..PLACES)

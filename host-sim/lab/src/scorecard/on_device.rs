@@ -81,9 +81,9 @@ impl DeviceCard {
 const NO_PRESS: &str = "no press was commanded, so there is no F/k_de";
 const NO_RAMP: &str = "no press was commanded, so there is no ramp to settle after";
 const NO_LETTING_GO: &str = "when the hand began to let go was not commanded";
-const NO_OUTSIDE: &str = "where the hand means to rest outside is not known";
+const NO_OUTSIDE: &str = "the hand's rest point outside the wall is not known";
 const NO_HAND: &str =
-    "what the device loses and keeps in motion is not told by it; the wall's own port is below";
+    "the device's losses and kinetic energy are not measured; the energy at the wall is below";
 const NOT_DEEP: &str = "the hand was never deeper than ten counts";
 const NO_REST: &str = "the hand never rested in the wall for a quarter of a second";
 const NO_RHYTHM: &str =
@@ -342,7 +342,7 @@ mod tests {
             beyond,
             ["stiffness_error", "stiffness_error_held", "modulus_error"]
         );
-        // A run in which nobody touches the wall has no figures, and says so.
+        // If nobody touches the wall, no measure has a value, and each has a reason.
         let none = run(&led(3000, 5000.0, |_| -0.01), None);
         assert!(
             none.figures

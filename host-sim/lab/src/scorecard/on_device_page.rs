@@ -42,7 +42,7 @@ fn moved(at: &MovedAt) -> String {
 }
 
 /// Text that tells readers from which data the measures of a run on a device are computed.
-const OF: &str = "Of what the encoders read and the motors were told; depth in counts, so figures differ from the simulator's by up to half a count along the normal.";
+const OF: &str = "Computed from the encoders' readings and the commanded forces. Depth is in counts, so figures differ from the simulator's by up to half a count along the normal.";
 
 fn verdict(card: &DeviceCard) -> String {
     let beyond: Vec<&str> = card.beyond().map(|figure| figure.heading.0).collect();
@@ -51,10 +51,10 @@ fn verdict(card: &DeviceCard) -> String {
         .iter()
         .filter(|figure| figure.limit.is_some() && figure.not_measured.is_none());
     match (beyond.is_empty(), judged.count()) {
-        (_, 0) => "nothing with a limit was measured".to_owned(),
-        (true, judged) => format!("{judged} figures with a limit, all within"),
+        (_, 0) => "no figure with a limit was measured".to_owned(),
+        (true, judged) => format!("{judged} figures with a limit, all within it"),
         (false, judged) => format!(
-            "of {judged} figures with a limit beyond: {}",
+            "of {judged} figures with a limit, these exceed it: {}",
             beyond.join(", ")
         ),
     }
@@ -85,13 +85,15 @@ pub fn text(card: &DeviceCard) -> String {
 pub fn section(card: &DeviceCard) -> Section {
     let hand = match card.commanded {
         true => "A simulated hand followed the scorecard's programme.",
-        false => "Nobody told the hand what to do; what it did was looked for.",
+        false => {
+            "The hand moved freely; the program searched the record for presses, motions and taps."
+        }
     };
     let mut body = vec![
         Block::Text(format!("{hand} {OF}")),
         Block::Text(format!("{}.", verdict(card))),
         Block::Table {
-            caption: "Figures, with what each may be".to_owned(),
+            caption: "Figures and their limits".to_owned(),
             header: ["Figure", "Value", "Limit", ""].map(str::to_owned).to_vec(),
             rows: card
                 .figures

@@ -51,7 +51,7 @@ fn reference(card: &Scorecard) -> String {
         None => "does not hold this wall".to_owned(),
     };
     format!(
-        "Ripple is measured by a difference spring-damper with B = {:.4} N·m·s/rad, which {holds}: {:.2} mN·m on the nominal device, of which a law may have {:.2}.",
+        "The limit of ripple comes from a spring-damper on position differences with B = {:.4} N·m·s/rad, which {holds}: its ripple is {:.2} mN·m on the nominal device, and a law may have {:.2} of it.",
         reference.damping_n_m_s_per_rad,
         1e3 * reference.ripple_n_m,
         1e3 * reference.limit_n_m
@@ -61,7 +61,7 @@ fn reference(card: &Scorecard) -> String {
 fn not_asked(card: &Scorecard) -> Option<String> {
     (!card.not_asked.is_empty()).then(|| {
         format!(
-            "So near the end of sampling (T sqrt(k_de/J) above {}) these are not asked for: {}.",
+            "For such a stiff wall (T sqrt(k_de/J) above {}) these limits do not apply: {}.",
             super::cases::STIFFEST_FOR_ALL,
             card.not_asked.join(", ")
         )
@@ -325,7 +325,7 @@ fn of_law(row: &Row) -> Section {
             Block::Text(format!("{}. Source: {}.", row.about, row.source)),
             Block::Table {
                 caption:
-                    "Worst of three grips. What stands right of the ripple's limit has no limit."
+                    "Worst of three grips. The columns after the ripple's limit have no limit."
                         .to_owned(),
                 header,
                 rows: rows.collect(),

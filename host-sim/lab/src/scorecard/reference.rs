@@ -84,7 +84,8 @@ impl Reference {
         };
         let own_delay = scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz);
         let ripple = figures(scene, &programme, damping, own_delay)?.get(Measure::RippleRmsNM);
-        // The ripple of a lost wall is no measure.
+        // The ripple of a lost wall has no meaning. Then the torque by which one count per tick changes the damping force is
+        // used.
         let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
         let most = a_count_every_tick(scene, &programme, damping);
         let ripple_n_m = match delay_ticks {

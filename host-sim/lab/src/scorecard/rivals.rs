@@ -163,8 +163,8 @@ fn filtered(scene: &mut Scene, from: VelocityKind) {
     scene.law.velocity.from = from;
 }
 
-/// Ratio of the capacity of the energy guard's account to the energy that the guard needs for its largest force at the overspeed
-/// limit. With this capacity a full account never reduces a press.
+/// Ratio of the capacity of the energy guard's account to the energy that the largest force at the over-speed limit can cost.
+/// With this capacity a full account never reduces a press.
 const CAPACITY_SHARE: f64 = 1.2;
 /// Ratio of the power that refills the energy guard's account to the power that a wall costs.
 ///
@@ -179,14 +179,14 @@ const MOST_CAPACITY_J: f64 = 16.0;
 /// would charge more energy for each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// Largest share of the device's damping that the energy guard relies on, also if the scene has a larger one.
+/// Largest fraction of the device's damping that the energy guard relies on, even if the scene has a larger fraction.
 const MOST_SHARE: f64 = 0.8;
 
 /// Longest delay in ticks (control periods) that the energy guard covers, with a margin for rounding. With a longer delay the guard
 /// is off.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
 
-/// Longest delay that the scene or the energy guard assumes, plus the guard's lag, in ticks (control periods).
+/// The larger of the delays of the scene and of its energy guard, plus the guard's lag, in ticks (control periods).
 #[must_use]
 pub fn delay_ticks(scene: &Scene) -> f64 {
     let guard = &scene.law.guard;
@@ -195,8 +195,8 @@ pub fn delay_ticks(scene: &Scene) -> f64 {
 
 /// Sets a scene's state estimator and energy guard to the device's values and torque.
 ///
-/// The guard's capacity (most energy in its account) and the power that refills the account are set to what the device needs, but
-/// at least to the scene's values. A coarse encoder at a stiff wall needs much.
+/// The guard's capacity (most energy in its account) and refill power are set to what the device needs, but not below the scene's
+/// values. They stay within the limits of the settings. A coarse encoder at a stiff wall needs much of both.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
@@ -208,8 +208,8 @@ fn told(scene: &mut Scene) {
     law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
-    // A scene that does not set the guard's damping has the default of the thesis' knob, which is replaced by the device's. A value
-    // that the scene sets is never raised.
+    // If the guard's damping has its default (that of the thesis' knob), it is replaced by the device's. A value that the scene
+    // sets is never raised.
     let said = guard.damping_n_m_s_per_rad;
     let unsaid = said == Law::default().guard.damping_n_m_s_per_rad;
     guard.damping_n_m_s_per_rad = match unsaid {
@@ -247,7 +247,7 @@ impl Rival {
                 let names: Vec<&str> = RIVALS.iter().map(|rival| rival.name).collect();
                 Error::Option {
                     option: format!("--law {name}"),
-                    problem: "no law of a scorecard has this name".to_owned(),
+                    problem: "no law of the scorecard has this name".to_owned(),
                     fix: match nearest(name, &names) {
                         Some(near) => format!("did you mean {near}?"),
                         None => format!("give one of {}", names.join(", ")),

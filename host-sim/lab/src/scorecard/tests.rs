@@ -26,14 +26,14 @@ fn estimated(k_desired: f64, damping: f64) -> Scene {
     scene.law.estimator.bandwidth_hz = 57.96;
     scene.law.estimator.delay_s = 5.327e-4;
     scene.law.estimator.inertia_kg_m2 = 1.166e-4;
-    // Found before there was a pulse at the touch.
+    // These settings were tuned without the pulse at the touch.
     scene.law.impact.share_of_momentum = 0.0;
     scene
 }
 
 #[test]
 fn a_soft_spring_is_what_it_is_set_to() {
-    // Half of k_c: a passive spring, so figures are off by no more than the sampling causes.
+    // A spring at half of k_c is passive, so that only sampling causes errors.
     let scene = Rival::named("spring").expect("a law").of(&knob(0.5));
     let (felt, beside) = figures(&scene, &Programme::of(&scene), &CASES[0], true).expect("runs");
     assert!(felt.get(Measure::StiffnessError) < 0.01, "{felt:?}");
@@ -331,7 +331,7 @@ fn a_tuned_law_is_behind_a_guard_that_is_told_no_more_than_there_is() {
         );
         assert_eq!(kept.change, ChangeOfForce::Measured);
         assert!(kept.on);
-        // They do not stay where they are less cautious.
+        // Less cautious values are replaced.
         said.law.guard.damping_n_m_s_per_rad = 9e-4;
         said.law.guard.delay_s = 1e-4;
         let kept = law(&said).guard;

@@ -1,8 +1,8 @@
 //! Compares a light touch of a wall with a touch of an ideal wall: how deep it goes, and how fast the torque rises.
 //!
-//! Hand and device alone limit how well a wall can stop a blow. A touch is therefore compared with that of the same hand on the
-//! same device at an ideal wall. The ideal wall has the requested stiffness `k_de`, a damping ratio of [`DAMPING_RATIO`], exact
-//! states, 50 kHz, no delay and no torque limit.
+//! Hand and device limit how fast even an ideal wall can stop a moving device. A touch is therefore compared with that of the
+//! same hand on the same device at an ideal wall. The ideal wall has the requested stiffness `k_de`, a damping ratio of
+//! [`DAMPING_RATIO`], exact states, 50 kHz, no delay and no torque limit.
 //!
 //! Rate-hardness (slope of the torque over the speed) underrates damping, whose torque is there at once and then falls. It is
 //! therefore divided by `k_de`, which is the rate-hardness of an undamped spring. Extended rate-hardness favours damping, so the
@@ -175,8 +175,8 @@ mod tests {
                 assert!((spring.rate_hardness.unwrap() / k_desired - 1.0).abs() < 1e-2);
                 let extended = spring.extended_rate_hardness.unwrap() / k_desired;
                 assert!((0.8..=1.01).contains(&extended), "{extended}");
-                // The force of damping is there at once. Over a millisecond the slope is B/1 ms, less what the falling speed takes
-                // away.
+                // The force of damping acts at once. Over a millisecond the slope is B/1 ms, less the part that the falling speed
+                // takes away.
                 let damped = ideal(&scene, &programme, grip, DAMPING_RATIO).expect("runs");
                 let b = (k_desired * scene.device.inertia_kg_m2).sqrt();
                 let most = k_desired + b / 1e-3;

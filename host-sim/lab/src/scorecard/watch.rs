@@ -184,8 +184,8 @@ impl Recorder for Watch {
     }
 }
 
-/// Simulates a scene of a [`super::cases::Programme`]; returns the measures with and without limits. `fully` computes the measures
-/// without a limit, which makes the run half as long again.
+/// Simulates a scene of a [`super::cases::Programme`]; returns the measures with and without limits. Some of those without a
+/// limit are only computed if `fully` is set; the run then takes half as long again.
 ///
 /// # Errors
 /// The control law does not accept its settings.

@@ -158,7 +158,7 @@ impl Axis {
                     Kind::Numbers(..) => "lists cannot be varied".to_owned(),
                 };
                 return Err(wrong(
-                    format!("{value} is no value of {}", self.field.path),
+                    format!("{value} is not a value of {}", self.field.path),
                     must,
                 ));
             }

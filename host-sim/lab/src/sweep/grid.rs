@@ -70,7 +70,7 @@ impl Grid {
                             if tree.pointer(leaf).is_none() {
                                 return Err(Error::Option {
                                     option: axis.asked.clone(),
-                                    problem: "the other axis takes this field away".to_owned(),
+                                    problem: "the other axis removes this field".to_owned(),
                                     fix: "vary one of the two".to_owned(),
                                 });
                             }

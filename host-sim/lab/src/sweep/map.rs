@@ -72,7 +72,7 @@ const VERDICT_CLASSES: [&str; 7] = [
     "tile active",
     "tile limit-cycle",
     "tile unstable",
-    // Both say nothing of the wall; the legend names them.
+    // Not judged and no contact have one colour; the legend tells them apart.
     "tile no-contact",
     "tile no-contact",
     "tile refused",
@@ -120,7 +120,7 @@ pub fn of_measure(
     }
     let none = cells.keys().filter(|cell| value(**cell).is_none()).count();
     figure.description = format!(
-        "{} from {} to {}{}; {none} of {} cells have none and are left blank.",
+        "{} from {} to {}{}; {none} of {} cells have no value and are blank.",
         measure.words,
         significant(range.min, 4),
         significant(range.max, 4),

@@ -228,7 +228,7 @@ pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, 
                         place.display(),
                         store::difference(other, &plan)
                     ),
-                    "give the shards of one sweep",
+                    "give the parts of one sweep",
                 );
             }
             Some(_) => {}
@@ -239,7 +239,7 @@ pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, 
         return Err(Error::Option {
             option: "merge".to_owned(),
             problem: "no folders".to_owned(),
-            fix: "give the folders of the shards".to_owned(),
+            fix: "give the folders of the parts".to_owned(),
         });
     };
     let sweep = Sweep::of_plan(&plan, place, program)?;
@@ -251,7 +251,7 @@ pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, 
                 "{missing} of {} cells are in none of these folders",
                 sweep.grid.cells()
             ),
-            fix: "let every shard come to its end, and name all their folders".to_owned(),
+            fix: "let every part finish, and name all folders".to_owned(),
         });
     }
     Ok((sweep, cells))
@@ -262,7 +262,7 @@ impl Sweep {
         let wrong = |problem: String| Error::Io {
             path: place.join(store::PLAN),
             problem,
-            fix: "run the shards again with this program".to_owned(),
+            fix: "run the parts again with this program".to_owned(),
         };
         let scene: Scene = serde_json::from_value(plan["scene"].clone())
             .map_err(|error| wrong(error.to_string()))?;

@@ -84,7 +84,7 @@ impl Store {
                 return Err(Error::Io {
                     path: folder.to_owned(),
                     problem: format!("holds another sweep: {}", difference(other, &asked)),
-                    fix: "give --out another folder, or --force to begin anew".to_owned(),
+                    fix: "give --out another folder, or --force to start again".to_owned(),
                 });
             }
             for file in [JOURNAL, CELLS] {
@@ -158,7 +158,7 @@ pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
             .map(Some)
             .map_err(|error| Error::Io {
                 path,
-                problem: format!("is no plan of a sweep: {error}"),
+                problem: format!("is not a plan of a sweep: {error}"),
                 fix: "give --out another folder, or remove the file".to_owned(),
             }),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),

@@ -206,7 +206,7 @@ fn what_was_ended_goes_on_and_no_cell_is_computed_twice() {
         .fill(&mut store, Shard { index: 2, of: 3 }, |_| ())
         .unwrap();
     drop(store);
-    // The file as a program leaves it that is ended in the middle of a line.
+    // The file that a program leaves behind if it is ended in the middle of a line.
     let journal = ended.join("journal.csv");
     let mut text = fs::read_to_string(&journal).unwrap();
     let lines = text.lines().count();
@@ -287,9 +287,9 @@ fn axes_that_are_none_are_refused_with_what_to_write() {
         ("wall.k_desired_n_m_per_rad=1..2", "no count"),
         ("wall.k_desired_n_m_per_rad=0..2:5:log", "has no 0"),
         ("wall.k_desired_n_m_per_rad=2..1:5", "do not rise"),
-        ("wall.k_desired_n_m_per_rad=-1..1:5", "is no value of"),
+        ("wall.k_desired_n_m_per_rad=-1..1:5", "is not a value of"),
         ("timing.rate_hz=1000..1002:9", "comes twice"),
-        ("law.kind=spring,springs", "is no value of"),
+        ("law.kind=spring,springs", "is not a value of"),
         ("law.kind=1..2:3", "no range of numbers"),
         ("timing.rate_hz=1000,2000", "other axis' field"),
         ("wall.k_desird_n_m_per_rad=1..2:3", "did you mean"),

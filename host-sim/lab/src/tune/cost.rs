@@ -73,7 +73,7 @@ impl Judgement {
             false => Programme::of(scene).with_fewer_motions(),
         };
         let mut cases: Vec<&Case> = asked(scene).collect();
-        // For very stiff walls only few devices count, and the one with the longest delay decides.
+        // For very stiff walls only few devices count. All of them are kept, because the one with the longest delay decides.
         if quick && cases.len() > DECISIVE.len() {
             cases.retain(|case| DECISIVE.contains(&case.name));
         }
@@ -163,8 +163,8 @@ impl Judgement {
         }
     }
 
-    /// Whether settings are also evaluated on the nominal device with sensor noise, which is so if the scene has no noise of its
-    /// own.
+    /// Whether settings are also evaluated on the nominal device with sensor noise. This is so for the scorecard's measures, if
+    /// the scene has an encoder and no noise of its own.
     fn is_shaken(&self, scene: &Scene) -> bool {
         self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
     }

@@ -76,20 +76,22 @@ impl FailureCause {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Refused => "refused: the law takes no such settings",
+            Self::Refused => "the law rejects such settings",
             Self::UnstableLoop => "unstable: the linear loop grows",
             Self::Guard => "the energy guard holds the force back",
             Self::TorqueLimit => "the torque limit",
             Self::LawRounding => "rounding inside the law",
             Self::Noise => "noise of the position sensor",
-            Self::Counts => "counts: a limit cycle, an offset, or a press too shallow for them",
-            Self::Friction => "dry friction holds what the hand should move",
+            Self::Counts => {
+                "encoder counts: a limit cycle, an offset, or a press of too few counts"
+            }
+            Self::Friction => "dry friction holds the knob against the hand",
             Self::LightTouch => "the light touch chatters, the press rests",
-            Self::Slow => "too slow: it rests later",
-            Self::Contact => "the blow of the touch",
+            Self::Slow => "too slow: it comes to rest later",
+            Self::Contact => "the impact of the touch",
             Self::CountsAndFriction => "counts and dry friction together",
             Self::Stiffness => "rests at another stiffness",
-            Self::Dynamics => "another stiffness to a hand that moves",
+            Self::Dynamics => "a moving hand feels another stiffness",
             Self::Unexplained => "unexplained",
         }
     }

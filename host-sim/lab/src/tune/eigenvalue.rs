@@ -4,8 +4,8 @@ use crate::certify::contact::Contact;
 use crate::certify::hands::GRIPS;
 use touchstone_sim::scene::Scene;
 
-/// Factors on the loop's gain at which the loop should be stable. Encoder counts, friction and a touch that is lost at times have
-/// effects like changes of the gain.
+/// Factors on the loop's gain at which the loop should be stable. Encoder counts, friction and a contact that is lost at times
+/// have effects like changes of the gain.
 const GAINS: [f64; 3] = [0.7, 1.0, 1.3];
 
 /// Largest magnitude of an eigenvalue of the loop, over grips, phases of the law and `GAINS`; infinite if the law refuses its

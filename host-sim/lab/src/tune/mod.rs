@@ -120,9 +120,9 @@ pub fn tune(
 /// Pulses at the touch that are tried, as shares of the device's momentum.
 const PULSES: [f64; 4] = [0.3, 0.5, 0.7, 1.0];
 
-/// Gives the tuned wall the pulse at the touch with the least cost over all devices, of those with which no measure is beyond its
-/// limit that was within it. A wall with little damping bounces off a device of half the inertia if its pulse is large. A law on
-/// measured states, and a scene without a pulse, stay without one.
+/// Sets the pulse at the touch to the tried value with the least cost over all devices. Values that raise the worst measure above
+/// both its limit and its value without a pulse are left out. A wall with little damping bounces off a device of half the inertia
+/// if its pulse is large. A law on measured states, and a scene without a pulse, stay without one.
 fn choose_pulse(scene: &Scene, tuned: &mut Tuned, judgement: &Judgement) {
     let asked = scene.law.impact.share_of_momentum > 0.0;
     if !asked || tuned.scene.law.states != StatesKind::Estimated {

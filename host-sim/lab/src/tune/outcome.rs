@@ -84,7 +84,7 @@ impl Outcome {
         let resting = match self.displayed_error {
             None => "a press does not come to rest".to_owned(),
             Some(error) => format!(
-                "a press rests at k_de within {} (may be {})",
+                "a press rests at k_de within {} (limit {})",
                 percent(error),
                 percent(RESTING)
             ),
@@ -92,7 +92,7 @@ impl Outcome {
         let moving = match self.modulus_error.zip(self.phase_deg) {
             None => "a moving hand leaves the wall".to_owned(),
             Some((error, phase)) => format!(
-                "a moving hand feels it within {} and {phase:.1}° (may be {} and {PHASE_DEG}°)",
+                "a moving hand feels k_de within {} and {phase:.1}° (limits {} and {PHASE_DEG}°)",
                 percent(error),
                 percent(MODULUS)
             ),

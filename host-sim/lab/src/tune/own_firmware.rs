@@ -1,7 +1,7 @@
 //! Writes tuned settings as source text, in Rust and in C, for a firmware that uses this project's libraries.
 //!
-//! The energy guard's settings have the delay of the scene's device, at least its encoder count, and at most the tuned settings'
-//! damping. They are for one position reading per tick (control period), as in `Controller::tick` and `ts_wall_tick`.
+//! The energy guard's settings have the delay and lag of the scene's device, at least its encoder count, and at most its damping.
+//! They assume one position reading per tick (control period), as in `Controller::tick` and `ts_wall_tick`.
 
 use super::Tuned;
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ pub enum CFile {
     Header,
 }
 
-/// One setting of the file.
+/// One setting in the generated file.
 struct Row {
     field: Field,
     /// Name of the field in [`Settings`] or in the setting's group.
@@ -35,7 +35,7 @@ struct Row {
     choice: Option<&'static str>,
     /// The value as a Rust expression.
     rust: String,
-    /// The value as decimal number or word, as `Settings::set_by_path` takes it.
+    /// The value as a decimal number or a word, in the form that `Settings::set_by_path` accepts.
     word: String,
     is_default: bool,
 }
@@ -47,7 +47,7 @@ struct Group {
     rows: Vec<Row>,
 }
 
-/// Type of the choice, Rust expression and word of a setting's value.
+/// Makes, from a setting's value, the type of its choice, its Rust expression and its word.
 macro_rules! value {
     ($value:expr, number $range:tt) => {
         (None, format!("Si::lit(\"{}\")", $value), $value.to_string())
@@ -101,15 +101,15 @@ macro_rules! groups {
 /// Tuned settings for a firmware that uses this project's libraries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnFirmware {
-    /// The settings as the texts set them.
+    /// The settings that the generated text sets.
     pub settings: Settings,
     counts_per_rev: u32,
-    /// Lines of the comment at the top of the file.
+    /// Lines of the comment at the top of the generated file.
     comment: Vec<String>,
 }
 
-/// The settings of a scene's law for a firmware, and its encoder's counts per turn. The energy guard's settings have the scene's
-/// delay, and no finer encoder than the scene has.
+/// Settings for a firmware from a scene's law, and the encoder's counts per turn. The energy guard gets the scene's delay, and an
+/// encoder count that is not smaller than the scene's.
 ///
 /// # Errors
 /// The scene has no encoder, or the libraries refuse the settings.
@@ -121,7 +121,7 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
             "give encoder.counts_per_rev",
         ));
     };
-    // A fraction of a count is left out: fewer counts are a coarser encoder. Numbers that do not fit saturate.
+    // A fraction of a count is dropped, which only makes the encoder coarser. Numbers that do not fit saturate.
     let counts_per_rev = (encoder.counts_per_rev.floor() as u32).max(1);
     let mut settings = scene.settings()?;
     let device = device(scene, counts_per_rev, &settings);
@@ -131,14 +131,14 @@ pub fn settings(scene: &Scene) -> Result<(Settings, u32)> {
     if let Err(refused) = Controller::<Fixed32>::new(&settings) {
         return Err(Error::Option {
             option: "--out".to_owned(),
-            problem: format!("a firmware refuses these settings: {refused}"),
-            fix: "shorten the delay, or take a lower timing.rate_hz".to_owned(),
+            problem: format!("the firmware would reject these settings: {refused}"),
+            fix: "shorten the delay, or lower timing.rate_hz".to_owned(),
         });
     }
     Ok((settings, counts_per_rev))
 }
 
-/// The scene's device as the libraries describe a device.
+/// The scene's device in the form of the libraries.
 fn device(scene: &Scene, counts_per_rev: u32, settings: &Settings) -> Device {
     let si = Si::saturating_from_num::<f64>;
     Device {
@@ -195,11 +195,11 @@ impl OwnFirmware {
                 lag_s(scene),
             ),
             format!(
-                "The guard relies on {:e} N·m·s/rad of the damping. It supposes that the encoder is read once a control period.",
+                "The guard relies on {:e} N·m·s/rad of the damping. It assumes that the encoder is read once per control period.",
                 (guard.share_of_damping.saturating_mul(guard.damping)).to_num::<f64>()
             ),
             "Measure your own device: the energy bound fails with less damping, a larger count, or another delay or lag.".to_owned(),
-            "What is not set here has the library's default; take program and library of the same release.".to_owned(),
+            "Settings that are missing here have the library's defaults; use program and library of the same release.".to_owned(),
         ];
         Ok(Self {
             settings,
@@ -208,7 +208,7 @@ impl OwnFirmware {
         })
     }
 
-    /// The settings that differ from the defaults, and those on which the guard's bound rests, also if they are the defaults.
+    /// Settings that differ from their defaults. Those on which the guard's bound depends are always included.
     fn groups(&self) -> Vec<Group> {
         let (settings, defaults) = (&self.settings, Settings::default());
         let mut groups: Vec<Group> = touchstone_control::law_settings!(groups settings defaults:);
@@ -321,7 +321,7 @@ impl OwnFirmware {
     }
 }
 
-/// Whether a group has more settings than the file sets.
+/// Whether a group has more settings than the generated file sets.
 fn leaves_out(group: &str, set: usize) -> bool {
     let start = format!("law.{group}.");
     let of_group = |field: &&Field| field.path().starts_with(&start);

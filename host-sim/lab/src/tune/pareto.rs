@@ -177,7 +177,7 @@ pub fn figure(points: &[Point]) -> Figure {
     );
     let mut figure = Figure::new("Ripple over stiffness", x, y);
     figure.description =
-        "Settings that hold every device of their cases. Full dots: none is better in stiffness, ripple and delay at once and more than a tick of delay is held; triangles: the same with less; rings: another one is better in all three."
+        "Settings that hold every device of their cases. Full dots: no other is better in stiffness, ripple and delay together, and they hold a control period of delay or more. Triangles: the same with less delay. Rings: another is better in all three."
             .to_owned();
     let signs = |keep: &dyn Fn(&&Point) -> bool, sign: Sign| {
         Shape::Signs(

@@ -30,7 +30,7 @@ pub fn toml(tuned: &Tuned) -> String {
     // Writing into a string cannot fail.
     let _ = writeln!(
         text,
-        "# {} inertia {:e} kg·m², damping {:e} N·m·s/rad, friction {friction:e} N·m,\n# {counts} counts, {} Hz, delay {:e} s. Seed {}, {} settings looked at.",
+        "# {} inertia {:e} kg·m², damping {:e} N·m·s/rad, friction {friction:e} N·m,\n# {counts} counts, {} Hz, delay {:e} s. Seed {}, {} settings tried.",
         title(tuned.rival, scene),
         device.inertia_kg_m2,
         device.damping_n_m_s_per_rad,

@@ -185,7 +185,7 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
 #[test]
 fn what_is_tuned_is_never_worse_than_what_was_there() {
     let rival = Rival::named("enhanced").expect("a law");
-    // A search with next to no budget. Its start points are of no use, because the device is not the one of the settings.
+    // A search with almost no budget, whose start points are for another device.
     for (k_desired, inertia) in [(5.0, 1.0), (5.0, 1.6), (14.0, 1.0)] {
         let mut scene = knob(k_desired);
         scene.device.inertia_kg_m2 *= inertia;

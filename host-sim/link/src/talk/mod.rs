@@ -21,7 +21,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Silence in ms after which a device that should send telemetry counts as disconnected.
+/// Time in ms without data after which a device that should send telemetry counts as disconnected.
 const SILENCE_MS: f64 = 2000.0;
 /// Time in ms between two attempts to reach a disconnected device.
 const AGAIN_MS: f64 = 1000.0;
@@ -122,7 +122,7 @@ impl Talk {
     }
 
     /// Does what is due at the time `now_ms`: repeats an unanswered request, sends a request by which the device detects that the
-    /// desktop is still connected, detects a silent device.
+    /// desktop is still connected, detects a device that sends nothing any more.
     pub fn turn(&mut self, now_ms: f64) {
         self.overdue(now_ms);
         match self.stage {
@@ -191,8 +191,8 @@ impl Talk {
             "set" => {
                 let (field, value) = setting::parsed(path, value)?;
                 let board = self.identity.as_ref().map(|identity| identity.board);
-                let board =
-                    board.ok_or_else(|| self.wrong("nobody is there", "connect the board"))?;
+                let board = board
+                    .ok_or_else(|| self.wrong("no board is connected", "connect the board"))?;
                 setting::changed(&self.settings, &(field, value.clone()), board)?;
                 bytes = value;
                 Request::Set {
@@ -200,7 +200,7 @@ impl Talk {
                     value: &bytes,
                 }
             }
-            _ => return Err(self.wrong("asked for what there is not", "load the page again")),
+            _ => return Err(self.wrong("the page sent an unknown command", "load the page again")),
         };
         let path = (what == "set").then(|| path.to_owned());
         let purpose = Purpose::Order(what.to_owned(), path);
@@ -223,8 +223,8 @@ impl Talk {
             match purpose {
                 Purpose::Order(what, path) => {
                     let error = self.wrong(
-                        "no answer: it may have been carried out or not",
-                        "look at what the device does",
+                        "no answer: the device may or may not have carried out the command",
+                        "check the device's state on this page",
                     );
                     self.done(&what, path.as_deref(), Some(&error.to_string()));
                 }
@@ -232,7 +232,7 @@ impl Talk {
                     self.connection(Some("THE DEVICE MAY STILL BE ON: no answer"));
                 }
                 Purpose::Hello => self.gone(
-                    "no answer; is the firmware flashed, is this its port?",
+                    "no answer; check that the firmware is flashed and that this is the board's port",
                     now_ms,
                 ),
                 _ => self.gone("the device does not answer any more", now_ms),

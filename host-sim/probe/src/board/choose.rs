@@ -59,7 +59,11 @@ pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fa
     let found = Found::of(item);
     let place = format!("{PROBE} {}", found.selector);
     if !found.usable {
-        return Err(Fault::of(place, "may not be used by this user", NO_RIGHTS));
+        return Err(Fault::of(
+            place,
+            "cannot be opened: this user has no permission",
+            NO_RIGHTS,
+        ));
     }
     // Opened through the lister, which knows the probe's driver.
     match lister.open(DebugProbeSelector::from(&item.info)) {
@@ -72,7 +76,7 @@ fn parsed(wanted: &str) -> Result<DebugProbeSelector, Fault> {
     wanted.parse().map_err(|_| {
         Fault::asked(
             OPTION,
-            format!("\"{wanted}\" is no probe's name"),
+            format!("\"{wanted}\" is not the name of a probe"),
             "give VID:PID or VID:PID:SERIAL, the numbers in hexadecimal, such as 0483:374e",
         )
     })
@@ -86,10 +90,10 @@ fn none(lister: &Lister, wanted: Option<&str>) -> Fault {
         Some(wanted) if !others.is_empty() => Fault::of(
             format!("{PROBE} {wanted}"),
             format!("is not connected, but {} is", named(&others)),
-            "choose that, or connect the other one",
+            "choose the connected one, or connect the other",
         ),
         Some(wanted) => Fault::of(format!("{PROBE} {wanted}"), "is not connected", connect),
-        None => Fault::of(PROBE, "there is none at the USB", connect),
+        None => Fault::of(PROBE, "no debug probe is connected by USB", connect),
     }
 }
 
@@ -118,12 +122,12 @@ fn not_opened(place: String, error: &DebugProbeError) -> Fault {
         | (None, ProbeCouldNotBeCreated(ProbeCreationError::CouldNotOpen)) => Fault::of(
             place,
             problem,
-            "end the other program that uses it; if there is none, look with `touchstone doctor`",
+            "end the other program that uses it; if there is none, run `touchstone doctor`",
         ),
         _ => Fault::of(
             place,
             problem,
-            "connect it again; a very old ST-LINK needs its maker's update",
+            "connect it again; a very old ST-LINK needs a firmware update by its maker's tool",
         ),
     }
 }

@@ -54,7 +54,8 @@ impl Fault {
 }
 
 /// Advice for a user whom the operating system does not let open the probe.
-pub const NO_RIGHTS: &str = "`touchstone doctor` prints the udev rule that gives this user the right, and how to install it";
+pub const NO_RIGHTS: &str =
+    "`touchstone doctor` prints the udev rule that gives the permission, and how to install it";
 
 /// The text of an error and of all its causes on one line, without repeated texts.
 pub fn chain(error: &(dyn Error + 'static)) -> String {

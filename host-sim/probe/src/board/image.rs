@@ -53,7 +53,7 @@ impl Image {
 
     fn parsed(elf: &[u8]) -> Result<Self, String> {
         let file = ElfFile32::<Endianness>::parse(elf)
-            .map_err(|why| format!("is no whole ELF program: {why}"))?;
+            .map_err(|why| format!("is not a complete ELF program: {why}"))?;
         let endian = file.endian();
         let loaded = |header: &&ProgramHeader32<Endianness>| {
             header.p_type(endian) == PT_LOAD && header.p_filesz(endian) > 0
@@ -62,7 +62,7 @@ impl Image {
         for header in file.elf_program_headers().iter().filter(loaded) {
             let bytes = header
                 .data(endian, elf)
-                .map_err(|()| "is cut off: a part of the program is not in it".to_owned())?;
+                .map_err(|()| "is truncated: a part of the program is missing".to_owned())?;
             parts.push(Part {
                 // The load address in flash, not the address at which the part is used.
                 address: header.p_paddr(endian).into(),
@@ -70,7 +70,7 @@ impl Image {
             });
         }
         if parts.is_empty() {
-            return Err("has nothing in it for the flash".to_owned());
+            return Err("contains nothing for the flash".to_owned());
         }
         parts.sort_by_key(|part| part.address);
         for pair in parts.windows(2) {
@@ -94,7 +94,7 @@ impl Image {
     fn is_within(&self, chip: &str) -> Result<(), String> {
         let target = Registry::from_builtin_families()
             .get_target_by_name(chip)
-            .map_err(|why| format!("is for a chip that is not known, {chip}: {why}"))?;
+            .map_err(|why| format!("is for an unknown chip, {chip}: {why}"))?;
         let flash = target
             .memory_map
             .iter()

@@ -60,7 +60,7 @@ impl Attached {
         let Some(address) = image.control_block else {
             return Err(Fault::of(
                 &self.chip,
-                "its program keeps no log: no RTT control block in its ELF file",
+                "the program has no log: its ELF file contains no RTT control block",
                 "name the ELF file of this project's firmware",
             ));
         };
@@ -122,10 +122,10 @@ impl Attached {
                     return Err(Fault::of(
                         &self.chip,
                         format!(
-                            "its program has set up no log: {}",
+                            "the running program has no log yet: {}",
                             super::fault::chain(&error)
                         ),
-                        "look with `touchstone device status` whether it runs, or write it anew",
+                        "check with `touchstone device status` whether it runs, or write it again",
                     ));
                 }
             }
@@ -143,7 +143,7 @@ impl Attached {
             if there != expected {
                 return Err(Fault::of(
                     &self.chip,
-                    "has another program in its flash than the ELF file",
+                    "the program in the flash is not that of the ELF file",
                     "name the file that was written, or write this one: touchstone flash --log",
                 ));
             }

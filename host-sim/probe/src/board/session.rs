@@ -79,7 +79,7 @@ impl Attached {
         Fault::of(
             &self.place,
             format!("lost the {}: {}", self.chip, chain(error)),
-            "look at cable and supply, and try again",
+            "check cable and supply, and try again",
         )
     }
 
@@ -97,7 +97,10 @@ impl Attached {
         );
         Err(Fault::of(
             &self.place,
-            format!("behind it is {there}, not the {} of this board", self.chip),
+            format!(
+                "the probe is connected to {there}, not to the {} of this board",
+                self.chip
+            ),
             "name the board that is connected: --board BOARD",
         ))
     }
@@ -109,7 +112,7 @@ impl Attached {
             level => Err(Fault::of(
                 &self.chip,
                 format!("its flash is protected against reading (RDP {level:#04x}, level 1)"),
-                "take the protection off with the maker's STM32CubeProgrammer, which erases everything in it",
+                "remove the protection with the maker's STM32CubeProgrammer, which erases the flash",
             )),
         }
     }
@@ -124,8 +127,8 @@ fn unreached(place: &str, chip: &str, error: &Error) -> Fault {
         ),
         _ => Fault::of(
             place,
-            format!("no {chip} answers behind it: {}", chain(error)),
-            "give the board its supply and try again; a chip that was locked for good (RDP level 2) never answers",
+            format!("no {chip} answers the probe: {}", chain(error)),
+            "switch on the board's supply and try again; a permanently locked chip (RDP level 2) never answers",
         ),
     }
 }

@@ -60,13 +60,13 @@ impl Attached {
 
     fn unwritten(&self, error: &FlashError) -> Fault {
         let problem = match error {
-            FlashError::Verify => "what was read back is not what was written".to_owned(),
+            FlashError::Verify => "the data read back differ from the data written".to_owned(),
             _ => format!("its flash could not be written: {}", chain(error)),
         };
         Fault::of(
             &self.chip,
             problem,
-            "the board has no whole program now; write it again, and if it fails again, take its supply away for a moment",
+            "the board's program is incomplete now; write it again. If that fails, switch the board's supply off and on",
         )
     }
 }

@@ -26,7 +26,11 @@ fn said(fault: &Fault, parts: &[&str]) {
 
 #[test]
 fn without_a_probe_it_says_what_to_connect() {
-    refused(&[], None, &["there is none at the USB", "carries data"]);
+    refused(
+        &[],
+        None,
+        &["no debug probe is connected by USB", "carries data"],
+    );
     refused(&[], Some("0483:374e"), &["0483:374e: is not connected"]);
 }
 

@@ -47,7 +47,8 @@ impl Program {
         let mut segments = Vec::new();
         for (address, bytes) in &self.parts {
             let size = bytes.len() as u32;
-            // PT_LOAD, place in the file, address where it runs and where it is written to, sizes, R and X, alignment.
+            // Program header: PT_LOAD, offset in the file, address when running and address when loading, two sizes, flags R and X,
+            // alignment.
             segments.extend([
                 1,
                 content.len() as u32,
@@ -63,7 +64,7 @@ impl Program {
         let mut names = vec![0];
         let mut symbols = vec![0; 16];
         for (name, value, message) in &self.symbols {
-            // Name, value, size; global data; in `.defmt` or nowhere in particular.
+            // Symbol: name, value, size; global data; in `.defmt` or with an absolute value.
             for word in [names.len() as u32, *value, 1] {
                 symbols.extend(word.to_le_bytes());
             }

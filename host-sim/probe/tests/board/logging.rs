@@ -84,7 +84,7 @@ fn control_block(memory: &mut Memory) {
             .collect::<Vec<_>>()
     };
     memory.put(CONTROL_BLOCK, b"SEGGER RTT\0\0\0\0\0\0");
-    // One ring upwards, none downwards; name, place, size, write, read, mode.
+    // One buffer to the computer, none from it. Fields of the buffer: name, address, size, write and read position, mode.
     memory.put(
         CONTROL_BLOCK + 16,
         &words(&[1, 0, NAME, RING, RING_BYTES, 0, 0, 0]),
@@ -215,7 +215,7 @@ fn a_ring_that_goes_round_many_times_loses_nothing() {
 #[test]
 fn what_was_damaged_is_said_and_the_next_is_read() {
     let (board, program) = (Board::g474("A1"), program(None));
-    // The end of a message, a number that no message has, and then a whole one.
+    // The end of a message, a message with an unknown number, and then a whole one.
     let bytes = [vec![0x33, 0x7f, 0], message(99, &[]), message(1, &[])].concat();
     let mut attached = running(&board, says(bytes));
     assert_eq!(
@@ -281,11 +281,15 @@ fn what_cannot_be_read_is_said() {
     let board = Board::g474("A1");
     let mut attached = running(&board, Box::new(|_, _| {}));
     // The program does not set up the ring buffer within two seconds.
-    refused(&mut attached, &elf, &["has set up no log", "device status"]);
+    refused(&mut attached, &elf, &["has no log yet", "device status"]);
     let mute = Program::default().with(FLASH, code(4000)).elf();
-    refused(&mut attached, &mute, &["keeps no log"]);
+    refused(&mut attached, &mute, &["has no log"]);
     board.machine.lock().unwrap().memory.flash.bytes[900] ^= 1;
-    refused(&mut attached, &elf, &["another program", "flash --log"]);
+    refused(
+        &mut attached,
+        &elf,
+        &["the program in the flash", "flash --log"],
+    );
     let why = Words::read(&mute).err().unwrap();
     assert!(why.contains("no messages"), "{why}");
     assert!(Words::read(b"no program").is_err());

@@ -173,7 +173,7 @@ impl Machine {
         }
         self.halted = false;
         if self.cpu.r[15] < RAM {
-            // Stands for the board's own program, as far as a probe sees it.
+            // The board's own program is not simulated. For the probe it runs, and a step halts again.
             if control & STEP != 0 {
                 self.halt(HALTED);
             }

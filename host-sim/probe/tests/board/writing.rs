@@ -106,10 +106,10 @@ fn a_cell_that_does_not_take_what_is_written_is_found() {
     let mut attached = attached(&board, "STM32G474RETx");
     let fault = attached.write(&image, |_| {}).unwrap_err().to_string();
     assert!(
-        fault.contains("what was read back is not what was written"),
+        fault.contains("the data read back differ from the data written"),
         "{fault}"
     );
-    assert!(fault.contains("no whole program now"), "{fault}");
+    assert!(fault.contains("program is incomplete now"), "{fault}");
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn what_is_no_program_for_the_chip_is_refused_before_a_probe_is_looked_for() {
         "not in the flash of the STM32G431RBTx",
     );
     refused(&at(FLASH), "STM32X999", "not known, STM32X999");
-    refused(&Program::default(), large, "nothing in it for the flash");
+    refused(&Program::default(), large, "nothing for the flash");
     let twice = at(FLASH).with(FLASH + 60, code(64));
     refused(&twice, large, "two parts for the same flash at 0x0800003c");
     Image::read(&at(0x0801_fff0).elf(), large).unwrap();

@@ -194,7 +194,7 @@ const WORLD: &[Effect] = &[
         place: Place::Torque,
         field: "device.current_sensor",
         typical: "8.7e-4 N·m rms and a step of as much",
-        source: "X-NUCLEO-IHM08M1: 15.5 mA a code (drive/src/hardware.rs) times 0.25 N·m/A, over the root of the 20 runs of a loop in a tick; noise of a code is an estimate",
+        source: "X-NUCLEO-IHM08M1: 15.5 mA a code (drive/src/hardware/ihm08m1.rs) times 0.25 N·m/A, over the root of the 20 runs of a loop in a tick; noise of a code is an estimate",
         of_hand: false,
         is_named: |scene| scene.device.current_sensor.is_some(),
         add: |scene| scene.device.current_sensor = Some(CurrentSensor::default()),

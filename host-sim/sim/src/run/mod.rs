@@ -195,16 +195,16 @@ pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
     Ok(of_settings.chain(untold_error(scene)).collect())
 }
 
-/// Number of times the rms of a sensor's noise that counts as the noise's largest error. One reading in 16,000 is further off.
+/// Factor from the rms of a sensor's noise to the error that counts as its largest. One reading in 16,000 has a larger error.
 ///
-/// The energy guard charges the told error for each change of force, so that a hand gains only by readings that are further off.
-/// Suppose a law that knows the noise and changes its force only at such readings. Its mean gain per control period is the change of
-/// force times `2 (φ(4) - 4 Q(4)) = 1.4e-5` rms (`φ`, `Q`: density and tail of the normal distribution). With the default noise of
-/// 0.52 mrad, changes of 0.6 N·m and 1 kHz, this is 4.5 µW: 1 % of the guard's refill power. With 3 rms it would be half of that
+/// The energy guard charges the configured error for each change of force, so a hand gains only by readings with a larger error.
+/// Suppose a law that knows the noise and changes its force only at such readings. Its mean gain per control period is the change
+/// of force times `2 (φ(4) - 4 Q(4)) = 1.4e-5` rms (`φ`, `Q`: density and tail of the normal distribution). With the default noise
+/// of 0.52 mrad, changes of 0.6 N·m and 1 kHz, this is 4.5 µW: 1 % of the guard's refill power. With 3 rms it would be half of that
 /// power.
 const NOISE_LARGEST: f64 = 4.0;
 
-/// Returns a warning if the energy guard's settings have a smaller sensor error than the scene.
+/// Returns a warning if the energy guard is configured for a smaller sensor error than the scene's sensor has.
 fn untold_error(scene: &Scene) -> Option<Error> {
     let periodic = scene.sensor.periodic.as_ref();
     let periodic = periodic.map_or(0.0, |it| it.amplitude_rad + it.second_amplitude_rad);
@@ -222,7 +222,7 @@ fn untold_error(scene: &Scene) -> Option<Error> {
         scene.error(
             "law.position_error_rad",
             format!(
-                "the energy guard is told an error of {told} rad, and the sensor has {enough:.4}{by_noise}: a hand may get out more than the guard's bound"
+                "the energy guard is configured for an encoder error of {told} rad, but the sensor's error reaches {enough:.4} rad{by_noise}: a hand may get out more energy than the guard's bound"
             ),
             format!("give {enough:.4} or more"),
         )

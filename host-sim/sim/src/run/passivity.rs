@@ -22,8 +22,8 @@ pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
     if scene.law.states == StatesKind::Estimated {
         return Ok(Some(scene.error(
             "law.states",
-            "no law on estimated states has a passivity bound of its own",
-            "give measured, see --preset thesis",
+            "a law on estimated states has no passivity bound of its own",
+            "set measured states, as --preset thesis does",
         )));
     }
     let plain = match scene.law.kind {

@@ -184,7 +184,7 @@ pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
         if asymmetry(scene).is_some() {
             return Err(scene.error(
                 "plant.integrator",
-                "no integrator knows friction that differs by direction",
+                "only the exact integrator supports friction that differs by direction",
                 "leave device.friction.asymmetry_n_m out, or give plant.integrator = \"exact\"",
             ));
         }

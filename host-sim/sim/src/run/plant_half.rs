@@ -75,7 +75,7 @@ impl PlantHalf {
     }
 }
 
-/// Stands for the control law: returns the torque that the other program gave.
+/// Takes the place of the control law: returns the torque that the other program gave.
 struct Given {
     torque_n_m: f64,
     changed_at_rad: Option<f64>,

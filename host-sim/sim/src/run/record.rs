@@ -114,7 +114,7 @@ impl Summary {
     pub fn note(&self) -> Option<String> {
         self.wall_off_s.map(|from_s| {
             format!(
-                "a wall is off from {from_s:.3} s on: the device is deeper inside it than positions of law.number = {} reach; move the wall, or choose another number format",
+                "a wall is off from {from_s:.3} s on, because the device is deeper inside it than law.number = {} can express; move the wall, or choose another number format",
                 self.number
             )
         })

@@ -55,7 +55,7 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
         other => scene.error(
             Field::Law.path(),
             other.to_string(),
-            "change what this error names",
+            "change the setting that this error names",
         ),
     }
 }
@@ -71,7 +71,7 @@ pub fn warned(scene: &Scene, warning: &Warning) -> Error {
     let (problem, fix) = match *warning {
         Warning::SoftAboveCritical { k_soft, k_critical } => (
             format!(
-                "k_v = {} is above k_c = 2 c_i/T = {}: the soft spring is then not stable by itself, and so nothing built on it",
+                "k_v = {} is above k_c = 2 c_i/T = {}: the law's soft spring is then unstable by itself, so the law may be unstable",
                 short(k_soft),
                 short(k_critical)
             ),

@@ -280,7 +280,7 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
         Refused::PartOfFormat { path, .. } => {
             scene.error(path, refused.to_string(), "give a smaller value")
         }
-        // Too many walls, or a pitch.
+        // Too many walls, or detents with too small a pitch.
         _ => scene.error(
             "environment",
             refused.to_string(),

@@ -83,7 +83,7 @@ impl Train {
         {
             return Err(scene.error(
                 "plant.integrator",
-                "no integrator knows a current loop, a transmission, cogging, imbalance, falling friction or bristles",
+                "only the exact integrator supports a current loop, a transmission, cogging, imbalance, falling friction or bristles",
                 "leave those out, or give plant.integrator = \"exact\"",
             ));
         }
@@ -207,7 +207,7 @@ fn substeps(
         largest.map(|wish| (wish.reason, wish.path)).unzip();
     if wanted > MOST {
         reasons.push(format!(
-            "{wanted:.0} would be needed, {MOST} are taken: plant.substeps gives more"
+            "{wanted:.0} substeps are needed, but only {MOST} are used: raise plant.substeps"
         ));
     }
     (count as u32, reasons, paths.first().copied())

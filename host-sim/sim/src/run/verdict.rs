@@ -34,11 +34,11 @@ pub const NOT_JUDGED: &str = "not-judged";
 pub const WORDS: [(&str, &str); 6] = [
     (
         "passive",
-        "came to rest; the user never got out more energy than was put in",
+        "came to rest; the hand never got out more energy than it had put in",
     ),
     (
         "active",
-        "came to rest, but the device had at some time given the user more energy than it had got",
+        "came to rest, but for a while the hand had got out more energy than it had put in",
     ),
     (
         "limit-cycle",
@@ -50,11 +50,11 @@ pub const WORDS: [(&str, &str); 6] = [
     ),
     (
         NOT_JUDGED,
-        "the hand did not rest, or the run was too short, so that it cannot be seen whether the wall does",
+        "the hand did not rest, or the run was too short to show whether the wall comes to rest",
     ),
     (
         NO_CONTACT,
-        "the wall never pushed, so that nothing is known of it",
+        "the wall never pushed, so the run shows nothing about it",
     ),
 ];
 
@@ -116,7 +116,7 @@ impl std::fmt::Display for NotJudged {
             ),
             Self::TooShort { seen_s, least_s } => write!(
                 f,
-                "only {:.1} ms of rest are seen, {:.0} ms are the least",
+                "the run shows only {:.1} ms of rest; at least {:.0} ms are needed",
                 1e3 * seen_s,
                 1e3 * least_s
             ),

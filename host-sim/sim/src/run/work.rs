@@ -99,10 +99,14 @@ impl Work {
             None => format!("{} may take {}", self.counted(), spoken(self.seconds)),
         };
         let fix = match self.path {
-            "timing.duration_s" => "give less, or a lower timing.rate_hz; a day is the limit",
-            "plant.substeps" => "give fewer, or a shorter timing.duration_s; a day is the limit",
+            "timing.duration_s" => {
+                "shorten it, or lower timing.rate_hz; the limit is a day of computing"
+            }
+            "plant.substeps" => {
+                "give fewer, or shorten timing.duration_s; the limit is a day of computing"
+            }
             _ => {
-                "give less of it, plant.substeps, or a shorter timing.duration_s; a day is the limit"
+                "give a smaller value, set plant.substeps, or shorten timing.duration_s; the limit is a day of computing"
             }
         };
         Err(scene.error(self.path, problem, fix))
@@ -117,7 +121,7 @@ impl Work {
             return Ok(());
         }
         let problem = format!(
-            "a trace of {} ticks is longer than the {MOST_OF_TRACE} that are kept",
+            "a trace of {} control periods is longer than the limit of {MOST_OF_TRACE}",
             self.ticks
         );
         let most_s = MOST_OF_TRACE as f64 / f64::from(scene.timing.rate_hz);
@@ -173,7 +177,7 @@ fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
             None => "device.inertia_kg_m2",
         };
         let reason = format!(
-            "device and pad move so fast beside a tick that friction needs {series} series"
+            "device and fingertip pad move so fast within a control period that friction needs {series} series"
         );
         // For a plant that is not stiff, nearly every tick is one product with a matrix.
         let step_s = if series > 2 { SERIES_S } else { SUBSTEP_S };

@@ -39,10 +39,10 @@ fn endstops(scene: &Scene) -> Option<Problem> {
         Problem::new(
             "environment.endstops.upper_rad",
             format!(
-                "must be above lower_rad, is {} and that {}",
+                "must be above lower_rad, but is {} with lower_rad = {}",
                 stops.upper_rad, stops.lower_rad
             ),
-            "exchange them, or move one",
+            "exchange the two values, or change one",
         )
     })
 }
@@ -59,7 +59,7 @@ fn profile(scene: &Scene) -> Option<Problem> {
         return Some(Problem::new(
             "environment.profile.end_rad",
             format!("must be 0.001 to 6283 rad beyond start_rad, is {length} beyond it"),
-            "exchange the ends, or move one",
+            "exchange start_rad and end_rad, or change one",
         ));
     }
     within_limit(
@@ -129,7 +129,7 @@ fn lateness(scene: &Scene) -> Option<Problem> {
         return Some(Problem::new(
             "timing.jitter_s",
             format!("must be at most the period of {period} s, is {jitter}"),
-            "give less, or lost_share for ticks that do not come at all",
+            "give a smaller value; for control periods that are left out, use lost_share",
         ));
     }
     let operator = &scene.operator;
@@ -141,7 +141,7 @@ fn lateness(scene: &Scene) -> Option<Problem> {
     operator.hand().is_none().then(|| {
         Problem::new(
             table,
-            "nobody holds the device",
+            "no hand holds the device",
             "give operator.grip = \"medium\", or leave the table out",
         )
     })
@@ -177,7 +177,7 @@ fn motion(scene: &Scene) -> Option<Problem> {
     let motion = &scene.operator.motion;
     if scene.operator.hand().is_none() && *motion != MotionSpec::None {
         let problem = format!(
-            "nobody holds the device, so nobody can do the motion {}",
+            "no hand holds the device, so there is no hand for the motion {}",
             motion.name()
         );
         return Some(Problem::new(
@@ -195,7 +195,7 @@ fn motion(scene: &Scene) -> Option<Problem> {
                 Problem::new(
                     "operator.motion.velocity_rad_per_s",
                     format!(
-                        "{} rad/s from {} rad outside is a tap of {frequency:.1} Hz, no hand moves above {FASTEST_MOTION_HZ} Hz",
+                        "{} rad/s from {} rad outside is a tap of {frequency:.1} Hz, but a hand moves at most at {FASTEST_MOTION_HZ} Hz",
                         tap.velocity_rad_per_s, tap.approach_rad
                     ),
                     format!("lower it, or give approach_rad = {} or more", tidy(approach)),
@@ -223,7 +223,7 @@ fn recording(recorded: &Recorded) -> Option<Problem> {
     (recorded.exact && moved).then(|| {
         Problem::new(
             "operator.motion.exact",
-            "takes the recording as it stands, but scale or offset_rad would move it",
+            "plays the recording unchanged, but scale or offset_rad would change it",
             "give scale = 1 and offset_rad = 0, or exact = false",
         )
     })

@@ -1,19 +1,20 @@
-//! Detents at listed angles, each with a torque and a width of its own. The control law plays them as a torque profile, which every
-//! board has; this file draws that profile.
+//! Detents at listed angles, each with its own torque and width. This file converts the list to a torque profile, which the control
+//! law of every board can render.
 
 use super::environment::TorqueProfile;
 use super::problem::Problem;
 use serde::{Deserialize, Serialize};
 use touchstone_control::environment::MOST_POINTS;
 
-/// The most detents of a list.
+/// Largest number of detents in a list.
 pub const MOST_DETENTS: usize = 16;
 
-/// How far the largest torque of a drawn detent may be below the listed one, as a fraction of it.
+/// Largest allowed loss of a detent's largest torque in the profile, as a fraction of the listed torque.
 const PEAK_OFF: f64 = 0.05;
-/// Largest distance from the listed angle to the angle at which the drawn detent rests, as a fraction of the detent's width.
+/// Largest allowed distance from a listed angle to the angle at which the knob rests in the profile, as a fraction of the detent's
+/// width.
 const REST_OFF: f64 = 0.01;
-/// Two angles this near, rad, are the same.
+/// Angles that differ by at most this value count as equal, rad.
 const SAME_RAD: f64 = 1e-6;
 
 /// Detents at listed angles. Each detent pulls the knob to its angle within half its width to either side. The torque is largest at
@@ -25,10 +26,11 @@ const SAME_RAD: f64 = 1e-6;
 pub struct DetentList {
     /// Angles of 1 to 16 detents, rad, rising. Default: five, 30° apart, from -60° to 60°.
     pub positions_rad: Vec<f64>,
-    /// Largest torque of each detent, N·m, from 0 to the force limit of the control law; one value is for all. Default 0.02.
+    /// Largest torque of each detent, N·m, from 0 to the force limit of the control law. A single value applies to all. Default
+    /// 0.02.
     pub strengths_n_m: Vec<f64>,
-    /// Width of each detent, rad; one value is for all. Neighbours may touch, not overlap. Default 30°, so that the five detents of
-    /// the default touch.
+    /// Width of each detent, rad. A single value applies to all. Neighbours may touch, but not overlap. Default 30°, so that the
+    /// five default detents touch.
     pub widths_rad: Vec<f64>,
 }
 
@@ -43,7 +45,7 @@ impl Default for DetentList {
     }
 }
 
-/// The number to nine decimals, as scenes print it.
+/// Rounds a number to the nine decimals that scenes print.
 fn nine(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
@@ -61,7 +63,7 @@ const STRENGTHS: &str = "environment.detent_list.strengths_n_m";
 const WIDTHS: &str = "environment.detent_list.widths_rad";
 
 impl DetentList {
-    /// Whether any detent has a torque.
+    /// Whether any detent has a torque above 0.
     #[must_use]
     pub fn acts(&self) -> bool {
         self.strengths_n_m.iter().any(|it| *it > 0.0)
@@ -116,14 +118,15 @@ impl DetentList {
         &self.positions_rad
     }
 
-    /// Draws the list as a torque profile that exists once.
+    /// Converts the list to a torque profile that is not repeated.
     ///
-    /// Points of a profile have equal distances. The number of points is the smallest at which all angles of the list's corners are
-    /// points, or else that at which the worst corner is nearest to one. The points on both sides of a detent's angle give the
-    /// detent's stiffness, so the torque is 0 exactly at the angle. The point nearest to a largest torque has that torque.
+    /// The profile's points are equally spaced. A corner is an end, a largest torque or the rest of a listed detent. The number of
+    /// points is the smallest at which every corner lies on a point, else that at which the worst corner is nearest to a point. The
+    /// points on both sides of a detent's angle have its listed stiffness, so the torque is 0 exactly at the angle. The point
+    /// nearest to a largest torque has that torque.
     ///
     /// # Errors
-    /// The lists do not fit each other, or a detent is too narrow for the profile's points.
+    /// The lists do not match each other, or a detent is too narrow for the distance between the profile's points.
     pub(crate) fn profile(&self) -> Result<TorqueProfile, Problem> {
         let detents = self.detents()?;
         let (Some(first), Some(last)) = (detents.first(), detents.last()) else {
@@ -139,7 +142,7 @@ impl DetentList {
         for detent in &detents {
             detent.draw(&mut torques, start, step);
         }
-        // Beyond the ends the torque of the last point goes on.
+        // Beyond its ends a profile keeps the torque of its end points, so these are set to 0.
         (torques[0], torques[steps]) = (0.0, 0.0);
         for (i, detent) in detents.iter().enumerate() {
             if let Some(off) = detent.off(&torques, start, step) {
@@ -147,7 +150,7 @@ impl DetentList {
                 return Err(Problem::new(
                     WIDTHS,
                     format!(
-                        "detent {} of {} rad is too narrow for a list of {:.4} rad, which is drawn with {MOST_POINTS} points: {off}",
+                        "detent {} of {} rad is too narrow for a list that spans {:.4} rad and has {MOST_POINTS} points: {off}",
                         i + 1,
                         detent.width,
                         end - start,
@@ -175,7 +178,7 @@ fn floor(value: f64, per: f64) -> f64 {
     (value * per).floor() / per
 }
 
-/// The number of steps between the first point and the last.
+/// The number of steps between the first and the last point of the profile.
 fn steps(detents: &[Detent], start: f64, end: f64) -> usize {
     let length = end - start;
     let corners = detents.iter().flat_map(|it| {
@@ -183,7 +186,7 @@ fn steps(detents: &[Detent], start: f64, end: f64) -> usize {
         [-2.0, -1.0, 0.0, 1.0, 2.0].map(|by| (it.at + by * quarter, quarter))
     });
     let corners: Vec<(f64, f64)> = corners.collect();
-    // How far the worst corner is from a point, in quarters of its detent's width.
+    // Distance from the worst corner to the nearest point, in quarters of its detent's width.
     let worst = |steps: usize| {
         let step = length / steps as f64;
         let off = corners.iter().map(|(at, quarter)| {
@@ -224,7 +227,7 @@ impl Detent {
         for side in [-1.0, 1.0] {
             let peak = ((self.at + side * quarter - start) / step).round();
             let beside = start + step * peak - self.at;
-            // A point next to the detent's angle keeps the stiffness.
+            // A point next to the detent's angle keeps the torque of the stiffness, unless it is exactly at the largest torque.
             if (beside.abs() > step || (beside.abs() / quarter - 1.0).abs() < 1e-6)
                 && let Some(torque) = torques.get_mut(peak as usize)
             {
@@ -233,7 +236,7 @@ impl Detent {
         }
     }
 
-    /// The property of the drawn detent that differs from the listed one; `None` if all properties are within the limits.
+    /// Text on the property of the drawn detent that differs too much from the listed one; `None` if all are within their limits.
     fn off(&self, torques: &[f64], start: f64, step: f64) -> Option<String> {
         let place = |at: f64| (at - start) / step;
         let at = |at: f64| {
@@ -255,9 +258,10 @@ impl Detent {
                 return Some(format!("it would give {share:.0} % of its torque"));
             }
         }
-        // The stiffness at rest is 4 strength / width; the torque there says how far the knob rests beside.
+        // The stiffness at rest is 4 strength / width. Torque over stiffness is the distance from the listed angle to the rest.
         let beside = at(self.at).abs() * self.width / 4.0 / self.strength.max(f64::MIN_POSITIVE);
-        (beside > REST_OFF * self.width).then(|| format!("it would rest {beside:.4} rad beside"))
+        (beside > REST_OFF * self.width)
+            .then(|| format!("it would rest {beside:.4} rad beside its angle"))
     }
 }
 
@@ -310,7 +314,7 @@ mod tests {
             let off = drawn(&profile, angle) - listed(&detents, angle);
             assert!(off.abs() < 1e-9, "{angle}: {off}");
         }
-        // Sixteen that touch.
+        // Sixteen detents that touch.
         let many: Vec<f64> = (0..16).map(f64::from).collect();
         let profile = list(&many, &[0.02], &[1.0]).profile().unwrap();
         assert_eq!(profile.shape.len(), 65);
@@ -346,12 +350,12 @@ mod tests {
                 );
             }
         }
-        // Free between two that do not touch.
+        // Between two detents that do not touch, the knob turns freely.
         assert!(drawn(&profile, 1.5).abs() < 1e-12 && drawn(&profile, 2.4).abs() < 1e-12);
     }
 
-    /// The weakest side of a detent: how far its largest drawn torque is below the listed one, as a fraction. And the largest
-    /// distance from a listed angle to the rest beside it, as a fraction of the width.
+    /// The worst values over all detents of a list. First: loss of the largest torque in the profile, as a fraction of the listed
+    /// torque. Second: distance from the listed angle to the rest, as a fraction of the width.
     fn worst(list: &DetentList, profile: &TorqueProfile) -> [f64; 2] {
         let mut worst = [0.0_f64; 2];
         for it in list.detents().unwrap() {
@@ -365,8 +369,8 @@ mod tests {
         worst
     }
 
-    /// Random lists whose angles and widths have no common grid. An accepted list has its torques and rests at its angles. A refused
-    /// list is accepted after its remedy was followed, at most three times.
+    /// Tests random lists whose angles and widths have no common grid. An accepted list keeps its torques and rest angles within
+    /// the limits. A refused list is accepted after its remedy was followed at most three times.
     #[test]
     fn a_list_without_a_grid_keeps_its_torques_or_has_a_remedy() {
         let mut bits = 1_u64;
@@ -391,7 +395,7 @@ mod tests {
                 }
                 list(&positions, &strengths, widths)
             };
-            // Wider detents make the list longer, and a longer list asks for wider ones.
+            // Wider detents make the list longer, and a longer list needs wider detents.
             for _ in 0..3 {
                 let Err(no) = placed(&widths).profile() else {
                     break;
@@ -421,7 +425,7 @@ mod tests {
         assert!(profile.shape.iter().all(|it| *it == 0.0), "{profile:?}");
     }
 
-    /// Widths and distances that touch, but not to the bit.
+    /// Tests that detents are accepted that touch except for rounding errors.
     #[test]
     fn neighbours_may_touch() {
         assert_eq!(DetentList::default().profile().unwrap().shape.len(), 21);

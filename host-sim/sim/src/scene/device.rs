@@ -50,7 +50,7 @@ impl Default for DeviceSpec {
             // The thesis gives no inertia. Chosen between a bare gimbal motor (2e-6 to 2e-5) and a measured student
             // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
             inertia_kg_m2: 1e-4,
-            // The thesis found 5e-4 by feel with a finger on the knob, so that value holds the finger's damping too.
+            // The thesis found 5e-4 by feel with a finger on the knob, so that value includes the finger's damping.
             // The default damping of the device and that of a medium fingertip together come near this value.
             damping_n_m_s_per_rad: 4e-4,
             initial_angle_rad: None,

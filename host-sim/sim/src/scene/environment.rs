@@ -39,7 +39,7 @@ pub struct Environment {
     /// Friction in proportion to the speed. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damper: Option<ViscousFriction>,
-    /// Friction of one size. Absent: none.
+    /// Friction with a constant torque. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dry_friction: Option<DryFriction>,
     /// Short torques at evenly spaced angles. Absent: none.

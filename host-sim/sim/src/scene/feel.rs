@@ -17,7 +17,8 @@ pub struct CentreSpring {
     pub centre_rad: f64,
     /// Stiffness, N·m/rad, 0 to 100. Default 0.03.
     pub stiffness_n_m_per_rad: f64,
-    /// Largest torque, N·m, from 0 to the force limit of the control law; further away the torque stays at it. Default 0.03.
+    /// Largest torque, N·m, from 0 to the force limit of the control law. At larger angles the torque stays at this value. Default
+    /// 0.03.
     pub strength_n_m: f64,
 }
 
@@ -51,13 +52,13 @@ impl Default for ViscousFriction {
     }
 }
 
-/// Rendered dry friction: a torque of one size against every motion, which also holds the knob at rest.
+/// Rendered dry friction: a constant torque against every motion, which also holds the knob at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DryFriction {
     /// Torque while the knob slides, N·m, from 0 to the force limit of the control law. Default 0.005.
     pub strength_n_m: f64,
-    /// Angle over which the knob moves like on a spring before it slides, rad, 0.001 to 1. Default 0.02.
+    /// Angle by which the knob first moves as on a spring before it slides, rad, 0.001 to 1. Default 0.02.
     pub stretch_rad: f64,
 }
 
@@ -70,7 +71,7 @@ impl Default for DryFriction {
     }
 }
 
-/// Clicks: a short torque at evenly spaced angles, first against the motion and then as long with it.
+/// Clicks: a short torque at evenly spaced angles, first against the motion and then for the same time with it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Clicks {

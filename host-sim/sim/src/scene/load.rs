@@ -102,7 +102,7 @@ impl Scene {
     pub fn with_recording(&self, file: &Path) -> Result<Scene> {
         let option = format!("--operator-motion {}", file.display());
         if self.operator.hand().is_none() {
-            let problem = format!("nobody holds the device in the scene {}", self.name);
+            let problem = format!("no hand holds the device in the scene {}", self.name);
             return Err(Error::Option {
                 option,
                 problem,

@@ -307,7 +307,7 @@ impl Default for Turn {
 }
 
 /// Motion of a light touch followed by a firm press. An unstable control law can fail in either phase: a wall that gives too much
-/// energy throws the lightly touching hand off, and a wall sampled too coarsely oscillates under the firm press.
+/// energy pushes the lightly touching hand away, and a wall sampled too coarsely oscillates under the firm press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TouchAndPress {
@@ -335,7 +335,7 @@ impl Default for TouchAndPress {
     fn default() -> Self {
         TouchAndPress {
             start_s: 0.1,
-            // The fastest touch of a hand (10 Hz). A wall that gives too much energy then throws a light hand off.
+            // The fastest touch of a hand (10 Hz). A wall that gives too much energy then pushes a light hand away.
             touch_ramp_s: FASTEST_RAMP_S,
             // Long enough for the heaviest hand's own swing in its grip (0.3 s) to die away.
             touch_s: 2.0,

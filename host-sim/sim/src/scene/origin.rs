@@ -44,7 +44,7 @@ impl Origin {
         self.file.as_deref()
     }
 
-    /// Sentences about what the scene takes from other files than they say, each for a note to the user.
+    /// Sentences for the user about values that were changed when the scene was read, such as a resampled torque profile.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -80,7 +80,7 @@ impl Scene {
             Error::Io {
                 path: file.to_owned(),
                 problem: error.to_string(),
-                fix: "give a file of settings, as `touchstone tune --out FILE` writes it".into(),
+                fix: "give a file of settings, such as `touchstone tune --out FILE` writes".into(),
             }
         })?;
         let option = |key: &str| format!("--settings {}: {key}", file.display());
@@ -89,7 +89,7 @@ impl Scene {
             .map_err(|error: toml::de::Error| Error::Option {
                 option: option(&format!("line {}", line_of(&text, &error))),
                 problem: error.message().to_owned(),
-                fix: "mend the form of the file".into(),
+                fix: "correct the TOML syntax of the file".into(),
             })?;
         let mut leaves = Vec::new();
         flatten("", &table, &mut leaves);

@@ -1,4 +1,4 @@
-//! Reads a torque profile from a CSV file with a column of angles and one of torques, whose units are in the header.
+//! Reads a torque profile from a CSV file with a column of angles and a column of torques, whose units are in the header.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -12,13 +12,13 @@ use touchstone_control::environment::{MOST_POINTS, WHOLE};
 
 /// Largest number of rows of a profile's file.
 const MOST_ROWS: usize = 256;
-/// Distance of a row from its place among equally spaced rows up to which the rows count as equally spaced, as a fraction of a
-/// step. Angles with four digits are that exact for 96 rows over a radian.
+/// Largest deviation of a row's angle from equal spacing, as a fraction of a step, for which the rows count as equally spaced.
+/// Angles with four digits meet this for 96 rows over a radian.
 const EVEN: f64 = 0.01;
-/// A header for error messages to show.
+/// Example of a header, for error messages.
 const HEADER: &str = "angle_deg,torque_n_m";
 
-/// A profile as a scene's fields have it.
+/// A profile in the form of the scene's fields.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawn {
     pub per_rev: u32,
@@ -26,11 +26,11 @@ pub(super) struct Drawn {
     pub end_rad: f64,
     pub strength_n_m: f64,
     pub shape: Vec<f64>,
-    /// Sentence about what was changed to fit the fields; `None` if nothing was.
+    /// Sentence for the user that says how the points differ from the file's rows; `None` if the points are the rows.
     pub note: Option<String>,
 }
 
-/// Reads a profile from a file. It has `per_rev` copies in a turn; with 0 it exists once.
+/// Reads a profile from a file. The profile is repeated `per_rev` times per turn; with 0 it exists once.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::File`] with line and column for the first mistake in it.
@@ -41,7 +41,9 @@ pub(super) fn read(file: &Path, per_rev: u32) -> Result<Drawn> {
                 "give the path of a CSV file with angle and torque, relative to the scene's folder"
             }
             std::io::ErrorKind::InvalidData => "save the profile as CSV in UTF-8",
-            std::io::ErrorKind::FileTooLarge => "give a file with a row a point, at most 256",
+            std::io::ErrorKind::FileTooLarge => {
+                "give a file with one row for each point, at most 256"
+            }
             _ => "give a readable file",
         };
         let problem = match error.kind() {
@@ -162,7 +164,8 @@ fn parse(text: &str, file: &Path, per_rev: u32) -> Result<Drawn> {
         length = TAU / f64::from(per_rev);
         let step = length / rows.len() as f64;
         if span > length + EVEN * step {
-            let problem = format!("{span:.6} rad of profile, where a copy has {length:.6} rad");
+            let problem =
+                format!("the profile spans {span:.6} rad, but a copy has {length:.6} rad");
             let fix = "leave rows out, or give fewer copies in per_rev (0: once)";
             return Err(error(last.line, &angle.name, problem, fix));
         }
@@ -172,7 +175,7 @@ fn parse(text: &str, file: &Path, per_rev: u32) -> Result<Drawn> {
                 let fix = "make both equal, or leave the last row out";
                 return Err(error(last.line, &torque.name, problem, fix));
             }
-            // The start of the next copy, which is the first row again.
+            // The last row is at the start of the next copy and repeats the first row, so it is removed.
             rows.pop();
             if rows.len() < 2 {
                 return Err(few("one point in a copy"));
@@ -198,7 +201,8 @@ fn parse(text: &str, file: &Path, per_rev: u32) -> Result<Drawn> {
     })
 }
 
-/// Straight lines between the rows; where the profile is repeated, a line leads from the last row to the next copy.
+/// Straight lines between neighbouring rows. If the profile is repeated, a line also joins the last row to the first row of the
+/// next copy.
 struct Curve<'a> {
     rows: &'a [Row],
     /// Length of a copy, rad; `None` if the profile exists once.
@@ -206,7 +210,7 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// Torques at equally spaced angles, N·m, and a sentence if these are not the file's own rows.
+    /// Torques at equally spaced angles, N·m. If these are not the file's own rows, also a sentence for the user that says so.
     fn points(&self, file: &Path) -> (Vec<f64>, Option<String>) {
         let (n, start) = (self.rows.len(), self.rows[0].angle);
         let step = self.step(n);
@@ -219,7 +223,8 @@ impl Curve<'_> {
         let points: Vec<f64> = (0..MOST_POINTS)
             .map(|i| self.at(start + step * i as f64))
             .collect();
-        // Between straight lines, the largest difference is at a row of the file or at a point; at the points it is 0.
+        // Both curves consist of straight lines, so they differ most at a row of the file or at a point. At the points they are
+        // equal.
         let off = self.rows.iter().map(|row| {
             let place = ((row.angle - start) / step).clamp(0.0, MOST_POINTS as f64);
             let (before, way) = (place.floor() as usize, place.fract());
@@ -249,7 +254,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Torque at an angle at or above the first row's, N·m.
+    /// Torque at an angle that is not below that of the first row, N·m.
     fn at(&self, angle: f64) -> f64 {
         let after = self.rows.partition_point(|row| row.angle <= angle).max(1);
         let before = self.rows[after - 1];
@@ -274,7 +279,7 @@ mod tests {
         parse(text, Path::new("p.csv"), per_rev)
     }
 
-    /// A file with a row for every angle in degrees, and the torque of a wave of six degrees.
+    /// CSV text with one row per given angle in degrees. The torque is a sine with a period of six degrees.
     fn wave(angles_deg: impl Iterator<Item = f64>) -> String {
         let row = |deg: f64| format!("{deg},{}\n", 0.01 * (deg * TAU / 6.0).sin());
         format!(
@@ -312,7 +317,8 @@ mod tests {
         assert_eq!((open.per_rev, open.note.is_none()), (6, true));
     }
 
-    /// Rows at unequal angles become equally spaced points on the same lines, and the note gives the largest difference.
+    /// Tests that rows at unequal angles become equally spaced points on the same lines, and that the note gives the largest
+    /// difference.
     #[test]
     fn other_rows_are_put_at_equal_distances_with_a_note() {
         let text = "angle_rad,torque_n_m\n0,0\n0.1,0.02\n0.95,0\n";
@@ -328,7 +334,7 @@ mod tests {
             };
             assert!((value - line).abs() < 1e-4, "{i}: {value} {line}");
         }
-        // The corner at 0.1 rad is a point: 0.1 = 10 steps of 0.01.
+        // The corner at 0.1 rad lies on a point: the steps are 0.01 rad.
         let note = drawn.note.unwrap();
         assert!(
             note.starts_with("p.csv: 3 points, not equally spaced, became 96"),
@@ -339,7 +345,8 @@ mod tests {
             off.trim_end_matches(" N·m").parse().unwrap()
         };
         assert!(off(&note) < 1e-6, "{note}");
-        // A corner between two points is cut by what the two lines differ there.
+        // A corner between two points is cut off. The lost torque follows from the slopes of the two lines and the distance to the
+        // points.
         let cut = read("angle_rad,torque_n_m\n0,0\n0.105,0.02\n0.95,0\n", 0).unwrap();
         let lost = 0.02 * 0.5 * (0.005 / 0.105 + 0.005 / 0.845);
         assert!((off(&cut.note.unwrap()) - lost).abs() < 0.02 * lost);
@@ -395,7 +402,7 @@ mod tests {
             (
                 "# mine\nangle_deg,a_rad,torque_nm\n".to_owned(),
                 0,
-                "p.csv:2: angle: both angle_deg and a_rad look like it; keep one of the two columns",
+                "p.csv:2: angle: both angle_deg and a_rad fit; keep one of the two columns",
             ),
             (
                 head.to_owned(),
@@ -440,7 +447,7 @@ mod tests {
             (
                 format!("{head}0,0\n50,0.01\n70,0\n"),
                 6,
-                "p.csv:4: angle_deg: 1.221730 rad of profile, where a copy has 1.047198 rad; leave rows out, or give fewer copies in per_rev (0: once)",
+                "p.csv:4: angle_deg: the profile spans 1.221730 rad, but a copy has 1.047198 rad; leave rows out, or give fewer copies in per_rev (0: once)",
             ),
             (
                 format!("{head}0,0\n30,0.01\n60,0.01\n"),

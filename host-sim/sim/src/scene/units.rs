@@ -96,7 +96,7 @@ pub(crate) fn by_suffix(suffix: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.suffix == suffix)
 }
 
-/// The longest unit at the end of `name`; `name` may consist of the unit alone.
+/// The longest unit at the end of `name`, which may consist of only the unit. `None` if there is no known unit.
 ///
 /// Also `None` if the unit is only the end of an unlisted rate, such as the `s` of `counts_per_s`.
 pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {

@@ -63,7 +63,7 @@ pub(crate) fn was_renamed(new: &str) -> (String, String) {
     } else {
         format!("write {new}")
     };
-    ("it has another name now".to_owned(), fix)
+    ("this setting has a new name".to_owned(), fix)
 }
 
 /// Problem and remedy, as text, if `name` is one of the given fields with a wrong unit or without a unit; else `None`.

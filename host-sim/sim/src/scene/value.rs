@@ -108,7 +108,7 @@ pub(crate) fn shown(value: &Value) -> String {
     }
 }
 
-/// Converts a parsed TOML value. An integer beyond 64 bits becomes a float, so that the later error speaks of type or range.
+/// Converts a parsed TOML value. An integer beyond 64 bits becomes a float, so that the later error is about type or range.
 pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
     match leaf {
         DeValue::String(text) => Value::String(text.to_string()),

@@ -50,7 +50,7 @@ impl<const N: usize> Method<N> for SemiImplicitEuler<N> {
                 Reaction::Slides(torque) => state[1] - torque * self.response,
             };
         }
-        // A position is followed by its velocity.
+        // The entry after a position is its velocity.
         for i in 0..N {
             if self.positions[i] {
                 state[i] += self.step_s * state[i + 1];

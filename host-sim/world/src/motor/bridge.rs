@@ -25,7 +25,7 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// Makes a bridge without dead time and without diode voltage.
+    /// Makes a bridge without dead time. Its diodes have a forward voltage of 0.7 V.
     #[must_use]
     pub const fn ideal(bus_v: f64, top: u16) -> Self {
         Self {

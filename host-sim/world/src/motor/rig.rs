@@ -44,8 +44,8 @@ pub struct Rig<S: Stepper> {
     pub cogging: Vec<Harmonic>,
     /// The wires between bridge and motor. They may be changed between two periods.
     pub wires: Wires,
-    /// The motor's work on the shaft since the beginning, less what the device's own damping and friction took, J: what knob and hand
-    /// got.
+    /// The motor's work on the shaft since the beginning, less what the device's own damping and friction took, J: what knob and
+    /// hand got.
     pub given_j: f64,
     windings: Windings,
     plant: S,

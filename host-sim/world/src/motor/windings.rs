@@ -188,8 +188,9 @@ impl Windings {
         self.current -= axis * (self.current * axis.conj()).re;
     }
 
-    /// Same as [`Windings::step`] with one phase that is not connected. In the stationary frame the current has one direction left,
-    /// in which the motor's equation is the same, so its current is exact. The mean torque is that of the two ends.
+    /// Same as [`Windings::step`] with one phase that is not connected. The current then keeps to one direction of the stator's
+    /// frame, in which the motor's equation is the same, so the current is exact. The mean torque is approximated by the mean of
+    /// the torques at the interval's two ends.
     pub fn step_without(
         &mut self,
         open: usize,

@@ -250,7 +250,7 @@ mod tests {
                     hits += 1;
                     assert!(sample - t < 5.1e-5 && t <= sample, "{t} {sample}");
                 }
-                // Sampling may miss a dip between two samples; then the found root must hold up by itself.
+                // Sampling may miss a dip between two samples; then the found root is checked on its own.
                 (Some(t), None) => assert!(p.at(t).abs() < 1e-14 && p.at(t + 1e-6) < 1e-14, "{t}"),
                 (None, Some(sample)) => panic!("missed a root before {sample}"),
             }

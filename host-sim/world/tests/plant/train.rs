@@ -387,12 +387,13 @@ fn play_transmits_nothing_and_then_as_a_spring() {
         ..bare(LOSSLESS)
     };
     let train = made::<4, 8>(&links, &smooth(), 64);
-    // The motor crosses the play alone, as if the knob were not there, and a bounce turns the relative velocity round.
+    // The motor crosses the play alone, as if the knob were not there, and a bounce reverses the relative velocity.
     let mut state = TrainState::from_array([0.0, 1.0, 0.0, 0.0]);
     for tick in 1..=4 {
         train.step(&mut state, 0.0, 0.0);
         let [x, v, x_k, v_k] = state.to_array();
-        // Taken off at the middle of a substep, the spring leaves `k v h^3/(12 J)` of each: 9e-11 and 2e-10 rad.
+        // The play's torque is that of a substep's middle. This leaves an error of `k v h^3/(12 J)` in each substep: 9e-11 rad for
+        // the motor, 2e-10 rad for the knob.
         assert!((x - f64::from(tick) * T).abs() < 6e-8 && (v - 1.0).abs() < 1e-5);
         assert!(x_k.abs() < 6e-8 && v_k.abs() < 1e-5);
     }

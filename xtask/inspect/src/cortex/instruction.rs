@@ -37,7 +37,7 @@ pub fn decode(first: u32, second: u32) -> Instruction {
             _ => Instruction::Other,
         };
     }
-    // `LDR PC, [..]` by another register than the stack pointer.
+    // `LDR PC, [..]` with a base register other than the stack pointer.
     if first & 0xff70 == 0xf850 && second >> 12 == 15 && first & 15 != 13 {
         return Instruction::JumpRegister;
     }
@@ -81,7 +81,7 @@ pub fn lowers(first: u32, second: u32) -> Option<u32> {
     let (destination, low) = (second >> 8 & 15, second & 0xff);
     let constant = (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | low;
     match first {
-        // PUSH.W, and STR with the same effect.
+        // PUSH.W, and STR that pushes one register.
         0xe92d => Some(second.count_ones() * 4),
         0xf84d if second & 0x0fff == 0x0d04 => Some(4),
         // STRD with write-back, downwards.

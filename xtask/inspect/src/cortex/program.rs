@@ -1,6 +1,6 @@
-//! Reads from a Cortex-M's ELF file what is needed to follow a function through all functions that it calls.
+//! Reads from a Cortex-M's ELF file what is needed to follow all calls below a function.
 //!
-//! Code and data are distinguished by the symbols `$t` and `$d` that the ABI demands.
+//! The symbols `$t` and `$d`, which the ABI requires, separate code from data.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -110,7 +110,7 @@ impl ProgramCode {
         }
     }
 
-    /// The address of a symbol that is no function.
+    /// The value of a symbol that is not a function; `None` if there is no such symbol.
     pub fn symbol(&self, name: &str) -> Option<u32> {
         self.symbols.get(name).copied()
     }
@@ -121,13 +121,13 @@ impl ProgramCode {
         all.map(|(address, function)| (*address, function.name.as_str(), function.size))
     }
 
-    /// A function's name and size by its address.
+    /// A function's name and size by its start address; `None` if no function begins there.
     pub fn function(&self, address: u32) -> Option<(&str, u32)> {
         let function = self.functions.get(&(address & !1))?;
         Some((&function.name, function.size))
     }
 
-    /// The name of the function at an address.
+    /// The name of the function that begins at an address.
     pub fn function_name(&self, address: u32) -> Option<&str> {
         self.function(address).map(|(name, _)| name)
     }
@@ -137,14 +137,14 @@ impl ProgramCode {
         self.functions.keys().copied()
     }
 
-    /// The address of the function with exactly this name.
+    /// The start address of the function with exactly this name.
     pub fn address(&self, name: &str) -> Option<u32> {
         let is_it = |(_, function): &(&u32, &Function)| function.name == name;
         Some(*self.functions.iter().find(is_it)?.0)
     }
 
-    /// Target of a linker's veneer, the bridge to code that is too far for a call. A veneer is `MOVW` and `MOVT` of a register and
-    /// a jump by that register, and nothing else. `None` for any other code.
+    /// Target of a veneer, the linker's bridge to code that is too far for a call. A veneer consists of `MOVW` and `MOVT` to a
+    /// register and a jump by that register. `None` for any other code.
     pub fn bridge(&self, start: u32) -> Option<u32> {
         let wide = |at: u32| loads_half(self.half(at)?, self.half(at + 2)?);
         let ((false, low, bottom), (true, high, top)) = (wide(start)?, wide(start + 4)?) else {

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use super::instruction::{Instruction, decode};
 use super::program::ProgramCode;
 
-/// The functions that a given function calls, directly or through other functions.
+/// The functions that a given function reaches: it calls them directly or through other functions.
 #[derive(Debug, Default)]
 pub struct Reach {
     /// Names of the reached functions, including the starting function.
@@ -22,7 +22,7 @@ pub struct Reach {
     pub unknown: Vec<String>,
     /// Places at which the code masks interrupts, each as text.
     pub masks: Vec<String>,
-    /// Trap instructions, which stop the processor where the code must not get, each as text.
+    /// Trap instructions, which stop the processor where execution must never get, each as text.
     pub traps: Vec<String>,
 }
 

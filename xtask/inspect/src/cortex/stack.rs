@@ -1,11 +1,11 @@
 //! Computes from a program's machine code the largest depth of the stack below a function.
 //!
-//! A function's frame is the sum of everything in it that lowers the stack pointer. That may be too much, as a compiler may put two
-//! of them on different paths, but never too little. A jump to another function counts as a call. What cannot be bounded is
-//! reported: recursion, and frames of a size that is only known at run time.
+//! A function's frame is the sum of everything in it that lowers the stack pointer. This sum is never too small. It may be too
+//! large, because a compiler may lower the stack pointer on several paths. A jump to another function counts as a call. Recursion,
+//! and frames whose size is only known at run time, have no bound and are reported.
 //!
-//! A call through a register may lead to any function whose address appears in the program's data or is made in the program's code.
-//! [`Depths::nested`] takes how many such calls may be inside each other.
+//! A call through a register may lead to any function whose address occurs in the program's data or is computed in the program's
+//! code. [`Depths::nested`] takes the largest number of such calls inside each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,11 +18,11 @@ struct Frame {
     bytes: u32,
     calls: BTreeSet<u32>,
     calls_by_register: bool,
-    /// Whether the stack pointer is set from a register: to align the frame, or for a size known at run time only.
+    /// Whether the stack pointer is set from a register, to align the frame or for a size that is only known at run time.
     is_variable: bool,
 }
 
-/// A function's address, and how many calls through registers may be inside each other below the function.
+/// A function's address, and the largest number of nested calls through registers below the function.
 type Question = (u32, u32);
 
 /// The largest stack depth below each function of a program.
@@ -45,7 +45,7 @@ impl<'p> Depths<'p> {
         for start in program.starts() {
             let size = program.function(start).map_or(0, |(_, size)| size);
             let mut frame = Frame::default();
-            // Its goal is called, and not taken for anybody's call through a register.
+            // The target of a veneer counts as called. It does not become a possible target of other calls through registers.
             if let Some(goal) = program.bridge(start) {
                 frame.calls.insert(goal);
                 frames.insert(start, frame);
@@ -60,7 +60,7 @@ impl<'p> Depths<'p> {
                 match decode(first, second) {
                     Instruction::Branch(far) => {
                         let goal = (at + 4).wrapping_add_signed(far);
-                        // A jump to the function's own beginning is a loop; a call of it, recursion.
+                        // A jump to the function's own beginning is a loop; a call of it is recursion.
                         let is_call = second & 0x4000 != 0;
                         if goal != start || is_call {
                             frame.calls.insert(goal);
@@ -87,7 +87,7 @@ impl<'p> Depths<'p> {
         }
         // Words in data, and the constants between functions.
         for part in &program.parts {
-            // What the vector table names is called by the processor only.
+            // Only the processor calls the functions in the vector table.
             if part.name == ".vector_table" {
                 continue;
             }
@@ -111,13 +111,12 @@ impl<'p> Depths<'p> {
         }
     }
 
-    /// Bytes of stack below a function, its own frame included, where up to `nested` calls through registers may be inside each
-    /// other.
+    /// Bytes of stack below a function, including its own frame. At most `nested` calls through registers are inside each other.
     pub fn nested(&mut self, start: u32, nested: u32) -> u32 {
         self.below(start, nested, &mut Vec::new())
     }
 
-    /// Leaves out the functions whose names contain a text, because they have returned before the stack's depth counts.
+    /// Leaves out, from now on, the functions whose names contain `text`, because they have already returned.
     pub fn leave_out(&mut self, text: &str) {
         let program = self.program;
         self.frames.retain(|start, _| {
@@ -175,8 +174,8 @@ impl<'p> Depths<'p> {
         path.pop();
         if frame.calls_by_register && nested > 0 {
             for goal in self.taken.clone() {
-                // Whatever is called through a register begins a path of its own, with one such call less to come. Only the
-                // executor, which is the outermost, calls a task.
+                // A function that is called through a register begins a new path; `nested` bounds the number of such calls. Tasks
+                // (`poll`) are only called by the outermost such call, in the executor.
                 if nested > 1 || !self.name(goal).contains("poll") {
                     let bytes = self.below(goal, nested - 1, &mut Vec::new());
                     if bytes > deepest {

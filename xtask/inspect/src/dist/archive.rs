@@ -28,8 +28,8 @@ impl Entry {
     }
 }
 
-/// Packs all entries into one folder of an archive, in the order of their names, and returns the archive's bytes. `seconds` since
-/// 1970 is the time stamp of each file.
+/// Packs all entries into one folder of an archive, in the order of their names, and returns the archive's bytes. Each file has the
+/// time stamp `seconds`, counted from 1970.
 pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
     // The gzip header has no time stamp, so that the bytes do not depend on the time of packing.
     let compressed = GzBuilder::new().write(Vec::new(), Compression::best());

@@ -1,5 +1,5 @@
-//! Converts a board's program from ELF to a plain image of the flash memory. An image can be copied onto the drive that an ST-LINK
-//! probe shows, without another tool.
+//! Converts a board's program from ELF to a plain image of the flash memory. To flash an image, a user copies it to the drive that
+//! an ST-LINK probe shows; no other tool is needed.
 
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};

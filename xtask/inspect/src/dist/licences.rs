@@ -57,8 +57,7 @@ const TEXTS: [&str; 6] = [
     "UNLICENSE",
 ];
 
-/// Text with the list of packages, followed by the packages' licence texts; equal texts appear once. Errors: a package names no
-/// licence.
+/// The list of packages as text, followed by their licence texts; equal texts appear once. Errors: a package names no licence.
 pub fn text(metadata: &[&Path]) -> Result<String, String> {
     let mut rows = BTreeMap::new();
     let mut texts = BTreeMap::<String, BTreeSet<String>>::new();

@@ -29,17 +29,17 @@ const AS_IT_IS: [&str; 5] = [
 
 /// Where the archive is written and what goes into it.
 pub struct Parts<'a> {
-    /// Folder to write the archive to. The archive's file and the single folder in it are called `name`.
+    /// Folder to write the archive to. The archive's file and the single folder inside the archive are called `name`.
     pub out: &'a Path,
     /// Name such as `touchstone-0.1.0-x86_64-linux`.
     pub name: &'a str,
-    /// Time stamp of all entries in seconds since 1970: the time of the commit.
+    /// Time stamp of all entries in seconds since 1970: the time of the commit, or `SOURCE_DATE_EPOCH`.
     pub seconds: u64,
     /// File with the text that names the version.
     pub version: &'a Path,
     /// The program built for this machine.
     pub program: &'a Path,
-    /// The shared library for FMUs, which the program looks for beside itself.
+    /// The shared library for FMUs, which the program looks for in its own folder; `None` if there is none.
     pub library: Option<&'a Path>,
     /// Names of boards, each with the path of its firmware as an ELF file.
     pub boards: Vec<(&'a str, &'a Path)>,
@@ -119,7 +119,7 @@ pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
     )))
 }
 
-/// Packs files of a folder, by their paths in it, into a zip archive with a checksum beside it.
+/// Packs files of a folder into a zip archive and writes its checksum beside it. `names` are the files' paths in the folder.
 pub fn zip(file: &Path, folder: &Path, names: &[&str]) -> Result<Answer, String> {
     let mut files = Vec::new();
     for name in names {

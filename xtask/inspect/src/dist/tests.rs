@@ -162,7 +162,7 @@ fn an_archive_has_everything_under_its_sum() {
 #[test]
 fn the_same_files_are_the_same_archive() {
     let (first, second) = (workspace("first"), workspace("second"));
-    // Made in another order, and looked at since.
+    // One file is written again, so that order and time stamps differ.
     std::fs::remove_file(second.join("docs/faults/01.md")).unwrap();
     std::fs::write(second.join("docs/faults/01.md"), b"fault").unwrap();
     let bytes = |folder: &Path| {

@@ -1,4 +1,4 @@
-//! Packs files into a zip archive, as Arduino takes it. The same files always give the same bytes.
+//! Packs files into a zip archive in the format that Arduino reads. The same files always give the same bytes.
 
 use std::io::Write;
 
@@ -68,7 +68,7 @@ pub fn packed(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, String> {
 mod tests {
     use super::packed;
 
-    /// Python's zip module reads the archive, and compares every check sum.
+    /// Python's zip module must be able to read the archive and find every checksum right.
     #[test]
     fn another_program_unpacks_the_archive() {
         let name = format!("touchstone-inspect-{}.zip", std::process::id());

@@ -1,4 +1,4 @@
-//! Searches assembly text for float operations and panics, in the functions of a crate and in all functions that those call.
+//! Searches assembly text for float operations and panics, in the functions of a crate and in all functions that these call.
 
 use std::collections::{BTreeMap, BTreeSet};
 

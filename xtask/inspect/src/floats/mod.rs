@@ -31,8 +31,8 @@ fn failed(place: &str, what: &str, findings: &[String]) -> Answer {
     Answer::Wrong(format!("{what} in the {place}: {}", findings.len()))
 }
 
-/// Searches the compiled code of a crate and of its example, with all functions that they call, for float operations. Searches the
-/// example's code also for panics.
+/// Searches the compiled code of a crate and of its example, with all functions that these call, for float operations. Searches the
+/// example's code for panics too.
 ///
 /// `name` is the architecture, `release` the folder with the assembly files, `krate` the beginning of the names of the crate's
 /// files, and `wanted` the name of the example.
@@ -59,7 +59,8 @@ pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<
         }
     }
     let floats = code.scan(&all, is_float);
-    // The crate's text formatting may contain panics that never occur; the example with set-up and tick must contain none.
+    // The crate's text formatting may contain panics that never occur. The example, which sets up and runs control periods, must
+    // contain none.
     let panics = code.scan(&example, assembly::is_panic);
     if panics.instructions == 0 {
         return Err(format!("no code of {name} in {}", release.display()));
@@ -75,7 +76,7 @@ pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<
     })
 }
 
-/// The newest assembly file of each crate in a folder, since older files are of older sources.
+/// The newest assembly file of each crate in a folder; older files belong to older sources.
 fn newest(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();

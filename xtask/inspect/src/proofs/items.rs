@@ -1,6 +1,6 @@
 //! Splits Rust sources into items (functions, constants, types, methods, macros, properties). For each item it computes a hash of
-//! its tokens and collects the names that it uses. Comments, layout, tests and code that is only compiled without the model checker
-//! are left out.
+//! its tokens and collects the names that it uses. Comments, layout and tests are left out, and code that is compiled only without
+//! the model checker.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,12 +45,12 @@ pub enum Kind {
     Alias,
     /// A function or constant of a type or trait. An empty name stands for the rest of an `impl` block without its named members.
     Member {
-        /// Name of the type; `None` for methods in a trait's own definition, for a type parameter, and for a macro's argument.
+        /// Name of the type. `None` for methods in a trait's own definition, for a type parameter, and for an argument of a macro.
         of: Option<String>,
         of_trait: Option<String>,
     },
     Macro,
-    /// A macro call in the place of an item.
+    /// A macro call where an item may stand.
     Call,
 }
 
@@ -62,7 +62,8 @@ pub enum How {
     Dot,
     /// Macro call: `name!`.
     Bang,
-    /// The word before `::name`. Empty if it is a type with arguments in angle brackets; `$` if it is a macro's argument.
+    /// `before::name`, with the word before the name. Empty if that is a type with arguments in angle brackets; `$` if it is a
+    /// macro's argument.
     After(String),
 }
 
@@ -106,7 +107,7 @@ impl Items {
             ..File::default()
         });
         let rest = self.split(tokens, &Place::default());
-        // Other tokens, such as a call of another crate's macro, count as reached once anything in the file is reached.
+        // The remaining tokens, such as calls of another crate's macros, count as used once any item of the file is used.
         if !rest.is_empty() {
             self.push(Kind::Call, String::new(), &rest, &Place::default());
         }
@@ -365,7 +366,7 @@ impl Read {
             if word(all, at) == "#" {
                 let (after, skipped) = attributes(all, at);
                 let inner = usize::from(word(all, at + 1) == "!");
-                // Documentation, and what other crates may write of a type: neither changes what code computes.
+                // Documentation and `non_exhaustive` do not change what code computes.
                 let changes_nothing = matches!(all.get(at + 1 + inner), Some(TokenTree::Group(group))
                     if group.stream().to_string().starts_with("doc") || group.stream().to_string() == "non_exhaustive");
                 if skipped && let Some(found) = Found::at(all, after) {
@@ -399,7 +400,8 @@ impl Read {
                     }
                 }
                 other => {
-                    // A `let` binds its name only after its own expression, where the name may still refer to an item.
+                    // A `let` binds its name only after its own expression; inside the expression the name may still refer to an
+                    // item.
                     if word(all, at) == ";" {
                         bound.extend(binds.drain(..));
                     }

@@ -1,5 +1,6 @@
-//! Reads the lock: the committed list of harnesses, which are the proofs that the model checker runs. Each line has a harness and
-//! two hashes: of its statement with all that the statement uses in the proofs, and of the code that it reaches.
+//! Reads the lock: the committed list of harnesses, the proofs that the model checker runs. Each line has a harness and two hashes.
+//! The first is of the harness's statement with everything that the statement uses in the proofs. The second is of the code that
+//! the harness reaches.
 //!
 //! A weakened statement changes the first hash, a changed function the second. Comments, layout, tests and code that the harness
 //! does not reach change neither.
@@ -47,8 +48,8 @@ pub enum Standing {
 }
 
 impl Statements {
-    /// Hashes all properties in the workspace's sources. Errors: a file cannot be read, or no cover (a statement that must be
-    /// reached) shows that an assertion is reachable.
+    /// Hashes all properties in the workspace's sources. Errors: a file cannot be read, or an assertion has no cover (a statement
+    /// that must be reached) that shows it to be reachable.
     pub fn read() -> Result<Self, String> {
         let mut files = Vec::new();
         for (rank, (_, folder)) in CRATES.iter().enumerate() {

@@ -1,5 +1,5 @@
 //! Stores results of successful proofs in a file, so that an interrupted run can continue. Each line has a harness (proof) with its
-//! hashes of statement and code. A result for a changed statement or changed code does not count.
+//! hashes of statement and code. A result for another statement or other code does not count.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -61,7 +61,7 @@ pub fn kept(memo: &Path, statements: &Statements) -> BTreeMap<String, Verdict> {
     text.lines().filter_map(row).collect()
 }
 
-/// Names of all harnesses (proofs) in the model checker's list. Errors: the text is no such list.
+/// Names of all harnesses (proofs) in the model checker's list. Errors: the text is not such a list.
 pub fn listed(text: &str) -> Result<Vec<String>, String> {
     let list: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's list: {why}"))?;

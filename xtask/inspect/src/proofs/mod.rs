@@ -117,9 +117,9 @@ fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
 
 /// Checks the results of all harnesses (proofs) against the committed list (lock) and writes the table of results.
 ///
-/// `words` describe the checker and its run time, `machine` describes what else ran. With `bless`, the proved harnesses are written
-/// into the list. With the checker's own `list` of harnesses, results of earlier runs count, and every harness in that list must be
-/// proved.
+/// `words` describe the checker and its run time, `machine` describes how busy the machine was. With `bless`, the proved harnesses
+/// are written into the lock. With `list`, the checker's own list of harnesses, results of earlier runs count, and every harness in
+/// that list must be proved.
 pub fn whole(
     run: &Run,
     words: &str,
@@ -208,8 +208,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// Differences from the committed list (lock): harnesses (proofs) of the list that neither ran nor are in `held` (still valid by
-/// their hashes), and harnesses that ran without being in the list. Also names lines of the list that do not fit the sources.
+/// Differences from the committed list (lock): harnesses (proofs) of the lock that neither ran nor are in `held` (still valid by
+/// their hashes), and harnesses that ran without being in the lock. Also lines of the lock that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
@@ -249,7 +249,7 @@ fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<Str
 }
 
 /// Checks that every statement equals the one that was proved when the lock (the committed list of proofs) was written. Counts the
-/// harnesses (proofs) whose code is unchanged too. Without running the model checker more cannot be known.
+/// harnesses (proofs) whose code is unchanged too. This needs no run of the model checker, and so proves nothing new.
 pub fn unchanged(locked: &str) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let wrong = changed(locked, &statements, Standing::OtherStatement);

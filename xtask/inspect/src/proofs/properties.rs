@@ -1,9 +1,9 @@
-//! Reads from the sources what each property (statement to prove) says: its meaning, its equation, the inputs that it covers and
-//! its assumptions.
+//! Reads from the sources what each property (statement to prove) says: its meaning, its equation, the inputs for which it holds,
+//! and its assumptions.
 //!
-//! The macro `property!` requires meaning, equation and inputs, and `assume!` and `such!` require a reason for each assumption. A
-//! property without them does not compile, so this module only reads them. Assumptions are shown as they stand in the property's
-//! code.
+//! The macro `property!` requires meaning, equation and inputs; `assume!` and `such!` require a reason for each assumption. A
+//! property without them does not compile, so this module need not check for them. Assumptions are shown as they stand in the
+//! property's code.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub struct Property {
 }
 
 impl Property {
-    /// Number of the design's required property to which this one belongs: `P1` for the name `p1_pays`.
+    /// Label of the group of properties to which this one belongs: `P1` for the name `p1_pays`.
     pub fn design(&self) -> String {
         let numbers = self.name.split('_').next().unwrap_or_default();
         numbers.to_uppercase()
@@ -172,8 +172,8 @@ mod tests {
         assert_eq!(found, [expected]);
     }
 
-    /// Checks that no property in the real sources lacks its meaning, equation or inputs, and that every assumption in the sources
-    /// is found.
+    /// Checks that every property in the real sources has a meaning, an equation and inputs, and that the module finds every
+    /// assumption.
     #[test]
     fn every_property_says_what_it_is_about() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../proofs/src");

@@ -4,9 +4,12 @@
 //! cover is a statement that the checker must be able to reach.) So the checker's own verdict is only one of the conditions here.
 //!
 //! The checker's own test whether each assertion can be reached is switched off. It would also test the assertions in the code,
-//! which takes a quarter of the time. Instead each assertion of a property needs a cover. The cover comes after it in its block and
-//! can only be reached through the assertion ([`super::shown`] checks this in the sources). Or the assertion contains a cover
-//! (`assert_reached!` in `proofs/src/lib.rs`). A harness with an assertion that has neither does not count as proved.
+//! which takes a quarter of the time. Instead each assertion of a property needs a cover, in one of two ways:
+//! - A cover comes after the assertion in the same block and can only be reached through it ([`super::shown`] checks this in the
+//!   sources).
+//! - The assertion contains a cover (`assert_reached!` in `proofs/src/lib.rs`).
+//!
+//! A harness with an assertion that has neither does not count as proved.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +32,7 @@ pub enum Answer {
     Empty(String),
     /// The model checker gave no answer within the time limit of a harness (proof).
     TimedOut,
-    /// The checker gave no answer for another reason, such as memory, a crash of a solver, or a check without a verdict.
+    /// The checker gave no answer for another reason, such as too little memory, a crash of a solver, or a check without a verdict.
     Unknown(String),
 }
 
@@ -67,8 +70,8 @@ impl Verdict {
     }
 }
 
-/// The results of all harnesses (proofs) in a report, by the harness's name. Errors: the text is no such report, or has two results
-/// for a harness.
+/// The results of all harnesses (proofs) in a report, by the harness's name. Errors: the text is not such a report, or has two
+/// results for a harness.
 pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
     let report: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's report: {why}"))?;

@@ -1,9 +1,9 @@
 //! Finds the assertions in proved properties for which nothing shows that the model checker reaches them.
 //!
-//! A cover is a statement that the checker must be able to reach. A cover after an assertion, as a statement of the same block, is
-//! reached only through the assertion. An assertion without such a cover must be written as `assert_reached!`
-//! (`proofs/src/lib.rs`), which contains its own cover. Not every assertion is written so, since the checker computes a trace for
-//! each cover.
+//! A cover is a statement that the checker must be able to reach. A cover after an assertion, as a statement of the same block, can
+//! only be reached through the assertion. An assertion without such a cover must be written as `assert_reached!`
+//! (`proofs/src/lib.rs`), which contains its own cover. This form is used only where needed, because the checker computes a trace
+//! for each cover.
 
 use proc_macro2::{Delimiter, Group, LineColumn, TokenStream, TokenTree};
 use syn::parse::Parser;
@@ -22,8 +22,8 @@ const ASSERTIONS: [(&str, usize); 6] = [
 /// Macros that are or contain a cover, which the checker must be able to reach.
 const COVERS: [&str; 2] = ["cover", "assert_reached"];
 
-/// Line numbers of the assertions in a source text that have no message and that no cover (statement that must be reached) shows to
-/// be reachable.
+/// Line numbers of the assertions in a source text that nothing shows to be reachable: they have no message, and no cover
+/// (statement that must be reached) follows them.
 pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     let tokens: TokenStream = text.parse().map_err(|why| format!("{why}"))?;
     let mut lines = Vec::new();
@@ -50,7 +50,7 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
 }
 
 /// Whether an assertion without a message is at this position. An assertion with a message belongs to a replacement of shipped
-/// code, which not every harness (proof) uses.
+/// code, which not every harness (proof) uses, so it needs no cover.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),

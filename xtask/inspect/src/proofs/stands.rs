@@ -1,8 +1,8 @@
 //! Finds the items (functions, types, macros) that each property (statement to prove) uses, directly or indirectly, in the proofs
-//! and in the code. A hash of them shows later whether the proof still applies.
+//! and in the code. A hash of these items shows later whether the proof still applies.
 //!
 //! A name is resolved by the imports of its file, by the word before it, and by type and trait. If several items remain possible,
-//! all count. One item too many makes a proof invalid without need, but no used item is missed.
+//! all count. So no used item is missed; an unused item among them may make a proof invalid without need.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -38,7 +38,7 @@ pub struct Ground<'i> {
     modules: BTreeSet<&'i str>,
     /// Numbers of the files that call a macro, by the macro's name.
     called: BTreeMap<&'i str, BTreeSet<usize>>,
-    /// Pairs of a module and a name that the module imports; the name is `*` if the module has a `use …::*`.
+    /// Pairs of a module and a name that the module imports; the name is `*` for `use …::*`.
     handed_on: BTreeSet<(&'i str, &'i str)>,
     /// Results of [`Ground::seen`] (the items that an item names) that are already known, by the item's index.
     seen: RefCell<HashMap<usize, Rc<[usize]>>>,
@@ -106,7 +106,7 @@ impl<'i> Ground<'i> {
                 Kind::Member { of, of_trait } => {
                     ground.by_name.entry(name).or_default().push(at);
                     let mut words = vec![of.as_deref(), of_trait.as_deref()];
-                    // The code does not name the type on the left of an operator.
+                    // The code does not name the type to the left of an operator.
                     if of
                         .as_ref()
                         .is_none_or(|of| !of.starts_with(char::is_uppercase))
@@ -373,8 +373,8 @@ impl<'i> Reach<'_, 'i> {
                 let of_type = match of {
                     Some(of) => self.has_type(of, rank),
                     None if item.within.is_some() => self.has_macro(item),
-                    // For a trait's own methods and for type parameters, the trait or the other named types decide, if they are
-                    // known.
+                    // For a trait's own methods and for type parameters, the trait or the other named types decide, as far as these
+                    // are known.
                     None if !item.name.is_empty() => {
                         of_trait.as_ref().is_none_or(|it| self.has_type(it, rank))
                     }
@@ -394,7 +394,7 @@ impl<'i> Reach<'_, 'i> {
                         .any(|(of, kind)| *of == rank && **kind == Kind::Trait)
                 };
                 let own = of_trait.as_ref().is_some_and(is_own);
-                // Methods that implement another crate's trait may be called by that crate.
+                // If a method implements another crate's trait, that crate may call it.
                 let by_others = of_trait.is_some() && of.is_some() && !own;
                 of_type
                     && (item.name.is_empty() || by_others || self.is_called(item, of.as_deref()))

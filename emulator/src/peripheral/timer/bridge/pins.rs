@@ -1,5 +1,5 @@
-//! The levels of TIM1's pins at a given time, as an oscilloscope would show them, including the dead time. The model of the motor
-//! does not use them: it works with the duty cycles of whole PWM periods.
+//! The levels of TIM1's pins at a given time, including the dead time, as an oscilloscope would show them. The model of the motor
+//! does not use them; it works with mean duty cycles of PWM periods.
 
 use super::super::gates::{GateDriver, Leg};
 use super::{BDTR, BridgeTimer, CCER, CR1};

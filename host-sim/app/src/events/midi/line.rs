@@ -1,15 +1,15 @@
-//! The file of a raw MIDI device.
+//! The file of a raw MIDI device, FIFO or pseudo terminal.
 
 use crate::out::note;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 
-/// What can be given as `--midi`.
+/// Error text on what `--midi` accepts.
 #[cfg(target_os = "linux")]
 const GIVE: &str = "give a device as /dev/snd/midiC1D0 (`amidi -l` lists them), or a FIFO";
 
-/// The device's file. A FIFO is written only, and is opened whenever a program reads it.
+/// The device's file. A FIFO is only written to; it can be opened only while another program reads it.
 #[derive(Debug)]
 pub struct Line {
     path: PathBuf,
@@ -32,7 +32,7 @@ impl Line {
         let kind = kind.file_type();
         let is_fifo = kind.is_fifo();
         if !is_fifo && !kind.is_char_device() {
-            return Err(failed("this is no device and no FIFO".into(), GIVE));
+            return Err(failed("this is neither a device nor a FIFO".into(), GIVE));
         }
         let mut line = Self {
             path: path.to_owned(),
@@ -40,15 +40,15 @@ impl Line {
             is_fifo,
             has_failed: false,
         };
-        // The system's number for "no such device or address": nobody reads the FIFO yet.
+        // Error number "no such device or address" of Linux: no program reads the FIFO yet.
         const ENXIO: i32 = 6;
         match line.file() {
             Ok(()) => {}
             Err(error) if is_fifo && error.raw_os_error() == Some(ENXIO) => {}
             Err(error) if error.kind() == ErrorKind::PermissionDenied => {
                 return Err(failed(
-                    "you may not write to it".into(),
-                    "join its group, on most systems by sudo usermod -aG audio $USER, and log in again",
+                    "you have no permission to write to it".into(),
+                    "become a member of its group, on most systems by `sudo usermod -aG audio $USER`, and log in again",
                 ));
             }
             Err(error) if error.kind() == ErrorKind::ResourceBusy => {
@@ -59,10 +59,10 @@ impl Line {
         Ok(line)
     }
 
-    /// Opens the file, unless it is open. Never waits.
+    /// Opens the file if it is not open. Does not block.
     fn file(&mut self) -> std::io::Result<()> {
         use std::os::unix::fs::OpenOptionsExt;
-        // Of Linux: do not wait; do not become the terminal of this program.
+        // Flags of Linux: do not block; do not become this program's controlling terminal.
         const O_NONBLOCK: i32 = 0o4000;
         const O_NOCTTY: i32 = 0o400;
         let open = |reads: bool| {
@@ -71,7 +71,7 @@ impl Line {
             options.custom_flags(O_NONBLOCK | O_NOCTTY).open(&self.path)
         };
         if self.file.is_none() {
-            // A device may have an output alone.
+            // A device may have only an output.
             let both = if self.is_fifo { None } else { open(true).ok() };
             self.file = Some(both.map_or_else(|| open(false), Ok)?);
         }
@@ -95,7 +95,7 @@ impl Line {
 }
 
 impl Line {
-    /// Writes a message. One that nobody reads is lost, as on a cable.
+    /// Writes a message. A message that no program reads is lost, as on a MIDI cable.
     pub fn write(&mut self, bytes: &[u8]) {
         use std::io::Write;
         if bytes.is_empty() || self.file().is_err() {
@@ -115,11 +115,11 @@ impl Line {
         }
     }
 
-    /// The bytes that have arrived.
+    /// The bytes that have arrived since the last call; at most 256.
     pub fn read(&mut self) -> Vec<u8> {
         use std::io::Read;
         let mut bytes = [0; 256];
-        // What was opened for writing alone gives an error, as does an input without bytes.
+        // Reading gives an error if the file is open only for writing, or if no byte has arrived.
         let count = self.file.as_mut().map(|file| file.read(&mut bytes));
         let count = count.and_then(std::result::Result::ok);
         bytes.get(..count.unwrap_or(0)).unwrap_or_default().to_vec()

@@ -1,4 +1,4 @@
-//! The bytes of MIDI messages for a knob.
+//! Encodes and decodes the MIDI messages of a knob.
 
 use touchstone_sim::positions::Place;
 
@@ -6,25 +6,27 @@ use touchstone_sim::positions::Place;
 const CONTROL_CHANGE: u8 = 0xb0;
 /// First byte of a program change on channel 1.
 const PROGRAM_CHANGE: u8 = 0xc0;
-/// Distance from the controller of the upper seven bits to that of the lower seven, and number of controllers that have such a pair.
+/// With 14 bits, the controller of the lower seven bits is this much above that of the upper seven. Only controllers below this
+/// number have such a partner.
 pub const LOWER: u8 = 32;
-/// Largest change of a relative message.
+/// Largest number of positions that one relative message can report, in either direction.
 const MOST_STEPS: i64 = 63;
-/// What a control change says.
+/// Meaning of the value in a control change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
-    /// 0 at the first position to 127 at the last; without end stops each position adds or takes 1, within 0 and 127.
+    /// 0 at the first position to 127 at the last. Without end stops, each position up adds 1 and each down subtracts 1, within 0
+    /// and 127.
     #[value(name = "7-bit")]
     Seven,
-    /// The same from 0 to 16383, in two control changes.
+    /// As 7-bit, but from 0 to 16383, in two control changes.
     #[value(name = "14-bit")]
     Fourteen,
-    /// The number of positions turned, as two's complement of 7 bits: 1 is one up, 127 is one down.
+    /// The number of positions turned since the last message, as two's complement of 7 bits: 1 is one up, 127 is one down.
     #[value(name = "relative")]
     Relative,
 }
 
-/// The value of the controller, and how it is written.
+/// The knob's MIDI channel and controller, the controller's value, and how the value is encoded.
 #[derive(Debug, Clone, Copy)]
 pub struct Knob {
     /// Channel from 0 to 15.
@@ -32,7 +34,7 @@ pub struct Knob {
     pub controller: u8,
     pub kind: Kind,
     pub value: u16,
-    /// Upper seven bits of a received value of 14 bits.
+    /// Upper seven bits of the last received 14-bit value.
     pub upper: u8,
 }
 
@@ -56,14 +58,14 @@ impl Knob {
         value.clamp(0, self.most().into()) as u16
     }
 
-    /// Whether a received value is what was sent: programs send back what they got.
+    /// Whether a received value equals the one that was sent. Programs send back the values that they receive.
     pub const fn is_own(self, value: u16) -> bool {
-        // Of 14 bits the upper seven come first, alone.
+        // The upper seven bits of a 14-bit value arrive first, in a message of their own.
         let is_upper = matches!(self.kind, Kind::Fourteen) && value == self.value & !0x7f;
         value == self.value || is_upper
     }
 
-    /// The bytes for a change of position; none if the value stays.
+    /// The bytes to send for a change of position; empty if the value does not change.
     pub fn turned(&mut self, place: &Place, ends: Option<(i64, i64)>) -> Vec<u8> {
         if place.change == 0 {
             return Vec::new();
@@ -122,7 +124,7 @@ impl Knob {
             Kind::Seven if one == self.controller => Heard::Value(two.into()),
             Kind::Fourteen if one == self.controller => {
                 self.upper = two;
-                // Lower bits of an earlier value do not belong to this one.
+                // The upper bits begin a new value, so the lower bits of an earlier value are dropped.
                 Heard::Value(u16::from(two) << 7)
             }
             Kind::Fourteen if one == self.controller + LOWER => {
@@ -133,19 +135,20 @@ impl Knob {
     }
 }
 
-/// Finds the messages in a stream of MIDI bytes: running status is followed, real-time bytes and system messages are left out.
+/// Finds channel messages in a stream of MIDI bytes. Supports running status; skips real-time bytes and system messages.
 #[derive(Debug, Default)]
 pub struct Parser {
-    /// The status byte that data bytes belong to; 0 while they belong to none.
+    /// The status byte to which the next data bytes belong; 0 if there is none.
     status: u8,
     first: Option<u8>,
 }
 
 impl Parser {
-    /// Takes a byte; returns the message of a channel that it completes. A message with one data byte has 0 as its second.
+    /// Takes one byte. Returns the channel message that the byte completes. The third byte is 0 in a message with only one data
+    /// byte.
     pub fn push(&mut self, byte: u8) -> Option<[u8; 3]> {
         match byte {
-            // Real-time bytes may stand inside any message.
+            // Real-time bytes may occur inside any message.
             0xf8.. => None,
             0xf0..=0xf7 => {
                 (self.status, self.first) = (0, None);
@@ -157,7 +160,7 @@ impl Parser {
             }
             _ if self.status == 0 => None,
             data => {
-                // Program change and channel pressure.
+                // Program change and channel pressure have one data byte.
                 if matches!(self.status & 0xf0, PROGRAM_CHANGE | 0xd0) {
                     return Some([self.status, data, 0]);
                 }
@@ -204,7 +207,7 @@ mod tests {
             let sent = seven.turned(&to(position, 1), ends);
             assert_eq!(sent, [0xb2, 16, value], "{position}");
         }
-        // Neither a number that was given nor a value that stays is sent.
+        // Nothing is sent for a renumbered position, nor for a value that does not change.
         assert!(seven.turned(&to(5, 0), ends).is_empty());
         assert!(seven.turned(&to(-5, -1), ends).is_empty());
         assert!(seven.turned(&to(0, 1), Some((0, 0))).is_empty());
@@ -282,7 +285,7 @@ mod tests {
         let mut seven = knob(Kind::Seven);
         seven.value = 64;
         assert!(seven.is_own(64) && !seven.is_own(63) && !seven.is_own(0));
-        // The upper seven bits of 14 come first, alone.
+        // The upper seven bits of a 14-bit value arrive first, in a message of their own.
         let mut fourteen = knob(Kind::Fourteen);
         fourteen.value = (42 << 7) | 85;
         for (message, is_own) in [

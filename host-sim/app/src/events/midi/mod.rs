@@ -5,7 +5,8 @@
 //! | control change | `Bn cc vv` | sent on every change; received: the value of a knob without end stops |
 //! | program change | `Cn pp` | received: the feel with this number in `touchstone feels`, from 0 |
 //!
-//! `n` is the channel less 1. With 14 bits the upper seven are sent first, as controller `cc`, and the lower as `cc` + 32.
+//! `n` is the channel minus 1. With 14 bits, controller `cc` carries the upper seven bits and is sent first; `cc` + 32 carries the
+//! lower seven.
 
 mod line;
 mod messages;
@@ -31,19 +32,19 @@ pub struct MidiOptions {
     /// MIDI controller; with --midi-value 14-bit at most 31.
     #[arg(long, value_name = "N", default_value_t = 16, requires = "midi", value_parser = number::within(0_u8, 119, "of a controller"))]
     midi_controller: u8,
-    /// What a control change says.
+    /// Meaning of the value in a control change.
     #[arg(long, value_name = "KIND", default_value = "7-bit", requires = "midi")]
     midi_value: Kind,
 }
 
-/// What a program asks for by MIDI.
+/// A request of a program by MIDI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// The shipped feel with this number, from 0.
     Program(u8),
 }
 
-/// A MIDI line to the programs that use the knob.
+/// The MIDI connection to the programs that use the knob.
 #[derive(Debug)]
 pub struct Midi {
     line: Line,
@@ -53,10 +54,10 @@ pub struct Midi {
 }
 
 impl Midi {
-    /// Opens the device; `None` if the options name none.
+    /// Opens the MIDI device; `None` if the options name none.
     ///
     /// # Errors
-    /// The path is no MIDI device, or may not be opened; the controller has no second one for 14 bits.
+    /// The path is not a MIDI device or cannot be opened, or a 14-bit value is requested for a controller above 31.
     pub fn open(options: &MidiOptions) -> Result<Option<Self>> {
         let Some(path) = &options.midi else {
             return Ok(None);
@@ -91,12 +92,12 @@ impl Midi {
         self.line.write(&bytes);
     }
 
-    /// Sets the value of a knob without end stops to the number of its position, without a message.
+    /// Sets the MIDI value of a knob without end stops to its position's number, limited to the value's range. Sends no message.
     pub fn number(&mut self, position: i64) {
         self.knob.value = self.knob.within(position);
     }
 
-    /// What programs have asked for since the last call. Values are taken here.
+    /// The requests of programs since the last call. A received value becomes the value of a knob without end stops.
     pub fn asked(&mut self, positions: &Positions) -> Vec<Asked> {
         let mut asked = Vec::new();
         for byte in self.line.read() {
@@ -109,7 +110,9 @@ impl Midi {
                 Heard::Value(value) if positions.numbers().is_none() => self.knob.value = value,
                 Heard::Value(value) if !self.has_noted && !self.knob.is_own(value) => {
                     self.has_noted = true;
-                    note!("note: --midi: a knob between end stops keeps the value of its place");
+                    note!(
+                        "note: --midi: received values are ignored, because between end stops the knob's angle gives the value"
+                    );
                 }
                 Heard::Value(_) => {}
             }

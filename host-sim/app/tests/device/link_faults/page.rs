@@ -1,4 +1,4 @@
-//! A page of `touchstone live` that arms the device, over a link with faults, and is then closed.
+//! A page of `touchstone live` over a link with faults. The page arms the device, and is then closed.
 
 use super::{LONGEST, ended, started};
 use crate::Said;
@@ -26,17 +26,17 @@ impl PageEnd {
     }
 }
 
-/// Time that the page plays before it ends.
+/// Time for which the page runs before it ends.
 const PLAYS: Duration = Duration::from_millis(1_800);
 
-/// Runs `touchstone live` with a page at this port. Returns what the program said, and all texts that the page was sent.
+/// Runs `touchstone live` with a page, on the device at `port`. Returns the program's output, and all texts that the page received.
 pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
     let mut child = started(&["live", "--no-open", "--port", port]);
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let mut line = String::new();
     out.read_line(&mut line).unwrap();
     let mut shown = String::new();
-    // Without a page the program has no connection, and ends with an error.
+    // Without an address of a page, the program has no connection and ends with an error.
     if let Some(place) = line.trim().strip_prefix("page    http://") {
         let (host, token) = place.split_once("/?token=").unwrap();
         let mut page = Page::open(host, token);
@@ -53,7 +53,7 @@ pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
         }
         if end != PageEnd::Interrupts {
             drop(page);
-            // Time for the program to see that the page is gone.
+            // Time for the program to notice that the page is gone.
             std::thread::sleep(Duration::from_millis(300));
         }
         let id = child.id().to_string();
@@ -64,7 +64,7 @@ pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
     }
     let mut said = ended(child, seed);
     said.out = line;
-    // The program has ended, so the rest can be read whole.
+    // The program has ended, so the rest of its output can be read.
     out.read_to_string(&mut said.out).unwrap();
     (said, shown)
 }
@@ -92,7 +92,7 @@ impl Page {
         let _ = self.socket.send(Message::text(order.to_string()));
     }
 
-    /// Calibrates and arms as often as it takes, for this time.
+    /// For this time, calibrates and arms the device, and repeats both if necessary.
     fn plays(&mut self, time: Duration, shown: &mut String) {
         let begun = Instant::now();
         self.says(&json!({ "do": "calibrate" }));
@@ -113,7 +113,8 @@ impl Page {
         }
     }
 
-    /// Reads messages until one satisfies `ends`, at most for this time. Acknowledges batches of records, and keeps all texts.
+    /// Reads messages until one satisfies `ends`, at most for this time. Acknowledges batches of records, and appends all texts to
+    /// `shown`.
     fn hears(&mut self, time: Duration, shown: &mut String, mut ends: impl FnMut(&Value) -> bool) {
         let begun = Instant::now();
         while begun.elapsed() < time {

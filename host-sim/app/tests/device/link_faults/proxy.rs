@@ -23,11 +23,11 @@ impl Draw {
     }
 }
 
-/// A fault of the link from some moment on, permanent or for a limited time.
+/// A fault of the link that begins at some time, and is permanent or ends.
 #[derive(Clone)]
 pub struct Fault {
     what: What,
-    /// Time from the first connection, ms.
+    /// Begin of the fault, ms after the first connection; `until_ms` is its end.
     from_ms: u64,
     until_ms: u64,
     draw: Draw,
@@ -35,20 +35,20 @@ pub struct Fault {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum What {
-    /// Frames are lost with this probability, %, to the device and from it.
+    /// Frames are lost with these probabilities, %: on the way to the device, and from it.
     Drops([u64; 2]),
-    /// Frames have a wrong byte with this probability, %.
+    /// Frames get a wrong byte with these probabilities, %: on the way to the device, and from it.
     Damages([u64; 2]),
-    /// Nothing passes to the device, or nothing from it.
+    /// No bytes pass in one direction: to the device, or from it.
     Deaf { to_device: bool },
-    /// Frames come late, at most by this time, ms.
+    /// Frames are delayed by at most this time, ms.
     Delays(u64),
-    /// The connection is cut, and cannot be made again while the fault lasts.
+    /// The connection is cut, and new connections fail while the fault lasts.
     Cuts,
 }
 
 impl Fault {
-    /// The fault of a seed.
+    /// The fault that belongs to a seed.
     pub fn of(seed: u64) -> Self {
         let mut draw = Draw::new(seed);
         let mut shares = || [0, 1].map(|_| [0, 10, 30, 60, 90, 100][draw.below(6) as usize]);
@@ -86,14 +86,14 @@ impl Fault {
     }
 }
 
-/// The parts of a stream that a fault hits: frames that end with a zero byte, or what came at once.
+/// The unit of a stream that a fault affects: a frame, which ends with a zero byte, or all bytes of one read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unit {
     Frame,
     Chunk,
 }
 
-/// A running proxy. Its connections end with it.
+/// A running proxy. Its connections end when it is dropped.
 pub struct Proxy {
     pub address: String,
     over: Arc<AtomicBool>,
@@ -106,7 +106,7 @@ impl Drop for Proxy {
 }
 
 impl Proxy {
-    /// A proxy before the device at this address.
+    /// Starts a proxy for the device at this address.
     pub fn new(device: &str, fault: Fault, unit: Unit) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         listener.set_nonblocking(true).unwrap();
@@ -173,7 +173,7 @@ struct Way {
 }
 
 impl Way {
-    /// Passes bytes on until either end closes the connection, or one of `ends` is set.
+    /// Forwards bytes until either end closes the connection, or one of `ends` is set.
     fn passes(mut self, ends: &[Arc<AtomicBool>; 2]) {
         let mut bytes = [0; 4096];
         let mut rest = Vec::new();

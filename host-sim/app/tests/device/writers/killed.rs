@@ -31,7 +31,7 @@ fn is_whole(output: &Output, file: &Path) -> bool {
         || text.ends_with('\n') && text.lines().count() > 3
 }
 
-/// Starts the command, and kills it `after` it has begun to write.
+/// Starts the command, and kills it at the time `after` from its first change in the folder.
 fn killed(output: &Output, here: &Path, board: &Fake, after: Duration) {
     let seen = || {
         let within = std::fs::read_dir(here.join("out")).map_or(0, Iterator::count);
@@ -86,8 +86,8 @@ fn a_killed_process_leaves_nothing_torn_and_what_it_left_goes_with_the_next() {
     }
 }
 
-/// A folder whose command is killed has either no results or all that they list, and the same command ends it. The folder is new,
-/// has the results of the same command, or is empty.
+/// Checks that a killed command leaves its folder without results or with every file that the results list, and that the same
+/// command then completes the folder. Before the command, the folder is new, empty, or has results of the same command.
 #[test]
 fn a_killed_process_leaves_no_half_folder() {
     let board = board();
@@ -140,7 +140,7 @@ fn pages_of(output: &Output, folder: &Path) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-/// Checks that every file that a report lists is there, if there is a report.
+/// Checks that every file that a report lists exists. Without a report it checks nothing.
 fn listed_files_are_there(output: &Output, here: &Path) {
     let Ok(results) = std::fs::read_to_string(here.join("out/results.json")) else {
         return;
@@ -168,7 +168,7 @@ fn of_two_at_once_one_has_the_place_and_what_is_there_is_whole() {
             ended[1].err
         );
         for said in ended.iter().filter(|said| said.code != Some(good)) {
-            output.fails(said, "is there");
+            output.fails(said, "exists");
         }
         assert!(is_whole(output, &here.join("out")), "{}", output.0);
         assert_eq!(names(&here), ["out"], "{}", output.0);

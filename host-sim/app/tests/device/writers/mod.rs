@@ -1,8 +1,9 @@
 //! Tests of every output of the program with every obstacle. Obstacles are an older file, a link, a full disk, another user's
 //! folder, a killed process, two processes at once, and a device that does not answer.
 //!
-//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line. The
-//! table of all outputs and obstacles is printed by `cargo test -p touchstone --test device writers -- --nocapture --test-threads 1`.
+//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line. This
+//! command prints a table of all outputs and obstacles: `cargo test -p touchstone --test device writers -- --nocapture
+//! --test-threads 1`.
 
 mod disk;
 mod killed;
@@ -104,8 +105,8 @@ const FOLDERS: [Output; 6] = [
     Output("man", "man OUT", false, true),
 ];
 
-/// Variants of the commands in [`SLOW`] that take seconds. `tune` ends with 3, because a spring holds no wall on this knob, and writes
-/// because of `--force`.
+/// Variants of the commands in [`SLOW`] that take seconds. `tune` ends with exit code 3, because a spring holds no wall on this
+/// knob, and writes only because of `--force`.
 fn short() -> [Output; 5] {
     static COMPARE: OnceLock<&str> = OnceLock::new();
     let compare = COMPARE.get_or_init(|| {
@@ -141,13 +142,13 @@ fn short() -> [Output; 5] {
     ]
 }
 
-/// Outputs that are files, with those of the short variants.
+/// Outputs that are files, including those of the short variants.
 fn all_files() -> Vec<Output> {
     let [tune, ..] = short();
     FILES.into_iter().chain([tune]).collect()
 }
 
-/// Outputs that are folders, with those of the short variants.
+/// Outputs that are folders, including those of the short variants.
 fn all_folders() -> Vec<Output> {
     let [_, others @ ..] = short();
     FOLDERS.into_iter().chain(others).collect()

@@ -10,7 +10,7 @@ fn no_older_file_is_lost_without_force_and_no_link_is_followed() {
     for output in &FILES {
         let here = fresh("older", output);
         std::fs::write(here.join("out"), "mine").unwrap();
-        output.fails(&output.run(&here, &board), "is there");
+        output.fails(&output.run(&here, &board), "exists");
         assert_eq!(
             std::fs::read(here.join("out")).unwrap(),
             b"mine",
@@ -29,7 +29,7 @@ fn no_older_file_is_lost_without_force_and_no_link_is_followed() {
         std::fs::write(here.join("other"), "mine").unwrap();
         std::fs::remove_file(here.join("out")).unwrap();
         symlink("other", here.join("out")).unwrap();
-        output.fails(&output.run(&here, &board), "is there");
+        output.fails(&output.run(&here, &board), "exists");
         if !output.3 {
             let forced = output
                 .command(&here, &board)
@@ -102,10 +102,10 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
         let begun = std::time::Instant::now();
         if output.0 == "tune --out" {
             std::fs::write(here.join("out"), "mine").unwrap();
-            output.fails(&output.run(&here, &board), "is there");
+            output.fails(&output.run(&here, &board), "exists");
             std::fs::remove_file(here.join("out")).unwrap();
             symlink("mine", here.join("out")).unwrap();
-            output.fails(&output.run(&here, &board), "is there");
+            output.fails(&output.run(&here, &board), "exists");
             assert_eq!(names(&here), ["mine", "out"], "{}", output.0);
         } else {
             std::fs::create_dir(here.join("out")).unwrap();

@@ -1,11 +1,11 @@
-//! Tests with a serial port at which nobody answers.
+//! Tests with a serial port at which no device answers.
 
 use super::{FILES, Output, fresh, met, names};
 use crate::Said;
 use serialport::{SerialPort, TTYPort};
 use std::process::Command;
 
-/// A command that has nothing to write must not create a file or a folder.
+/// Checks that a command to which no device answers creates no file and no folder.
 #[test]
 fn a_silent_port_leaves_nothing() {
     let (_master, slave) = TTYPort::pair().unwrap();

@@ -1,31 +1,31 @@
-//! The parts of a feel that are torques over the angle, as cells of one stiffness each.
+//! The parts of a feel whose torque depends on the angle, divided into cells of constant stiffness.
 
 use std::f64::consts::TAU;
 use touchstone_control::environment::{Refused, WHOLE};
 use touchstone_sim::scene::Environment;
 
-/// Largest number of angles at which the sum of all parts is examined; with more, the largest slopes are added.
+/// Largest number of angles per part at which the sum of all parts is examined. With more, the steepest slopes are added.
 const MOST_PLACES: usize = 100_000;
 
-/// A part of one stiffness between two angles.
+/// A range of angles, in rad, in which a part has a constant stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cell {
     pub from: f64,
     pub to: f64,
-    /// N·m/rad; positive if the torque draws the knob back.
+    /// Stiffness, N·m/rad; positive if the torque draws the knob back.
     pub stiffness: f64,
-    /// Half the width of the place in which the torque is straight, rad: the largest swing within it.
+    /// Largest amplitude of an oscillation within which the torque is linear, rad; in general half the cell's width.
     pub half: f64,
 }
 
-/// A torque over the angle, straight within cells.
+/// A part whose torque is linear in the angle within each cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Static {
     pub part: &'static str,
     cells: Vec<Cell>,
-    /// Distance after which the cells come again, rad.
+    /// Distance after which the cells repeat, rad; `None` if they do not repeat.
     pub every: Option<f64>,
-    /// Whether the distance is a whole part of a turn.
+    /// Whether a turn is a whole number of these distances.
     per_turn: bool,
 }
 
@@ -45,7 +45,7 @@ impl Static {
         cell.map_or(0.0, |it| it.stiffness)
     }
 
-    /// The steepest restoring and the steepest driving cell.
+    /// The steepest restoring cell and the steepest driving cell; `None` if there is none.
     pub fn steepest(&self) -> [Option<Cell>; 2] {
         let by = |sign: f64| {
             let cells = self.cells.iter().filter(|it| it.stiffness * sign > 0.0);
@@ -57,7 +57,7 @@ impl Static {
     }
 }
 
-/// All parts that are torques over the angle.
+/// All parts of the feel whose torque depends on the angle.
 pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, Refused> {
     let mut all = Vec::new();
     let once = |part, cells| Static {
@@ -72,7 +72,7 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
             true => TAU / f64::from(ring.per_rev),
             false => ring.pitch_rad,
         };
-        // A triangle wave: the largest torque is a quarter of the way to the next detent.
+        // The torque is a triangle wave, with its maximum a quarter of the way to the next detent.
         let (stiffness, near) = (4.0 * ring.strength_n_m / pitch, 0.25 * pitch);
         let cell = |from: f64, to: f64, stiffness| Cell {
             from: ring.centre_rad + from,
@@ -126,7 +126,7 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
     }
     let friction = around.dry_friction.as_ref();
     if let Some(it) = friction.filter(|it| it.strength_n_m > 0.0) {
-        // Until it slides, the knob hangs on a spring at any angle.
+        // Until dry friction slides, it acts like a spring, at any angle.
         let cell = Cell {
             from: f64::NEG_INFINITY,
             to: f64::INFINITY,
@@ -138,8 +138,8 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
     Ok(all)
 }
 
-/// The cell in which the sum of all parts is steepest. For parts without angles it is the sum of the steepest slopes, which may not
-/// meet at one angle. `None` for fewer than two parts.
+/// The cell in which the sum of all parts is most restoring; `None` for fewer than two parts. If the parts have no common period,
+/// too many cells or no angles, the sum of their steepest slopes is returned. These slopes may not meet at one angle.
 pub(super) fn together(parts: &[Static]) -> Option<Cell> {
     if parts.len() < 2 {
         return None;
@@ -180,7 +180,7 @@ pub(super) fn together(parts: &[Static]) -> Option<Cell> {
             }
         }
     }
-    // Beyond the end not every part has its places.
+    // Some repeating parts have angles beyond the end, others do not.
     places.retain(|place| *place <= high);
     places.sort_by(f64::total_cmp);
     let cells = places.windows(2).map(|ends| {
@@ -194,7 +194,7 @@ pub(super) fn together(parts: &[Static]) -> Option<Cell> {
             half: 0.5 * (to - from),
         }
     });
-    // Two angles that differ by rounding alone are no cell.
+    // Two angles that differ only by rounding do not bound a cell.
     cells
         .filter(|cell| cell.to - cell.from > 1e-9)
         .max_by(|a, b| a.stiffness.total_cmp(&b.stiffness))

@@ -21,7 +21,7 @@ fn part<'a>(found: &'a FeelCertificate, name: &str, sign: f64) -> &'a PartAtStee
         .unwrap_or_else(|| panic!("no {name} in {found:?}"))
 }
 
-/// The slopes and cells are those of the drawn torque, by differences of the control law's own force.
+/// Checks slope and cell of each part against differences of the control law's own torque.
 #[test]
 fn the_steepest_cell_is_that_of_the_drawn_torque() {
     use touchstone_control::environment::Environment as Drawn;
@@ -61,7 +61,7 @@ fn the_steepest_cell_is_that_of_the_drawn_torque() {
             let wanted = it.stiffness_n_m_per_rad;
             assert!((got / wanted - 1.0).abs() < 2e-3, "{name}: {got} {it:?}");
         }
-        // No other place is steeper.
+        // The torque is not steeper at any other angle.
         let most = found.parts[found.stiffest].stiffness_n_m_per_rad;
         for i in 0..3000 {
             let angle = 0.0021 * f64::from(i);
@@ -70,7 +70,7 @@ fn the_steepest_cell_is_that_of_the_drawn_torque() {
     }
 }
 
-/// On a device with delay, a detent is stable up to the stiffness at which the loop's phase is lost, and not above.
+/// On a device with delay, a soft detent is stable; a steep one oscillates.
 #[test]
 fn a_steep_detent_is_unstable_and_named() {
     let soft = certified(&feel("coarse-detents", &[]));
@@ -96,7 +96,7 @@ fn a_steep_detent_is_unstable_and_named() {
     assert!((worst.stiffness_n_m_per_rad - 4.0 * 0.045 / pitch).abs() < 1e-9);
     let [from, to] = worst.cell_rad.unwrap();
     assert!((from + pitch / 4.0).abs() < 1e-12 && (to - pitch / 4.0).abs() < 1e-12);
-    // The simulated knob buzzes there too, and rests on the soft one.
+    // The simulated knob also buzzes on the steep detent, and rests on the soft one.
     use crate::scorecard::feel::feel_card;
     let buzz = |sets: &[&str]| {
         let card = feel_card(&feel("coarse-detents", sets), 50).unwrap();
@@ -121,7 +121,7 @@ fn parts_that_meet_are_added() {
         (sum - detents - spring).abs() < 1e-12,
         "{sum} {detents} {spring}"
     );
-    // Detents by pitch and a profile meet anywhere: the slopes are added, and that is said.
+    // Detents by pitch and a profile have no common period, so the slopes are added without a cell.
     let sets = [
         "environment.detents.per_rev=0",
         "environment.profile.per_rev=7",

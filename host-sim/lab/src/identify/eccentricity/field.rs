@@ -7,18 +7,18 @@
 //! `ω`, time `t`) and the error `ε`. Friction makes the shaft lag, which is part of `C`. The shaft's true angle, on which the error
 //! depends, is therefore `C + s ω t`.
 //!
-//! A light rotor with little damping oscillates around the field, at about 20 Hz and by a degree. The measured acceleration is
-//! therefore a term of the fit, and motion in proportion to it does not count as encoder error. The term also takes some
-//! thousandths of the error `ε` (with `n` periods per turn), because the reading accelerates by `-(n ω)² ε`. The code corrects for
-//! this loss.
+//! A light rotor with little damping oscillates around the field, at about 20 Hz and by a degree. The fit therefore has a term in
+//! proportion to the measured acceleration, and this motion does not count as encoder error. The term also absorbs some
+//! thousandths of the error `ε` (with `n` periods per turn), because the reading accelerates by `-(n ω)² ε`. The code corrects
+//! for this loss.
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, NotSeen, ORDERS, Said};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// Number of ticks at both ends of a turn that are left out. A count belongs to the field of the tick before, and the field changes
-/// direction there.
+/// Number of ticks that are left out at both ends of a turn. The field changes direction there, and a count belongs to the field
+/// of the previous tick.
 const EDGE: f64 = 3.0;
 /// Smallest fraction of a turn's ticks whose data must have arrived.
 const HEARD_LEAST: f64 = 0.8;

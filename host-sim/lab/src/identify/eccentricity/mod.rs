@@ -122,7 +122,7 @@ pub struct Eccentricity {
 pub enum NotSeen {
     /// The field did not turn a whole turn in both directions, or its data are missing.
     #[error(
-        "the calibration's turn of the field is not whole: {heard} of {needed} ticks were heard"
+        "the record of the calibration's turn is incomplete: {heard} of {needed} records arrived"
     )]
     Incomplete {
         /// Number of ticks whose data arrived.
@@ -132,7 +132,7 @@ pub enum NotSeen {
     },
     /// The rotor did not follow the field.
     #[error(
-        "the shaft did not go evenly with the field: it is off by {degrees:.1} electrical degrees"
+        "the shaft did not follow the field evenly: it differs by {degrees:.1} electrical degrees"
     )]
     NotFollowed {
         /// Deviation of the shaft from the field, root mean square, electrical degrees.

@@ -48,7 +48,7 @@ impl BoardRecording {
             Error::Io {
             path: file.to_owned(),
             problem,
-            fix: "give a file that touchstone-emulator play, or a test stand, wrote of touchstone scorecard --programme".into(),
+            fix: "give a recording of the file of `touchstone scorecard --programme`, from a test stand or `touchstone-emulator play`".into(),
         }
         };
         let text = input::text(file, input::MOST_OF_RECORDING);
@@ -76,14 +76,14 @@ impl BoardRecording {
                 *value = number.ok_or_else(|| {
                     let name = COLUMNS[column];
                     wrong(format!(
-                        "line {line}, {name}: `{}` is no number",
+                        "line {line}, {name}: `{}` is not a number",
                         cell(column)
                     ))
                 })?;
             }
             let here = surface.and_then(|column| record.get(column)?.parse::<f64>().ok());
             if surface_rad.is_some() && here != surface_rad {
-                return Err(wrong(format!("line {line}: the wall is elsewhere")));
+                return Err(wrong(format!("line {line}: the wall's place changes")));
             }
             surface_rad = here;
             let deed = (cell(0).to_owned(), cell(1).to_owned());

@@ -61,7 +61,8 @@ pub fn check(
     Ok(claims)
 }
 
-/// Largest stiffness in N/mm at which a plain spring does not oscillate, by bisection over simulated presses without a hand.
+/// Largest stiffness in N/mm at which the oscillation on a plain spring does not grow, by bisection over simulated presses
+/// without a hand.
 ///
 /// # Errors
 /// The control law does not accept its settings.

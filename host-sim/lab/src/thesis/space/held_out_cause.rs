@@ -33,7 +33,7 @@ impl HeldOutCause {
             Self::Delay => "its delay",
             Self::Damping => "its damping",
             Self::Inertia => "its inertia",
-            Self::NoneAlone => "no one thing alone",
+            Self::NoneAlone => "no single change",
         }
     }
 

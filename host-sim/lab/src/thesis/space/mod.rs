@@ -136,8 +136,7 @@ impl Object {
             Self::Horizontal => [0.0, 0.0, 1.0],
             // A unit vector with a different component along every axis.
             Self::Inclined => [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0],
-            // No component is zero. During a slide the first one changes its sign; from (-6, 2, 3)/7, the start tried before, none
-            // did.
+            // No component is zero, and the first one changes its sign during a slide.
             Self::Sphere => [-3.0 / 7.0, 2.0 / 7.0, 6.0 / 7.0],
         }
     }

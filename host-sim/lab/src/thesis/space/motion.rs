@@ -48,7 +48,7 @@ impl ProbingMotion {
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();
-        // Direction of the slide. On the sphere it crosses the pole of an axis, where the side of one component changes.
+        // Direction of the slide. On the sphere the slide passes a point at which one component of the normal changes its sign.
         let towards = match object {
             Object::Sphere => [1.0, 0.0, 0.2],
             Object::Horizontal | Object::Inclined => [1.0, 0.4, 0.0],
@@ -106,7 +106,7 @@ impl ProbingMotion {
         let below = |share: f64| height - (height + deep) * share;
         let t = time_s;
         let above = if t < PROBE_S {
-            // The rest point moves in, half out, and in again, so that the first contact ends by a motion outwards.
+            // The rest point moves in, part of the way out, and in again, so that the first contact ends with an outward motion.
             let first = smooth(t / 0.5) * 0.6;
             let back = smooth((t - 0.5) / 0.2) * 0.2;
             let again = smooth((t - 0.8) / 0.4) * 0.6;
@@ -117,7 +117,7 @@ impl ProbingMotion {
             below(1.0 - 1.3 * smooth((t - PROBE_S - HOLD_S - SLIDE_S) / RELEASE_S))
         };
         let along_s = (t - PROBE_S - HOLD_S).clamp(0.0, SLIDE_S);
-        // The slide takes a tenth of a second to reach its speed.
+        // The slide approaches its speed with a time constant of 0.05 s.
         let way = self.slide_mm_per_s * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
         match self.object {
             Object::Horizontal | Object::Inclined => {

@@ -38,7 +38,7 @@ impl PressedSurface {
     fn shape(&self) -> Shape<N> {
         match self {
             Self::Plane(through_m, normal) => Shape::Plane(Plane {
-                // Half of the number format's range: only the direction matters, not the length.
+                // The number format holds this length; only the direction matters.
                 normal: Direction::of(place(normal.map(|n| 50.0 * n))).unwrap_or_default(),
                 height: Position(N::signal_from_f64(100.0 * dot(*through_m, *normal))),
             }),

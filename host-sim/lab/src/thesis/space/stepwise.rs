@@ -1,4 +1,4 @@
-//! The two halves of a cell, which step by step make its run: device and hand, and the wall that they touch.
+//! Runs a cell of the comparison tick by tick in two halves: the wall ([`CellWall`]), and the device in the hand ([`CellPlant`]).
 
 use super::tuned_wall::TunedWall;
 use super::{
@@ -11,7 +11,7 @@ use touchstone_control::space::{
 use touchstone_control::{AnyLaw, Force, Reported as _, SettingsError};
 use touchstone_world::plant::FIRM_TRANSLATION;
 
-/// The wall of a cell: its object with its control law and, for the shipped wall, its guard.
+/// The wall of a cell: the object with its control law, and the energy guard if the cell has the shipped wall.
 #[derive(Debug, Clone)]
 pub struct CellWall {
     wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
@@ -54,7 +54,7 @@ impl CellWall {
     }
 }
 
-/// Device and hand of a cell, without its wall. With the forces of [`CellWall`] they move as in [`super::run`], bit for bit.
+/// Device and hand of a cell, without the wall. With the forces of [`CellWall`] they move exactly as in [`super::run`].
 #[derive(Debug, Clone)]
 pub struct CellPlant {
     held: HeldMechanism,
@@ -66,7 +66,7 @@ pub struct CellPlant {
 const INTERVAL_S: f64 = 1.0 / RATE_HZ as f64;
 
 impl CellPlant {
-    /// Device and hand at rest where the hand's motion begins.
+    /// Creates device and hand at rest where the hand's motion begins.
     ///
     /// # Errors
     /// [`Stopped`]: the mechanism cannot reach that position.
@@ -108,7 +108,7 @@ impl CellPlant {
         f64::from(self.next) * INTERVAL_S
     }
 
-    /// Where the hand's spring pulls the device in the coming tick (control period), m.
+    /// Rest point of the hand in the coming tick (control period), m: the position to which the hand's spring pulls.
     #[must_use]
     pub fn rest_m(&self) -> [f64; 3] {
         self.motion.rest_mm(self.time_s()).map(|x| x * 1e-3)

@@ -1,7 +1,7 @@
-//! The verdict on a run in three axes, by the criteria of one axis. The device must rest while the hand holds still, and give the
-//! hand no more energy than it took.
+//! The verdict on a run in three axes, by the criteria of a run on one axis. The device must come to rest while the hand holds
+//! still, and must not give the hand more energy than it took.
 //!
-//! The hand of such a run always holds still, for `HOLD_S`. So the verdict can only be missing if the mechanism ended the run
+//! The hand of such a run always holds still for `HOLD_S`. A run can therefore only be not judged if the mechanism ended it
 //! before the end of the hold.
 
 use super::claims::AT_REST_MM;
@@ -10,9 +10,10 @@ use super::record::length;
 use super::{RATE_HZ, Record};
 use touchstone_sim::run::verdict::{LEAST_REST_S, NotJudged, Verdict};
 
-/// Part of the hold at its end in which the device is examined, as in one axis.
+/// Last fraction of the hold in which the device is examined, as on one axis.
 const EXAMINED: f64 = 0.25;
-/// A force of this share of the largest one is at the limit: the law's rounding stays below.
+/// Fraction of the motors' largest force from which on a force counts as at the limit. The law's rounding keeps it slightly below
+/// the limit.
 const AT_LIMIT: f64 = 1.0 - 1e-3;
 
 impl Record {
@@ -24,7 +25,7 @@ impl Record {
         tick(end - EXAMINED * HOLD_S).min(most)..tick(end).min(most)
     }
 
-    /// How the run ended, and why it could not be judged if so.
+    /// Verdict on the run, and the reason if it is not judged.
     #[must_use]
     pub fn judged(&self) -> (Verdict, Option<NotJudged>) {
         let examined = self.examined();
@@ -67,13 +68,13 @@ impl Record {
 /// Energy through the ports of wall and user.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PortEnergy {
-    /// Energy that the wall took so far, J.
+    /// Energy that the wall has taken so far, J.
     wall_j: f64,
-    /// Energy that the device dissipated so far, J.
+    /// Energy that the device has dissipated so far, J.
     loss_j: f64,
-    /// Sum of the amounts of energy that went through the wall's port, J.
+    /// Sum of the magnitudes of the energies through the wall's port, J.
     throughput_j: f64,
-    /// Lowest energy of the user's port, J.
+    /// Lowest value so far of the energy that the user put in, J; negative if the user got energy out.
     user_min_j: f64,
 }
 
@@ -86,7 +87,7 @@ impl PortEnergy {
         self.user_min_j = self.user_min_j.min(self.wall_j + self.loss_j);
     }
 
-    /// Most energy that the user's port gave beyond what it had taken, J; 0 within the rounding of the sums, as in one axis.
+    /// Most energy that the user got out beyond what they had put in, J; 0 within the rounding of the sums, as on one axis.
     #[must_use]
     pub fn out_j(&self) -> f64 {
         let tolerance = 1e-12 + 1e-6 * self.throughput_j;
@@ -113,7 +114,7 @@ mod tests {
         .expect("settings of the comparison")
     }
 
-    /// Removes all ticks from this time on, as if the mechanism had ended the run.
+    /// Removes all ticks from this time on, as if the mechanism had ended the run there.
     fn ended(mut record: Record, time_s: f64) -> Record {
         let ticks = record.time_s.partition_point(|t| *t < time_s);
         record.time_s.truncate(ticks);
@@ -142,16 +143,19 @@ mod tests {
             let (verdict, why) = ended(whole.clone(), end_s).judged();
             assert_eq!(verdict, Verdict::NotJudged, "{end_s}");
             let why = why.expect("a reason").to_string();
-            assert_eq!(why, "only 0.0 ms of rest are seen, 20 ms are the least");
+            assert_eq!(
+                why,
+                "the run shows only 0.0 ms of rest; at least 20 ms are needed"
+            );
         }
-        // Enough of the hold was seen: its ringing counts.
+        // Enough of the hold was recorded to see the oscillation.
         let (verdict, why) = ended(whole.clone(), PROBE_S + 0.8 * HOLD_S).judged();
         assert!(verdict >= Verdict::LimitCycle && why.is_none());
         let (verdict, _) = ended(whole, 0.0).judged();
         assert_eq!(verdict, Verdict::NoContact);
     }
 
-    /// The verdict takes the hand's rest for granted.
+    /// The verdict assumes that the hand rests during the hold.
     #[test]
     fn the_hand_rests_in_the_hold() {
         for object in Object::ALL {

@@ -32,7 +32,7 @@ impl Place {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Place::Sensor => "how the law is told the angle",
+            Place::Sensor => "in the angle that the control law reads",
             Place::Angle => "stage on the angle",
             Place::Torque => "stage on the torque",
             Place::Law => "around the law's side",

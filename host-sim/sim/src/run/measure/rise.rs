@@ -100,7 +100,7 @@ mod tests {
     fn a_spring_is_as_hard_as_it_is_stiff_and_damping_adds_what_it_has_at_once() {
         for period_s in [1e-3, 1e-4, 2e-5] {
             let spring = entered(period_s, |x, _| 5.0 * x);
-            // Over a millisecond in which the speed falls by a tenth.
+            // The slope is taken over one millisecond, in which the speed falls by a tenth.
             let found = spring.n_m_per_rad().unwrap();
             assert!((4.4..=5.0).contains(&found), "{period_s}: {found}");
             let torque = spring.torque_n_m().unwrap();
@@ -111,7 +111,7 @@ mod tests {
                 "{torque} {expected}"
             );
             let damped = entered(period_s, |x, v| 5.0 * x + 0.01 * v);
-            // 0.02 N·m at once are 20 N·m/s over a millisecond.
+            // The damper's jump of 0.02 N·m counts as 20 N·m/s over one millisecond.
             let found = damped.n_m_per_rad().unwrap();
             assert!((9.5..=14.5).contains(&found), "{period_s}: {found}");
             assert!(damped.torque_n_m().unwrap() > torque);
@@ -126,11 +126,11 @@ mod tests {
         assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
         rise.record(true, 1.0, 5e-3);
         rise.record(true, 1.0, 10e-3);
-        // What comes later than five milliseconds is no rise, but hardness.
+        // A rise later than 5 ms after the touch counts for the hardness, not for the touch torque.
         (3..=10).for_each(|i| rise.record(true, 1.0, f64::from(i) * 5e-3));
         assert_eq!(rise.torque_n_m(), Some(25e-3));
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
-        // Out, and in once more with a blow.
+        // A second contact, with a larger force, does not count.
         rise.record(false, -1.0, 0.0);
         rise.record(true, 9.0, 1.0);
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);

@@ -133,11 +133,7 @@ pub(in crate::scene) fn find(
     match (found.next(), found.next()) {
         (Some(column), None) => Ok(column),
         (Some(one), Some(other)) => Err((
-            format!(
-                "both {} and {} look like it",
-                cut(&one.name),
-                cut(&other.name)
-            ),
+            format!("both {} and {} fit", cut(&one.name), cut(&other.name)),
             "keep one of the two columns".to_owned(),
         )),
         (None, _) => {
@@ -175,7 +171,7 @@ pub(in crate::scene) fn cell(
     row: &csv::StringRecord,
     column: &Column,
 ) -> std::result::Result<f64, (String, &'static str)> {
-    // The CSV reader has checked that rows are as long as the header.
+    // The callers have checked that the row is at least as long as the header.
     let text = row.get(column.index).unwrap_or_default();
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),

@@ -62,7 +62,7 @@ impl RestPath {
             scene.operator.hand().ok_or_else(|| {
                 scene.error(
                     "operator.motion.kind",
-                    "nobody holds the device",
+                    "no hand holds the device",
                     "give operator.grip = \"medium\"",
                 )
             })

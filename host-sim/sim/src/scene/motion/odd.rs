@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 /// Speed above which a recording is reported as faster than any hand, rad/s. A wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// Range of angles above which a recording is reported, rad: two turns. Slow motion in degrees is found by its range, not its speed.
+/// Range of angles above which a recording is reported, rad: two turns. A slow motion in degrees is noticed by its range, not by
+/// its speed.
 const WIDEST_RAD: f64 = 2.0 * TAU;
 /// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
@@ -34,7 +35,7 @@ impl Recording {
     fn epoch(&self) -> Option<String> {
         let begins_s = self.begins_s();
         (begins_s.abs() > EPOCH_S).then(|| {
-            format!("times begin at {begins_s:.3} s, as those of a calendar do, and are counted from there")
+            format!("times begin at {begins_s:.3} s, such as those of a clock; the recording's time counts from there")
         })
     }
 
@@ -46,7 +47,7 @@ impl Recording {
             .max_by(|a, b| a.1.total_cmp(&b.1))?;
         let usual = self.interval_s();
         (longest > GAP_S && longest > 10.0 * usual).then(|| {
-            format!("a gap of {longest:.3} s after {after:.3} s, where the interval is {usual:.6} s: what the hand did there is a guess")
+            format!("a gap of {longest:.3} s after {after:.3} s, where the usual interval is {usual:.6} s: the hand's motion in it is a guess")
         })
     }
 
@@ -55,7 +56,7 @@ impl Recording {
         let usual = self.interval_s();
         let is_burst = self.times_s().len() > 10 && usual < 0.25 * mean && mean < GAP_S;
         is_burst.then(|| {
-            format!("samples come in bursts, {usual:.3e} s apart where {mean:.3e} s is the mean: are the times those of the transfer?")
+            format!("samples come in bursts, {usual:.3e} s apart where {mean:.3e} s is the mean: check that the times are those of the measurement, not of the transfer")
         })
     }
 
@@ -68,7 +69,7 @@ impl Recording {
             .filter(|pair| is_wrap(jump(pair)));
         let wraps = wraps.count();
         (wraps > 0).then(|| {
-            format!("the angle jumps by a whole turn between neighbours, {wraps} times: unwrap it")
+            format!("the angle jumps by a whole turn between two samples, {wraps} times: unwrap it")
         })
     }
 
@@ -88,7 +89,7 @@ impl Recording {
         }
         (worst.0 > FASTEST_RAD_PER_S).then(|| {
             format!(
-                "{:.0} rad/s near {:.3} s is faster than a hand: is it one bad sample, or is {} in another unit, such as degrees?",
+                "{:.0} rad/s near {:.3} s is faster than a hand: check for a bad sample, or whether {} is in another unit, such as degrees",
                 worst.0, worst.1, self.angle()
             )
         })
@@ -101,7 +102,7 @@ impl Recording {
         let range = high - low;
         (range > WIDEST_RAD).then(|| {
             format!(
-                "a range of {range:.1} rad is {:.1} turns: is {} in another unit, such as degrees?",
+                "a range of {range:.1} rad is {:.1} turns: check whether {} is in another unit, such as degrees",
                 range / TAU,
                 self.angle()
             )

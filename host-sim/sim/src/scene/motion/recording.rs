@@ -64,7 +64,7 @@ impl Recording {
                 }
                 std::io::ErrorKind::FileTooLarge => (
                     error.to_string(),
-                    "cut the recording, or keep time and angle alone",
+                    "cut the recording, or remove all columns but time and angle",
                 ),
                 _ => (error.to_string(), "give a readable file"),
             };
@@ -107,7 +107,7 @@ impl Recording {
                 1,
                 "header",
                 "the file is empty".into(),
-                "give a header such as time_s,angle_deg and a row a sample",
+                "give a header such as time_s,angle_deg and one row for each sample",
             ));
         };
         let header_line = line_of(text, &header);
@@ -145,7 +145,7 @@ impl Recording {
             let (t, x) = (cell(&time)?, cell(&angle)?);
             if (x * angle.si).abs() > LARGEST_RAD {
                 let problem = format!(
-                    "{} is no angle of a hand, above {LARGEST_RAD} rad",
+                    "{} is above {LARGEST_RAD} rad, more than a hand turns",
                     short(x)
                 );
                 return Err(error(
@@ -177,7 +177,7 @@ impl Recording {
                     // A counter that wraps falls to less than half in one step.
                     match t < 0.5 * previous && previous >= LEAST_OF_COUNTER {
                         true => {
-                            "where a counter wrapped, add its range to what follows; else sort the rows by time"
+                            "if a counter wrapped, add its range to the times after it; otherwise sort the rows by time"
                         }
                         false => "sort the rows by time and remove repeated ones",
                     },
@@ -189,14 +189,14 @@ impl Recording {
         }
         if times_s.len() < 2 {
             let problem = format!(
-                "{} row of numbers is no motion",
+                "{} row of numbers is not a motion",
                 ["no", "one"][times_s.len()]
             );
             return Err(error(
                 header_line + times_s.len(),
                 &time.name,
                 problem,
-                "give two rows or more, one a sample",
+                "give two rows or more, one for each sample",
             ));
         }
         let recording = Recording {
@@ -212,7 +212,7 @@ impl Recording {
                 header_line,
                 &time.name,
                 problem,
-                "check the unit of time: 10 µs is the least",
+                "check the unit of time: the least duration is 10 µs",
             ));
         }
         let steps = recording.length_s() / step_s(recording.length_s(), recording.times_s.len());

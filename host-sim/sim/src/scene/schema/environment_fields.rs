@@ -243,6 +243,6 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "environment.inertia.bandwidth_hz",
         "hz",
         Within(5.0, 30.0),
-        "below which frequency motions feel the mass",
+        "the frequency below which motions feel the mass",
     ),
 ];

@@ -15,7 +15,7 @@ use touchstone_control::{Choice as _, setting_path};
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("device.friction", "no dry friction"),
     ("device.cogging", "no cogging"),
-    ("device.imbalance", "no weight out of the axis"),
+    ("device.imbalance", "no mass beside the axis"),
     ("device.current_sensor", "the current is known exactly"),
     ("device.current_loop", "the torque is the command"),
     ("device.transmission", "motor and knob are one"),
@@ -107,21 +107,21 @@ const DEVICE: &[Field] = &[
         "device.friction.asymmetry_n_m",
         "n_m",
         Any,
-        "by how much friction is greater against positive and smaller against negative motion",
+        "how much more friction there is against positive motion, and less against negative motion",
     )
     .absent("0"),
     number(
         "device.friction.stribeck_rad_per_s",
         "rad_per_s",
         Positive,
-        "the velocity at which friction has come down from its static to its kinetic value",
+        "the velocity at which friction has fallen from its static to its kinetic value",
     )
     .absent("kinetic in motion"),
     number(
         "device.friction.bristle_stiffness_n_m_per_rad",
         "n_m_per_rad",
         Positive,
-        "the stiffness of the bristles by which surfaces hold each other",
+        "the stiffness of the bristles in the model of friction at rest",
     )
     .absent("they hold rigidly"),
     number(
@@ -153,13 +153,13 @@ const DEVICE: &[Field] = &[
         "device.imbalance.torque_n_m",
         "n_m",
         NotNegative,
-        "the weight out of the axis times its distance from it",
+        "the mass beside the axis times its distance from the axis",
     ),
     number(
         "device.imbalance.phase_rad",
         "rad",
         Any,
-        "the weight's angle from its lowest point at angle 0",
+        "the angle of that mass from its lowest point, at angle 0",
     ),
     number(
         "device.current_sensor.noise_rms_n_m",
@@ -177,13 +177,13 @@ const DEVICE: &[Field] = &[
         "device.current_loop.bandwidth_hz",
         "hz",
         Positive,
-        "the bandwidth of the torque behind its command",
+        "the bandwidth with which the torque follows its command",
     ),
     number(
         "device.current_loop.back_emf_n_m_s_per_rad",
         "n_m_s_per_rad",
         NotNegative,
-        "the damping by the motor's own voltage (0 with a current loop)",
+        "the damping by the motor's induced voltage (0 with a current loop)",
     ),
     number(
         "device.transmission.spring_n_m_per_rad",
@@ -207,7 +207,7 @@ const DEVICE: &[Field] = &[
         "device.transmission.play_rad",
         "rad",
         NotNegative,
-        "the transmission's play in all",
+        "the transmission's whole play",
     ),
     number(
         "encoder.counts_per_rev",
@@ -225,7 +225,7 @@ const DEVICE: &[Field] = &[
         "sensor.periodic.amplitude_rad",
         "rad",
         NotNegative,
-        "the amplitude of an error that comes back every turn",
+        "the amplitude of a sensor error that repeats every turn",
     ),
     field(
         "sensor.periodic.periods_per_rev",
@@ -255,13 +255,13 @@ const DEVICE: &[Field] = &[
         "plant.integrator",
         "",
         Choice(Integrator::WORDS),
-        "the method by which device and hand cross a tick",
+        "the method that computes device and hand over a control period",
     ),
     field(
         "plant.substeps",
         "",
         Whole(1, 100_000),
-        "the method's substeps in a tick (the exact step has none, but where an effect needs some)",
+        "the method's substeps in a control period (the exact step needs none, unless an effect needs some)",
     ),
 ];
 
@@ -282,21 +282,21 @@ const TIMING_AND_SURFACE: &[Field] = &[
         "timing.jitter_s",
         "s",
         Within(0.0, 1.0),
-        "the largest lateness of a tick",
+        "the largest lateness of a control period",
     )
-    .absent("every tick is in time"),
+    .absent("every control period is in time"),
     number(
         "timing.latency_spread_s",
         "s",
         Within(0.0, 1.0),
         "the largest further delay of a command",
     )
-    .absent("every command takes as long"),
+    .absent("every command has the same delay"),
     number(
         "timing.lost_share",
         "",
         Within(0.0, 0.9),
-        "the share of lost ticks",
+        "the share of control periods that are left out",
     )
     .absent("none"),
     number("wall.surface_rad", "rad", Any, "the wall's surface"),

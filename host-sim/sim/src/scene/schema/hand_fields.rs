@@ -88,20 +88,15 @@ pub(super) const OPERATOR: &[Field] = &[
         "operator.reflex.delay_s",
         "s",
         Within(0.0, 1.0),
-        "the time from a stretch to the muscles' answer",
+        "the time from a stretch to the muscles' response",
     ),
     number(
         "operator.reflex.muscle_stiffness_n_m_per_rad",
         "n_m_per_rad",
         NotNegative,
-        "the torque of that answer by stretch",
+        "the torque of that response per stretch",
     ),
-    field(
-        MOTION_KIND,
-        "",
-        Choice(MOTIONS),
-        "what the hand sets out to do",
-    ),
+    field(MOTION_KIND, "", Choice(MOTIONS), "the motion of the hand"),
     number(
         "operator.motion.start_s",
         "s",
@@ -169,7 +164,7 @@ pub(super) const OPERATOR: &[Field] = &[
         "operator.motion.wiggle_amplitude_n_m",
         "n_m",
         NotNegative,
-        "the torque by which the push rises and falls",
+        "the amplitude with which the push varies",
     )
     .only(WIGGLE),
     number(
@@ -211,7 +206,7 @@ pub(super) const OPERATOR: &[Field] = &[
         "operator.motion.turn_s",
         "s",
         AtLeast(FASTEST_RAMP_S),
-        "the time of the way there, and of the way back",
+        "the time for the way there, and for the way back",
     )
     .only(TURN),
     number(
@@ -246,7 +241,7 @@ pub(super) const OPERATOR: &[Field] = &[
         "operator.motion.exact",
         "",
         Flag,
-        "whether the angles are the rest point as they stand, each until the next",
+        "whether the angles are used unchanged as the rest point, each until the next",
     )
     .only(RECORDED),
 ];

@@ -59,7 +59,7 @@ fn fields_in_the_wrong_table_or_motion() {
     );
     refused(
         "[law]\nk_v_n_m_per_rad = 0.8",
-        "s.toml:2: law.k_v_n_m_per_rad: it has another name now; write law.k_soft_n_m_per_rad",
+        "s.toml:2: law.k_v_n_m_per_rad: this setting has a new name; write law.k_soft_n_m_per_rad",
     );
     refused(
         "rate_hz = 1000",
@@ -252,7 +252,7 @@ fn fields_that_contradict_each_other() {
     );
     refused(
         "[operator.motion]\nkind = \"ramp-and-hold\"",
-        "s.toml:2: operator.motion.kind: nobody holds the device, so nobody can do the motion ramp-and-hold; \
+        "s.toml:2: operator.motion.kind: no hand holds the device, so there is no hand for the motion ramp-and-hold; \
          give operator.grip = \"medium\", or the motion none",
     );
     refused(
@@ -262,7 +262,7 @@ fn fields_that_contradict_each_other() {
     );
     refused(
         "[operator]\ngrip = \"light\"\nmotion.kind = \"tap\"\nmotion.velocity_rad_per_s = 30",
-        "s.toml:4: operator.motion.velocity_rad_per_s: 30 rad/s from 0.1 rad outside is a tap of 35.6 Hz, no hand moves above 10 Hz; \
+        "s.toml:4: operator.motion.velocity_rad_per_s: 30 rad/s from 0.1 rad outside is a tap of 35.6 Hz, but a hand moves at most at 10 Hz; \
          lower it, or give approach_rad = 0.356 or more",
     );
 }

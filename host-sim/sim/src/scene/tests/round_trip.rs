@@ -426,7 +426,7 @@ fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
     use touchstone_protocol::DeviceSettings;
     use touchstone_protocol::settings::{Decimal, VALUE_MAX, fields};
 
-    // A scene without an encoder, and a device with one, say something else of that, and the same of all rows.
+    // The position settings differ, because the scene has no encoder and the device has one. All other settings must agree.
     let told = |scene: &Scene| Settings {
         position: PositionSettings::default(),
         ..scene.settings().unwrap()

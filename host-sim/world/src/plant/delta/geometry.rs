@@ -66,7 +66,7 @@ pub enum Unreachable {
     #[error("the forearms lie nearly in a plane")]
     Flat,
     /// Newton's method found no position for these joint angles.
-    #[error("no place for these joint angles")]
+    #[error("no position fits these joint angles")]
     NoPlace,
 }
 

@@ -81,13 +81,13 @@ fn the_programs_own_files_have_several_angles_and_one_of_them_is_meant() {
     // In other files two columns of angles are ambiguous.
     refused(
         "time_s,angle_rad,rest_rad\n0,1,1\n1,2,2\n",
-        "m.csv:1: angle: both angle_rad and rest_rad look like it; keep one of the two columns",
+        "m.csv:1: angle: both angle_rad and rest_rad fit; keep one of the two columns",
     );
 }
 
 #[test]
 fn the_mean_is_over_time_not_over_samples() {
-    // A second at 0, a straight second to 1, with many samples in the first.
+    // One second at angle 0 with many samples, then one second of a straight rise to 1.
     let recording = parse("time_s,angle_rad\n0,0\n0.25,0\n0.5,0\n0.75,0\n1,0\n2,1\n");
     assert!((recording.mean_rad() - 0.25).abs() < 1e-12);
 }
@@ -96,7 +96,7 @@ fn the_mean_is_over_time_not_over_samples() {
 fn bad_headers() {
     refused(
         "",
-        "m.csv:1: header: the file is empty; give a header such as time_s,angle_deg and a row a sample",
+        "m.csv:1: header: the file is empty; give a header such as time_s,angle_deg and one row for each sample",
     );
     refused(
         "time,angle_deg\n0,1\n1,2\n",
@@ -113,7 +113,7 @@ fn bad_headers() {
     );
     refused(
         "time_s,angle_deg,target_deg\n0,1,1\n1,2,2\n",
-        "m.csv:1: angle: both angle_deg and target_deg look like it; keep one of the two columns",
+        "m.csv:1: angle: both angle_deg and target_deg fit; keep one of the two columns",
     );
     refused(
         "time_s;angle_deg\n0;1\n",
@@ -127,11 +127,11 @@ fn bad_rows() {
     let bad = |rows: &str, expected: &str| refused(&format!("{head}{rows}"), expected);
     bad(
         "",
-        "m.csv:1: time_s: no row of numbers is no motion; give two rows or more, one a sample",
+        "m.csv:1: time_s: no row of numbers is not a motion; give two rows or more, one for each sample",
     );
     bad(
         "0,1\n",
-        "m.csv:2: time_s: one row of numbers is no motion; give two rows or more, one a sample",
+        "m.csv:2: time_s: one row of numbers is not a motion; give two rows or more, one for each sample",
     );
     bad(
         "0,1\n1,NaN\n2,3\n",
@@ -248,7 +248,7 @@ fn a_recording_replaces_a_scenes_motion() {
         .with_recording(&file)
         .unwrap_err()
         .to_string();
-    let expected = "nobody holds the device in the scene free-release; add --set operator.grip=medium before it";
+    let expected = "no hand holds the device in the scene free-release; add --set operator.grip=medium before it";
     assert_eq!(message, format!("{option}: {expected}"));
 }
 

@@ -100,7 +100,7 @@ fn rows_of_another_length_are_refused_by_their_line() {
         ),
         (
             "time_s,angle_rad\n0,1\n1,1e7\n",
-            "m.csv:3: angle_rad: 10000000 is no angle of a hand",
+            "m.csv:3: angle_rad: 10000000 is above 1000000 rad",
         ),
         (
             "time_s,angle_rad\n0,1\n1e-11,2\n4e-11,1\n",
@@ -166,13 +166,13 @@ fn what_is_odd_is_noted_by_its_number() {
             sine("time_s,angle_deg", |n, x| {
                 format!("{},{}", at(n), (x.to_degrees() + 360.0) % 360.0)
             }),
-            "by a whole turn between neighbours",
+            "by a whole turn between two samples",
         ),
         (
             sine(angle, |n, _| {
                 format!("{},{}", at(n), (n as f64 * 0.02) % std::f64::consts::TAU)
             }),
-            "neighbours, 3 times",
+            "two samples, 3 times",
         ),
         (
             sine(angle, |n, x| {
@@ -182,12 +182,12 @@ fn what_is_odd_is_noted_by_its_number() {
         ),
         (
             sine(angle, |n, x| format!("{},{}", at(n), x.to_degrees())),
-            "such as degrees?",
+            "such as degrees",
         ),
-        // Too slow to be found by its speed.
+        // A motion too slow to be detected by its speed.
         (
             sine(angle, |n, x| format!("{},{}", 10.0 * at(n), x.to_degrees())),
-            "a range of 34.4 rad is 5.5 turns: is angle_rad in another unit",
+            "a range of 34.4 rad is 5.5 turns: check whether angle_rad is in another unit",
         ),
         (
             sine("stamp_ns,angle_rad", |n, x| {

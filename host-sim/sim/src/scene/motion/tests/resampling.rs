@@ -38,7 +38,7 @@ fn a_smooth_motion_comes_back_within_the_known_loss_of_the_low_pass() {
             * (0.2 * (TAU * 1.3_f64).powi(2) + 0.05 * (TAU * 3.1_f64).powi(2))
             * 0.0065
             * 0.0065;
-        // Away from the ends, where the curve runs on as a constant.
+        // Only away from the ends, beyond which the curve is constant.
         let error = worst(&curve, hand, 0.1, 2.9);
         assert!(error < low_pass + cubic, "{error} rad");
         assert!(

@@ -77,7 +77,7 @@ fn presses_have_no_steps_in_angle_or_speed() {
             // takes 0.4 s.
             let (mut speed, mut acceleration) = (1.875 * way / 0.4, 5.78 * way / 0.16);
             if name == "thesis-knob" {
-                // The touch takes 0.05 s for a push of 0.02 N·m, and it starts on the surface's outside as well.
+                // The touch takes 0.05 s for a push of 0.02 N·m. It also starts outside the wall's surface.
                 let touch = 0.05 + 0.02 * (hand.compliance_rad_per_n_m() + 0.2);
                 speed = speed.max(1.875 * touch / 0.05);
                 acceleration = acceleration.max(5.78 * touch / 0.0025);
@@ -253,7 +253,7 @@ fn a_press_that_lost_its_hand_in_code_is_an_error() {
     let message = RestPath::from_scene(&press).unwrap_err().to_string();
     assert!(
         message.ends_with(
-            "operator.motion.kind: nobody holds the device; give operator.grip = \"medium\""
+            "operator.motion.kind: no hand holds the device; give operator.grip = \"medium\""
         ),
         "{message}"
     );
