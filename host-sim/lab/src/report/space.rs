@@ -213,7 +213,7 @@ fn title(mechanism: Mechanism, compares: bool) -> &'static str {
 }
 
 const ABOUT_ALL: &str = "The hand presses each object, holds, slides along it and lets go. The five approaches have the thesis' settings (§5.2). \
-    \"Shipped\" is the wall of `touchstone device run` on such a device: tuned for it, on estimated states, followed by the energy guard.";
+    \"Shipped\" is the wall of the command touchstone device run on such a device: tuned for it, on estimated states, followed by the energy guard.";
 const ABOUT_ONE: &str = "The hand presses the object, holds, slides along it and lets go.";
 
 /// Displayed stiffness in N/mm as text; the reason if the run has none.
