@@ -156,7 +156,7 @@ pub struct Calibration {
     along: Fit,
     against: Fit,
     samples: i32,
-    /// Voltage along the field, as a mean over 16 control periods. The next two fields: its smallest and largest value at the
+    /// Voltage along the rotating field, low-pass filtered over some 16 control periods. `least` and `most` are its extremes at the
     /// sampled positions.
     volts: Volts,
     least: Volts,

@@ -19,7 +19,8 @@ fn weight(x: f64) -> i32 {
     Wide64::weight(I8F56::from_num(x)).expect("in its range")
 }
 
-/// Coefficients at the ends of their ranges: a limit of 1 N·m, and commands that each use a fraction of the allowed sum.
+/// Coefficients at the ends of their ranges, except `ahead.commands`. At the limit of 1 N·m the commands of `tick` add up to just
+/// under the allowed 2 rad.
 fn at_ends() -> Estimator<N> {
     let torque = |x: f64| Wide64::torque_weight(I8F56::from_num(x)).expect("in its range");
     Estimator {

@@ -342,9 +342,9 @@ fn the_books_are_those_of_the_proved_stage() {
     );
 }
 
-/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls, half of them with the
-/// further parts of a feel at their strongest. A random hand moves as fast as the guard counts, 0.06 rad per control period. Such a
-/// profile changes its force between any two positions, as a hostile force field would.
+/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls, half of them with
+/// [`hostile_feel`]. A hand moves randomly, up to the over-speed limit of 0.06 rad per control period. Such a profile changes its
+/// force between any two positions, as a hostile force field would.
 #[test]
 fn one_account_answers_for_hostile_profiles() {
     let settings = guarded_spring();

@@ -51,6 +51,8 @@ def throw(guarded, seconds=5.0):
         force_limit_n_m=FORCE_LIMIT_N_M,
         count_rad=COUNT_RAD,
         damping_n_m_s_per_rad=DAMPING_N_M_S_PER_RAD,
+        # MuJoCo applies the guard's torque from the moment at which the angle is read.
+        delay_s=0.0,
         capacity_j=CAPACITY_J,
         overspeed_rad_per_s=120.0,
     )

@@ -82,19 +82,19 @@ impl PyGuard {
 #[pymethods]
 impl PyGuard {
     #[new]
-    #[pyo3(signature = (*, rate_hz, force_limit_n_m, count_rad, damping_n_m_s_per_rad, share_of_damping=None, capacity_j=None, refill_w=None,
-        overspeed_rad_per_s=None, delay_s=0.0, lag_s=0.0, change_is_measured=false))]
+    #[pyo3(signature = (*, rate_hz, force_limit_n_m, count_rad, damping_n_m_s_per_rad, delay_s, share_of_damping=None, capacity_j=None,
+        refill_w=None, overspeed_rad_per_s=None, lag_s=0.0, change_is_measured=false))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         rate_hz: u32,
         force_limit_n_m: f64,
         count_rad: f64,
         damping_n_m_s_per_rad: f64,
+        delay_s: f64,
         share_of_damping: Option<f64>,
         capacity_j: Option<f64>,
         refill_w: Option<f64>,
         overspeed_rad_per_s: Option<f64>,
-        delay_s: f64,
         lag_s: f64,
         change_is_measured: bool,
     ) -> PyResult<Self> {

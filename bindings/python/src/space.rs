@@ -92,19 +92,19 @@ impl PySpaceGuard {
 #[pymethods]
 impl PySpaceGuard {
     #[new]
-    #[pyo3(signature = (*, rate_hz, force_limit_n, count_m, damping_n_s_per_m, share_of_damping=None, capacity_j=None, refill_w=None,
-        overspeed_m_per_s=1.5, delay_s=0.0, lag_s=0.0))]
+    #[pyo3(signature = (*, rate_hz, force_limit_n, count_m, damping_n_s_per_m, delay_s, share_of_damping=None, capacity_j=None, refill_w=None,
+        overspeed_m_per_s=1.5, lag_s=0.0))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         rate_hz: u32,
         force_limit_n: f64,
         count_m: f64,
         damping_n_s_per_m: f64,
+        delay_s: f64,
         share_of_damping: Option<f64>,
         capacity_j: Option<f64>,
         refill_w: Option<f64>,
         overspeed_m_per_s: f64,
-        delay_s: f64,
         lag_s: f64,
     ) -> PyResult<Self> {
         let shipped = GuardSettings::default();

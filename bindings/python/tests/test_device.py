@@ -32,7 +32,7 @@ class Handle:
 
 
 SETTINGS = dict(
-    rate_hz=1000, force_limit_n_m=2.0, count_rad=1e-6, damping_n_m_s_per_rad=2e-3, capacity_j=0.05, refill_w=0.0, overspeed_rad_per_s=50
+    rate_hz=1000, force_limit_n_m=2.0, count_rad=1e-6, damping_n_m_s_per_rad=2e-3, delay_s=0.0, capacity_j=0.05, refill_w=0.0, overspeed_rad_per_s=50
 )
 
 

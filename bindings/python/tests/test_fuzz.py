@@ -19,7 +19,7 @@ WHOLE = [0, 1, -1, 2, 360, 1000, 40_000, 100_000, 100_001, 2**31 - 1, 2**31, 2**
 OTHERS = [None, True, "", "1e3", "spring", b"1", [], [1.0], (1, 2), {}, 1j, object(), numpy.float32(0.1), numpy.int64(-7), numpy.zeros(2), "\ud800", "ü" * 1000]
 GUARD = ["rate_hz", "force_limit_n_m", "count_rad", "damping_n_m_s_per_rad", "share_of_damping", "capacity_j", "refill_w", "overspeed_rad_per_s"]
 GUARD += ["delay_s", "lag_s", "change_is_measured"]
-SOUND = dict(rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4)
+SOUND = dict(rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4, delay_s=0.0)
 
 
 def _paths():

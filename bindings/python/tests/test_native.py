@@ -9,7 +9,7 @@ import touchstone
 
 
 def guard(**changes):
-    settings = dict(rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4)
+    settings = dict(rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4, delay_s=0.0)
     return touchstone.Guard(**{**settings, **changes})
 
 

@@ -132,7 +132,7 @@ def test_a_scene_of_one_axis_is_no_scene_of_three():
 
 
 def space_guard(**changes):
-    settings = dict(rate_hz=1000, force_limit_n=12.0, count_m=1e-5, damping_n_s_per_m=2.5)
+    settings = dict(rate_hz=1000, force_limit_n=12.0, count_m=1e-5, damping_n_s_per_m=2.5, delay_s=0.0)
     return touchstone.SpaceGuard(**{**settings, **changes})
 
 

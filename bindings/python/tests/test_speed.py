@@ -50,7 +50,7 @@ def test_other_threads_run_during_a_call_for_many_ticks():
     places = 0.005 * numpy.sin(numpy.arange(2_000_000) * 0.06)
     moved, wanted = numpy.diff(places, prepend=0.0), 40.0 * places
     wall = touchstone.Wall()
-    guard = touchstone.Guard(rate_hz=1000, force_limit_n_m=0.5, count_rad=1.6e-4, damping_n_m_s_per_rad=4e-4)
+    guard = touchstone.Guard(rate_hz=1000, force_limit_n_m=0.5, count_rad=1.6e-4, damping_n_m_s_per_rad=4e-4, delay_s=0.0)
     assert _rounds_beside(lambda: sum(range(2_000_000))) == 0, "a call that keeps the lock"
     assert _rounds_beside(lambda: wall.ticks(places)) > 0
     assert _rounds_beside(lambda: guard.ticks(moved, wanted)) > 0

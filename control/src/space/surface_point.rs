@@ -16,7 +16,7 @@ pub enum Rule<N: Spatial> {
     /// The point where the hand's point (HIP) entered the object (thesis 4.6). The HIP is pulled back to it.
     Penetration,
     /// The closest surface point in a cone around the direction of the last tick (thesis §4.3.3). So the force's direction turns by
-    /// at most the cone's angle per tick.
+    /// at most half the cone's opening angle per tick.
     Restricted(Turn<N>),
 }
 

@@ -77,7 +77,7 @@ macro_rules! signal_vector {
                 N::longer(self.signals(), limit.0)
             }
             /// The vector shortened to at most a limit below the end of the number format. A vector within the limit is unchanged.
-            /// Each component of a longer one is up to three steps of the format shorter than exact. The direction is kept, except
+            /// Each component of a longer one is less than two steps of the format shorter than exact. The direction is kept, except
             /// for the rounding of each component towards zero.
             #[inline]
             #[must_use]

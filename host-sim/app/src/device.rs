@@ -224,7 +224,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
             }
             Phase::Fault if status.fault.as_ref().is_some_and(is_of_kept) => (
                 "the check of the stored alignment failed: the alignment is wrong, or the shaft was held, loaded or turning".to_owned(),
-                "take your hand off the knob and repeat the command; or measure the alignment again: touchstone device stop, touchstone device calibrate --anew",
+                "take your hand off the knob and try again: touchstone device stop, touchstone device calibrate; or measure the alignment again with `calibrate --anew`",
             ),
             Phase::Fault => (
                 format!(

@@ -32,7 +32,7 @@ pub struct Options {
     /// Noise of the position sensor, degrees rms; default: the scene's.
     #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Vec<f64>,
-    /// Number of device variants on which each wall may be lost (a press too deep, or its stiffness far off). Does not count
+    /// Number of device variants on which each wall may be lost (a press or touch too deep, or its stiffness far off). Does not count
     /// variants on which no tuned law can hold the wall.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,

@@ -148,6 +148,12 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
         ChangeOfForce::Measured => "",
         ChangeOfForce::Estimated => ", the delay is the configured one",
     };
+    let error = settings.law.position_error_rad;
+    let error = if error > Si::ZERO {
+        format!(" and {error} rad")
+    } else {
+        String::new()
+    };
     let joules = kinetic_j(settings);
     let moving = if joules > 0.0 {
         format!(
@@ -158,7 +164,7 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
         String::new()
     };
     format!(
-        "with these settings a hand gets out at most {:.2} mJ at once and {:.2} mW in addition, beyond what it put in and the knob's own motion. This holds if the knob alone has {:.3e} N·m·s/rad of damping, the encoder of {} counts a turn errs by at most half a count, and the motor gives the commanded torque{delay} (docs/guard-promise.md){moving}",
+        "with these settings a hand gets out at most {:.2} mJ at once and {:.2} mW in addition, beyond what it put in and the knob's own motion. This holds if the knob alone has {:.3e} N·m·s/rad of damping, the encoder of {} counts a turn errs by at most half a count{error}, and the motor gives the commanded torque{delay} (docs/guard-promise.md){moving}",
         milli(bound.at_once_j),
         milli(bound.refill_w),
         trusted(guard).to_num::<f64>(),
@@ -330,6 +336,14 @@ mod tests {
             );
             settings.law.estimator.inertia_kg_m2 = Si::ZERO;
             assert!(!promise(&settings, board).contains("10 rad/s has"));
+            assert!(text.contains("errs by at most half a count, and"), "{text}");
+            settings.law.position_error_rad = Si::lit("0.003");
+            let text = promise(&settings, board);
+            assert!(
+                text.contains("by at most half a count and 0.003 rad, and"),
+                "{text}"
+            );
+            assert!(super::bound(&settings, board).unwrap().at_once_j > bound.at_once_j);
             settings.law.guard.on = false;
             assert!(promise(&settings, board).contains("has no bound"));
             assert_eq!(super::bound(&settings, board), None);

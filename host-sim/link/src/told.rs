@@ -75,7 +75,7 @@ const fn phase_words(phase: Phase) -> &'static str {
 /// A sentence for each cause that reduces the commanded force, such as the current limit.
 const fn limit_words(limit: Limit) -> &'static str {
     match limit {
-        Limit::Temperature => "the power stage is warm",
+        Limit::Temperature => "motor or power stage is hot",
         Limit::Current => "current limit",
         Limit::Voltage => "bus voltage too low for the current",
         Limit::Force => "force limit",

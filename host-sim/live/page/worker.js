@@ -84,7 +84,7 @@ function reset() {
 /** Turns the run back by `count` ticks: simulates it again from its start, which gives the same bits. */
 function back(count) {
   if (past === null) {
-    postMessage({ type: "back", a: null, b: null, why: "A setting was changed during the run, or it is longer than ten minutes: start again to be able to go back." });
+    postMessage({ type: "back", a: null, b: null, why: "A setting was changed during the run, or it has more than 600,000 ticks: start again to be able to go back." });
     return;
   }
   stopRecord("the run was turned back");

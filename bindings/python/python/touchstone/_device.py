@@ -28,7 +28,7 @@ class Device:
     #: Largest torque of the motor; a value that is too small is safe.
     force_limit_n_m: float
     #: Time from reading the position until the new torque begins to act, s. It must be right: no error is safe.
-    delay_s: float = 0.0
+    delay_s: float
     #: Time constant with which the torque then rises, s. It must be right too.
     lag_s: float = 0.0
 

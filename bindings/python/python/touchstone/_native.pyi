@@ -13,11 +13,11 @@ class Guard:
         force_limit_n_m: float,
         count_rad: float,
         damping_n_m_s_per_rad: float,
+        delay_s: float,
         share_of_damping: float | None = None,
         capacity_j: float | None = None,
         refill_w: float | None = None,
         overspeed_rad_per_s: float | None = None,
-        delay_s: float = 0.0,
         lag_s: float = 0.0,
         change_is_measured: bool = False,
     ) -> None: ...
@@ -100,11 +100,11 @@ class SpaceGuard:
         force_limit_n: float,
         count_m: float,
         damping_n_s_per_m: float,
+        delay_s: float,
         share_of_damping: float | None = None,
         capacity_j: float | None = None,
         refill_w: float | None = None,
         overspeed_m_per_s: float = 1.5,
-        delay_s: float = 0.0,
         lag_s: float = 0.0,
     ) -> None: ...
     def tick(self, position_m: Array, wanted_n: Array) -> Array: ...

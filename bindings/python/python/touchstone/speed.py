@@ -19,7 +19,7 @@ WALLS: dict[str, dict[str, Any]] = {
 
 
 def _guard() -> Guard:
-    return Guard(rate_hz=1000, force_limit_n_m=0.5, count_rad=1.6e-4, damping_n_m_s_per_rad=4e-4)
+    return Guard(rate_hz=1000, force_limit_n_m=0.5, count_rad=1.6e-4, damping_n_m_s_per_rad=4e-4, delay_s=0.0)
 
 
 def _rate(ticks: int, work: Callable[[], object]) -> float:

@@ -111,6 +111,14 @@ impl WallOptions {
         };
         let damping = sheet.least_damping_n_s_per_m.unwrap_or(OMEGA3_AXIS.damping);
         let guard = guard_settings(damping, sheet.delay_s, rate_hz);
+        let is_assumed = sheet.least_damping_n_s_per_m.is_none() && !self.no_guard;
+        let assumed = is_assumed.then(|| {
+            format!(
+                "the energy guard assumes that {} has at least {damping} N·s/m of damping, as an omega.3 has; with less its energy bound does not hold",
+                sheet.name
+            )
+        });
+        let cautions: Vec<String> = assumed.into_iter().chain(chosen.caution).collect();
         Ok(ChosenWall {
             rate_hz,
             force_n,
@@ -122,7 +130,7 @@ impl WallOptions {
                 count_m: sheet.count_m,
             },
             source: chosen.source,
-            caution: chosen.caution,
+            caution: (!cautions.is_empty()).then(|| cautions.join("; ")),
         })
     }
 

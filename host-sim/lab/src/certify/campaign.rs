@@ -9,7 +9,7 @@
 //! spring under the press. The laws TDPA, FBA and original augmentation are not drawn.
 //!
 //! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. These seeds were not used when the
-//! limits of the certificate were set. The verdict is that for each run's own hand; other seeds are in `docs/tuning.md`.
+//! limits of the certificate were set. The verdict is that for each run's own hand.
 //!
 //! | certificate | run rests | limit cycle | unstable |
 //! |---|---|---|---|

@@ -8,8 +8,8 @@ use serde::Serialize;
 /// Slowest decay of a motion that is called stable, 1/s, in a scene without a hold. With a hold, the motion must decay within
 /// [`DECAYS_WITHIN`] of it.
 pub const SLOWEST_PER_S: f64 = 1.0;
-/// Fraction of a hold within which a motion must have decayed to be called stable from the matrices. The rest of the hold is left
-/// for bounces and other phases of the control law.
+/// Fraction of a press' hold within which a motion, decaying as its eigenvalue says, must fall below [`LEFT_COUNTS`]. The rest of
+/// the hold is left for bounces and other phases of the control law.
 pub const DECAYS_WITHIN: f64 = 0.5;
 /// Fraction of a hold after which the simulation judges whether the knob rests.
 pub const JUDGED_AFTER: f64 = 0.75;

@@ -38,7 +38,7 @@ measures! {
         "mean force over mean penetration at the end of the hold; null without a hold or where the wall was lost",
         |s| s.k_displayed, of_desired;
     rate_hardness, "rate-hardness", "N·m/rad",
-        "steepest rise of the force over the velocity at first touch (thesis (1.5)), of true force and true motion",
+        "slope of true force over true penetration in the first contact, until the motion turns or for 20 ms (thesis (1.5))",
         |s| s.rate_hardness, of_desired;
     extended_rate_hardness, "extended rate-hardness", "N·m/rad",
         "largest rise of the force within a millisecond over the largest speed, in the first contact (Han and Choi 2010), of true force and true motion",
@@ -53,10 +53,10 @@ measures! {
         "from the end of the press' ramp until force over penetration stays within 5 % of the desired stiffness; 0 where it had settled before",
         |s| s.settle_from_ramp_end_s, |_, x| with_unit(x, "s", 3);
     ripple_rms_n_m, "ripple, tick to tick", "N·m",
-        "rms difference of the force from tick to tick in contact",
+        "rms difference of the force from tick to tick, over the second half of the press or the hand's oscillation",
         |s| s.ripple_rms_n_m, |_, x| with_unit(x, "N·m", 2);
     ripple_above_50_hz_rms_n_m, "ripple above 50 Hz", "N·m",
-        "rms of what the force has above 50 Hz in contact",
+        "rms of the force above 50 Hz, over the same time as ripple_rms_n_m",
         |s| s.ripple_above_50_hz_rms_n_m, |_, x| with_unit(x, "N·m", 2);
     release_speed_rad_per_s, "fastest outward after release", "rad/s",
         "largest outward speed after the hand has let go",

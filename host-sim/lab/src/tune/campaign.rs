@@ -6,12 +6,12 @@
 
 use super::diagnosis::{self, FailureCause};
 use super::outcome::Outcome;
-use super::{Tuned, to_rest};
+use super::{Effort, Options, Tuned, to_rest, tune};
 use crate::certify::{self, Certificate, Verdict, hands::Family};
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
-use crate::scorecard::cases::{Deed, GRIPS, Programme};
+use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::rivals::Rival;
-use crate::scorecard::stiffness_per_tick;
+use crate::scorecard::{figures, stiffness_per_tick};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
@@ -134,6 +134,9 @@ pub struct Row {
     pub modulus_error: Option<f64>,
     /// Phase of force over penetration for an oscillating hand, degrees.
     pub phase_deg: Option<f64>,
+    /// Depth of a light touch over that in an ideal damped wall, the worst of three grips; empty if the law was refused.
+    #[serde(default)]
+    pub touch: Option<f64>,
     /// Number of settings that were examined.
     pub looks: u64,
     /// Power that refills the account of the energy guard, W; absent if the delay is longer than the guard covers.
@@ -155,10 +158,21 @@ impl Row {
         self.certificate == Verdict::Stable.word() && !self.ends_at_rest
     }
 
-    /// Rank of the result; the greatest is best. The best walls come to rest and have the requested stiffness for a moving hand.
-    /// Walls that only come to rest are next.
-    fn rank(&self) -> (bool, bool, bool) {
-        (self.rests && self.moves, self.rests, self.moves)
+    /// Whether the stiffness at rest and for a moving hand is within 10 % of the requested one, and a light touch goes at most 1.5
+    /// times as deep as in an ideal damped wall.
+    #[must_use]
+    pub fn is_hard_from_the_touch(&self) -> bool {
+        let at_most = |value: Option<f64>, most| value.is_some_and(|it| it <= most);
+        at_most(self.displayed_error, 0.1)
+            && at_most(self.modulus_error, 0.1)
+            && at_most(self.touch, 1.5)
+    }
+
+    /// Rank of the result; the greatest is best. The best walls are hard from the touch, the next come to rest and have the
+    /// requested stiffness for a moving hand. Walls that only come to rest are third.
+    fn rank(&self) -> (bool, bool, bool, bool) {
+        let hard = self.is_hard_from_the_touch();
+        (hard, self.rests && self.moves, self.rests, self.moves)
     }
 }
 
@@ -170,6 +184,9 @@ pub struct Budget {
     pub first: f64,
     /// Length of the second search, simulated ticks; 0 for none.
     pub second: f64,
+    /// Whether walls are tuned as by `touchstone tune --quick`: for every measure of the scorecard, the touch among them, and on
+    /// variants of the device. Otherwise they only have to come to rest and have the requested stiffness for a moving hand.
+    pub for_all_measures: bool,
 }
 
 /// Tunes a law for the random device of this number, and evaluates the result.
@@ -209,6 +226,7 @@ pub fn row(
         displayed_error: None,
         modulus_error: None,
         phase_deg: None,
+        touch: None,
         looks: 0,
         guard_refill_w: None,
         certificate: String::new(),
@@ -221,9 +239,23 @@ pub fn row(
         if ticks <= 0.0 || best.as_ref().is_some_and(|(_, outcome)| outcome.holds()) {
             continue;
         }
+        let seed = seed + try_number as u64;
+        let found = if budget.for_all_measures {
+            let options = Options {
+                effort: Effort::Ticks(ticks),
+                seed,
+                ripple_n_m: None,
+            };
+            match tune(&device, rival, &options, |_, _| ()) {
+                Ok(found) => found,
+                Err(_) => continue,
+            }
+        } else {
+            to_rest(&device, rival, ticks, seed)
+        };
         let Tuned {
             scene, evaluations, ..
-        } = to_rest(&device, rival, ticks, seed + try_number as u64);
+        } = found;
         row.looks += evaluations;
         if let Ok(outcome) = Outcome::of(&scene)
             && best
@@ -246,6 +278,8 @@ pub fn row(
     row.displayed_error = outcome.displayed_error;
     row.modulus_error = outcome.modulus_error;
     row.phase_deg = outcome.phase_deg;
+    let (_, beside) = figures(&scene, &Programme::of(&scene), &CASES[0], true)?;
+    row.touch = beside.touch.map(|touch| touch.penetration);
     let said = certificate(&scene)?;
     row.certificate = said.verdict.word().to_owned();
     row.certificate_causes = said.hands[said.worst].causes.join("; ");

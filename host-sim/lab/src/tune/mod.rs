@@ -1,9 +1,9 @@
 //! Tunes a control law for a device: finds settings with which the law renders the requested wall. The device is given by inertia,
 //! damping, friction, encoder counts, delay, torque limit and control rate.
 //!
-//! Settings are evaluated by the worst measure of their [scorecard](crate::scorecard), over three simulated grips (light, medium,
-//! firm) and every varied device, including the torque ripple. [`search`] minimises that measure, starting from a rule in
-//! [`parameters`]. [`settings`] writes the result, [`own_firmware`] as Rust and C. [`pareto`] shows the trade-off between stiffness, ripple and delay.
+//! Settings are evaluated by the measures of their [scorecard](crate::scorecard), over three simulated grips (light, medium, firm) and
+//! every varied device, including the torque ripple. [`search`] minimises the sum of what they exceed ([`cost`]), starting from a
+//! rule in [`parameters`]. [`settings`] writes the result, [`own_firmware`] as Rust and C. [`pareto`] shows the trade-off between stiffness, ripple and delay.
 
 pub mod campaign;
 pub mod cost;

@@ -171,6 +171,7 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
         let budget = Budget {
             first: 1e5,
             second: 0.0,
+            for_all_measures: false,
         };
         let row = row(1, class, number, rival, budget).expect("runs");
         // Every failure has a cause, and a wall that holds has none.

@@ -13,8 +13,8 @@ const TICK_S: f64 = 0.5e-6;
 /// Computing time for one substep of a drive train or of an integration method, on a slow machine, s. A fast machine needs a
 /// seventh.
 const SUBSTEP_S: f64 = 0.35e-6;
-/// Computing time of one power series, on a slow machine, s. In a control period in which dry friction stops or starts the device,
-/// the closed-form solution needs at least one series, and one more for each stop or start.
+/// Computing time of one power series, on a slow machine, s. A control period in which dry friction stops or starts the device needs
+/// at least one, and one more for each stop or start.
 const SERIES_S: f64 = 2.0e-6;
 /// Computing time above which a note is printed before the run starts, s.
 pub const LONG_S: f64 = 1.0;

@@ -1,7 +1,7 @@
 //! Effects that refine the basic model of device, sensors and hand, such as noise or cogging. An effect is simulated only if the
 //! scene gives its table.
 //!
-//! A table without fields adds its effect at a typical magnitude; [`crate::run::effects::EFFECTS`] gives the source of each
+//! A table without fields adds most effects at a typical magnitude; [`crate::run::effects::EFFECTS`] gives the source of each
 //! default.
 
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Tests of the curve through samples: it is exact for smooth motion, and it never rings.
+//! Tests of the curve through samples: smooth motion loses no more than the low-pass takes, and the curve never rings.
 
 use std::f64::consts::TAU;
 
