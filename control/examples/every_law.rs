@@ -52,7 +52,7 @@ pub fn own_tick(
     own.tick(x, |now| (spring * now.e).towards_zero())
 }
 
-/// Returns how many passivity bounds the settings violate. Within these bounds a wall gives no energy to a hand.
+/// Returns the number of warnings about the settings, for example about passivity bounds that they exceed.
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()

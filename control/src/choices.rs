@@ -43,13 +43,13 @@ crate::choice! {
 crate::choice! {
     /// The stiffness that the enhanced law keeps near the desired stiffness `k_de`, by changing the offset of its soft spring.
     Regulate {
-        /// The stiffness at the virtual mass, its force over its penetration. The hand's point (HIP) hangs on that mass by a
-        /// spring, so the hand feels less than `k_de`, by equation (3.4) of the thesis.
+        /// The stiffness at the virtual mass: the wall's force on the mass over the mass' penetration. The hand's point (HIP) hangs
+        /// on that mass by a spring, so the hand feels less than `k_de`, by equation (3.4) of the thesis.
         Mass = "mass",
         /// As `mass`, but with the higher target stiffness of equation (3.5) of the thesis, so that the hand's point (HIP) feels
         /// `k_de`. Needs `k_de` below the stiffness `k_f` of the spring between HIP and mass.
         MassCompensated = "mass-compensated",
-        /// The stiffness at the hand's point (HIP), its force over its penetration, equation (3.6) of the thesis.
+        /// The stiffness at the hand's point (HIP): the force on it over its penetration, equation (3.6) of the thesis.
         #[default]
         Hip = "hip",
     }

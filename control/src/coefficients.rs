@@ -12,7 +12,7 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// The coefficients that all control laws share: desired stiffness and force limit.
+/// The coefficients that all control laws share: desired stiffness, force limit and the largest energy that a law stores.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
     /// Desired stiffness of the wall, `k_de`.
@@ -88,8 +88,8 @@ impl<N: Number> Common<N> {
 
     pub fn sfa(&self, settings: &Settings, update: OffsetUpdate) -> Result<Sfa<N>, SettingsError> {
         let derived = settings.derived();
-        // Gain of equation (2.14a) of the thesis. A critical stiffness k_c below the soft stiffness k_v would move the offset the
-        // wrong way: such a device needs no augmentation, so the gain is 0.
+        // Gain of equation (2.14a) of the thesis. With a critical stiffness k_c below the soft stiffness k_v the gain would be
+        // negative and move the offset the wrong way, so it is 0.
         let step = over(derived.k_critical, settings.k_soft)
             .saturating_sub(Si::ONE)
             .max(Si::ZERO);
@@ -187,8 +187,8 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
 const APART_HZ: u32 = 50;
 
 impl<N: Number> Impact<N> {
-    /// Pulse and vibration at the touch, for validated settings; `None` if they have neither. They need the inertia and the speed of
-    /// an estimator, so on measured states there are none.
+    /// Pulse and vibration at the touch, for validated settings; `None` if they have neither. They need the inertia and the speed
+    /// of an estimator, so on measured states there are none.
     ///
     /// # Errors
     /// The vibration's frequency is too high for the control rate, or a coefficient does not fit the number format.
@@ -285,8 +285,8 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
     })
 }
 
-/// Gain of the offset's ideal step, `c/k_v` (equation (3.7) of the thesis) or `c/k_de`, chosen by [`crate::IdealStep`]. `c` is the
-/// fraction of the step per tick, `k_v` the soft and `k_de` the desired stiffness.
+/// Gain from the error of the force to the offset's ideal step, `c/k_v` (equation (3.7) of the thesis) or `c/k_de`, chosen by
+/// [`crate::IdealStep`]. `c` is the fraction of the step per tick, `k_v` the soft and `k_de` the desired stiffness.
 fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
     let stiffness = match settings.ideal_step {
         IdealStep::Position => settings.k_soft,
@@ -297,9 +297,10 @@ fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsE
     ratio::<N>(Field::StepOfIdeal, over(share, stiffness)).map(Compliance)
 }
 
-/// Largest energy that a law stores: a quarter of the number format's range, so that adding the work of one tick never saturates.
+/// Largest energy that a law stores: half of the number format's largest value, so that adding the work of one tick never
+/// saturates.
 fn energy_cap<N: Number>() -> Energy<N> {
-    // In the 32-bit format 2^62 of 2^63: 16384 J. A narrower format (16 bits: ±8 J) gets a quarter of its own range.
+    // In the 32-bit format 2^62 of 2^63: 16384 J. A narrower format gets half of its own largest value (16 bits: 4 of 8 J).
     [16384, 4, 1]
         .into_iter()
         .find_map(|joules| N::energy(Si::const_from_int(joules)).map(Energy))

@@ -6,10 +6,10 @@
 //! | `rate_hz` | 1 to 100,000 Hz | is **never safe**: in a slower tick the damping takes less energy than the guard counts |
 //! | `inertia` | at least `max(force_limit, 0.76 N·m)/rate_hz²` | is safe: only the estimator uses it. A wrong value makes a stiff force shake |
 //! | `damping` | 0 to 1,000 N·m·s/rad | is safe if the value is **too small** |
-//! | `position` | one count and twice `position_error`: up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
+//! | `position` | one count plus twice `position_error`: up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
 //! | `position_error` | 0 to 0.05 rad | is safe if the value is **too large** |
 //! | `force_limit` | up to 127 N·m in 32 bits | is safe if the value is **too small**: the motor must give every force up to it |
-//! | `delay`, `lag` | together at most one tick | is safe on **neither side**. An error of a microsecond costs microwatts, one of a tick joules |
+//! | `delay`, `lag` | together at most one tick | is safe on **neither side**: 1 µs costs some 10 µW, half a tick joules per second |
 //!
 //! Units are those of a rotating device. For a linear device take m, N and kg with the same numbers.
 

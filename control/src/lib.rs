@@ -6,9 +6,9 @@
 //! encoder count -> penetration -> states -> law -> pulse at the touch -> guard -> command
 //! ```
 //!
-//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual mass,
-//! [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic of these modules is in
-//! [`number`]; the part of it that the machine-checked proofs cover is in [`magnitude`].
+//! Read the modules in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the
+//! virtual mass, [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic of these
+//! modules is in [`number`]; the part of it that the machine-checked proofs cover is in [`magnitude`].
 //!
 //! | word | meaning | unit (1-DoF / 3-DoF) |
 //! |---|---|---|

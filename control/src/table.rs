@@ -56,8 +56,8 @@ macro_rules! law_settings {
                 // The only choice with which the hand feels k_de for every coupling k_f.
                 Regulate regulate, regulate: choice(Regulate) = Hip, "",
                     "which stiffness the offset regulates";
-                // With the other two choices the offset changes on inward motion only. While the hand rests, only jitter of the
-                // measured position changes it, and an offset that is too large stays.
+                // With `turn-inward` and `inward` the offset changes on inward motion only. While the hand rests, only jitter of
+                // the measured position changes it, and an offset that is too large stays.
                 OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
                     "when the enhanced law changes the offset";
                 // With this choice one value of step_of_ideal serves all stiffnesses.
@@ -141,7 +141,8 @@ macro_rules! law_settings {
                 VelocityWindow window_s, window_s: number("0", "1") = "0.015", "s",
                     "the longest window of an adaptive one (at most 16 ticks)";
             }
-            /// What is added at the touch of a wall: a short torque that takes the device's momentum away, and a decaying vibration.
+            /// What is added at the touch of a wall: a short torque that takes the device's momentum away, and a decaying
+            /// vibration.
             impact ImpactSettings {
                 ImpactMomentum momentum, share_of_momentum: number("0", "2") = "1", "",
                     "the share of the estimator inertia's momentum that a pulse takes away at the touch (0, or measured states: none)";

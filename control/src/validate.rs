@@ -1,5 +1,5 @@
-//! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and the
-//! consequence.
+//! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings exceed, or a weak guard
+//! setting, and the consequence.
 
 use crate::{Choice as _, GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
@@ -200,7 +200,8 @@ impl fmt::Display for SettingsError {
 #[cfg(not(kani))]
 impl core::error::Error for SettingsError {}
 
-/// A passivity bound that the settings violate. The settings work, but the wall may give a hand more energy than it took.
+/// A passivity bound that the settings exceed: the wall may give a hand more energy than it took. Or a guard setting that softens
+/// the wall. The settings are accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -265,7 +266,7 @@ impl Warning {
         )
     }
 
-    /// The setting that violates the bound.
+    /// The setting that the warning is about.
     #[must_use]
     pub fn field(&self) -> Field {
         match self {
@@ -409,7 +410,7 @@ impl Settings {
         }
     }
 
-    /// The passivity bounds that these settings violate with the chosen control law.
+    /// The warnings about these settings with the chosen control law, and about the energy guard if it is on.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let derived = self.derived();
         let half = const { Si::lit("0.5") };

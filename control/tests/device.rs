@@ -54,7 +54,8 @@ impl Real {
     }
 }
 
-/// Energy that a hand gets out of the real device in its best window of time, J, above the refill.
+/// Most energy, J, that a hand gets out of the device `real` in any window of time, beyond the refill. The guard is made for
+/// `told`.
 ///
 /// `hand` gives the true position in each tick. `law` gives the force from the tick, the measured position and its change.
 fn gets_j(

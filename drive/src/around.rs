@@ -88,11 +88,11 @@ pub struct Around {
     waits: Waits,
     /// Whether the environment (walls and detents) is rendered in place of the single wall of the settings.
     runs: bool,
-    /// Whether a control period has run since the arming. The next fields hold that period's encoder count and force.
+    /// Whether a control period has run since the arming. `count` and `shown` hold the last period's encoder count and force.
     ticked: bool,
     count: i64,
     shown: Force<Fixed32>,
-    /// The cogging map in use. The next field: whether the map waits for a calibration.
+    /// The cogging map in use; `map_waits`: whether it is used only from the next calibration on.
     map: Option<Played>,
     map_waits: bool,
 }

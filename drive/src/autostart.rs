@@ -49,7 +49,7 @@ pub struct Glance {
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
-    /// Steps of 10 ms in the present phase. The next field: for how many of them in a row supply and shaft were in order.
+    /// Steps of 10 ms in the present phase; `rest`: the last ones in a row in which supply and shaft were in order.
     steps: u32,
     rest: u32,
     /// Encoder count at which the shaft was last seen at rest.

@@ -115,8 +115,8 @@ pub enum Progress {
 
 /// Number of samples per electrical turn, as a power of two (3: eight samples).
 const SAMPLES_LOG2: u32 = 3;
-/// Largest spread of the angles between field and rotor over all samples, in 1/65,536 of a turn: a quarter turn, where the torque
-/// is largest.
+/// Largest allowed spread (largest less smallest) of the sampled angles between field and rotor, in 1/65,536 electrical turns: a
+/// quarter turn, where the torque is largest.
 const SPREAD: i32 = 0x4000;
 
 /// Longest time in quarters of a second that a rotor may swing in the field before the field turns.
@@ -145,19 +145,20 @@ pub struct Calibration {
     field: i64,
     /// Speed of the calibration's rotating field, 2^-32 electrical turns per control period.
     speed: u32,
-    /// Encoder counts at which the examined forward turn of the shaft began and ended (this field and the next). Before that turn,
-    /// the two hold the range of the rotor's counts in the last quarter of a second.
+    /// `began` and `ended`: encoder counts at the start and the end of the examined forward turn. While the rotor settles: smallest
+    /// and largest count of the last quarter of a second. On the way back, `ended` becomes the count at which the field is back at
+    /// the start.
     began: i64,
     ended: i64,
     /// Time in quarters of a second for which the rotor has swung in the standing field.
     swung: u8,
-    /// Angles between field and rotor, under the assumption that the count rises with the electrical angle. The next field assumes
-    /// that it falls.
+    /// Angles between field and rotor, under the assumption that the count rises with the electrical angle; `against`: that it
+    /// falls.
     along: Fit,
     against: Fit,
     samples: i32,
-    /// Voltage along the rotating field, low-pass filtered over some 16 control periods. `least` and `most` are its extremes at the
-    /// sampled positions.
+    /// Voltage along the rotating field, through a first-order low-pass filter with a time constant of 16 control periods. `least`
+    /// and `most` are its extremes at the sampled positions.
     volts: Volts,
     least: Volts,
     most: Volts,

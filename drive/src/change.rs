@@ -3,8 +3,8 @@
 //!
 //! The current loop gets the command of a control period one PWM period later. The command begins to act half a PWM period after
 //! that. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a
-//! time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx` in
-//! a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known parts,
+//! time `t` after the encoder was read. When the force changes by `g` to `f₁`, the hand gives the energy `f₁ Δx - g ∫ H dx` in a
+//! control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known parts,
 //! `Δx = u + w`. For all motions of the hand within these parts
 //!
 //! ```text
@@ -76,7 +76,7 @@ impl Answer {
         }
     }
 
-    /// Fraction of the missing current that the winding gains in a quarter of a PWM period: `s/(1 + s)` with `s = R/4L T`, for
+    /// Fraction of the missing current that the winding gains in a quarter of a PWM period: `s/(1 + s)` with `s = R T/(4 L)`, for
     /// resistance `R`, inductance `L` and PWM period `T`. This backward Euler step leaves at least as much current missing as the
     /// exact exponential does. 1 for a motor whose values are not set, which is never driven.
     #[cfg(feature = "voltage")]

@@ -45,7 +45,7 @@ pub struct Rotor {
     pub advance: i32,
     /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// Fraction of the current limit that the temperature allows, in 1/65,536 (65,536: the whole limit).
+    /// Fraction of the current limit that the temperatures of power stage and motor allow, in 1/65,536 (65,536: the whole limit).
     pub derating: u32,
     /// Current that the cogging map adds, A; positive if its torque acts towards rising positions (`+x`).
     #[cfg(feature = "large")]

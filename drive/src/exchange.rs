@@ -135,7 +135,7 @@ impl<const N: usize> Down<N> {
 struct Up<const N: usize> {
     first: Words<N>,
     second: Words<N>,
-    /// Whether the last value is in the field `second`. The next field: whether `second` is being read.
+    /// Whether the last value is in the field `second`; `reads_second`: whether the reader has announced that it reads `second`.
     last_is_second: AtomicBool,
     reads_second: AtomicBool,
 }

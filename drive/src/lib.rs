@@ -5,8 +5,8 @@
 //!   -> penetration, law (control, unchanged) -> torque -> current (command) -> mailbox -> current loop (current) -> compare values
 //! ```
 //!
-//! The firmware's interrupts make only two calls: [`CurrentLoop::tick`] once per PWM period and [`Device::tick`] once per control
-//! period. Neither waits, allocates, panics, reads a clock or a register, or calculates with floats. So both run the same on any
+//! The firmware's interrupts mainly make two calls: [`CurrentLoop::tick`] once per PWM period and [`Device::tick`] once per control
+//! period. No call waits, allocates, panics, reads a clock or a register, or calculates with floats. So all run the same on any
 //! host.
 //!
 //! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command, [`current`]

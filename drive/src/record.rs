@@ -34,7 +34,8 @@ pub struct Record {
     pub energy: Option<Energy<Fixed32>>,
     /// Phase of the contact with the wall.
     pub contact: Contact,
-    /// Requested torque, N·m, positive towards rising positions: the negative of the force, multiplied by the fade-in fraction.
+    /// Torque that remains after the fade-in and the current limit, N·m, positive towards rising positions (the force is positive
+    /// against them).
     pub torque: Force<Fixed32>,
     /// Requested current `i_q`, A; zero for an analogue drive.
     pub current_command: Amps,

@@ -1,4 +1,4 @@
-//! Ring buffer with the last second before a fault: 1,000 records of 12 bytes, frozen when a fault is latched.
+//! Ring buffer with at least the last second before a fault: 1,000 records of 12 bytes, frozen when a fault is latched.
 
 use crate::record::Record;
 use touchstone_protocol::{Limits, State};
@@ -115,8 +115,8 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// An empty ring for this control rate. Above 1 kHz only every n-th control period is stored, so that the ring holds a second.
-    /// At 1 kHz and below, the ring is all zeros, so that it needs no flash as a static variable.
+    /// An empty ring for this control rate. Above 1 kHz only every n-th control period is stored, so that the ring holds at least a
+    /// second. At 1 kHz and below, the ring is all zeros, so that it needs no flash as a static variable.
     #[must_use]
     pub const fn new(rate_hz: u32) -> Self {
         Self {

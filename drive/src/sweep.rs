@@ -39,16 +39,14 @@ const INTEGRAL_PER_S: Si = Si::lit("25");
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SweepConfig {
     counts_per_rev: i64,
-    /// Speed of the position reference, 2^-16 counts per control period. The next field is the largest change of that speed in a
-    /// period.
+    /// Speed of the position reference, 2^-16 counts per control period; `speed_step` is its largest change in a period.
     speed: i64,
     speed_step: i64,
     /// Factor from a speed in 2^-16 counts per control period to rad/s, with 32 fractional bits.
     rad_per_s: i64,
     /// Stiffness of the position loop, A per count, with 32 fractional bits.
     stiffness: i64,
-    /// Growth of the position loop's integral in a control period, as a fraction of the proportional part, with 32 more fractional
-    /// bits.
+    /// Growth of the position loop's integral in a control period, as a fraction of the proportional part, with 32 fractional bits.
     integral: i64,
     /// Damping of the sweep's position loop, A·s/rad.
     damping: I16F16,
@@ -107,7 +105,7 @@ pub struct Running {
     way: Way,
     /// Control periods for which the shaft has stood at the end of the sweep.
     ticks: u32,
-    /// Position of the loop's reference, 2^-16 counts. The next field is the reference's speed.
+    /// Position of the loop's reference, 2^-16 counts; `speed` is its speed, 2^-16 counts per control period.
     place: i64,
     speed: i64,
     /// Encoder count at which the sweep's present direction ends.

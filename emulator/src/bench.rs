@@ -16,7 +16,7 @@ use crate::world::{Parts, World};
 pub const US: u64 = 170;
 /// Processor cycles per millisecond at 170 MHz.
 pub const MS: u64 = 1_000 * US;
-/// Largest speed in rad/s at which the simulated hand turns the knob to an angle, and the shortest time in s that it takes.
+/// Largest speed at which the simulated hand turns the knob to an angle, rad/s. [`TURN_S`] is the shortest time that it takes, s.
 const TURN_RAD_PER_S: f64 = 3.0;
 const TURN_S: f64 = 1.0;
 
@@ -183,8 +183,7 @@ impl Bench {
         Ok(self.status()?.fault)
     }
 
-    /// Waits until the device is in a phase (for example `Armed`), and requests its state every 5 ms. `within` is in processor
-    /// cycles.
+    /// Requests the device's state every 5 ms, for up to `within` processor cycles, until the device is in `phase`.
     ///
     /// # Errors
     /// The device did not reach the phase within the time.
@@ -211,7 +210,7 @@ impl Bench {
     /// Waits after power-on until the device answers a request.
     ///
     /// # Errors
-    /// The device does not answer within half a second.
+    /// The device refuses the request, does not answer within a second, or halts.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
         // The zero byte ends a frame that noise may have begun while the port was not yet set up.
@@ -270,8 +269,8 @@ impl Bench {
         self.machine.chip().bridge.is_on()
     }
 
-    /// The simulated hand grasps the knob and presses it into the virtual wall. The torque rises over `ramp_s`, stays for `hold_s`
-    /// and falls over `ramp_s`.
+    /// The simulated hand grasps the knob and presses it into the virtual wall. The hand's torque rises to `torque_n_m` over
+    /// `ramp_s`, stays for `hold_s` and falls over `ramp_s`.
     ///
     /// # Errors
     /// No telemetry has arrived, so the position of the wall is unknown.
@@ -289,8 +288,8 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// Same as [`Bench::press`], without reading the device's settings. The caller passes the surface of the wall in rad, the
-    /// encoder counts per turn, and the stiffness in N·m/rad.
+    /// Same as [`Bench::press`], without reading the device's settings. The caller passes the position of the wall's surface in
+    /// rad, the encoder counts per turn, and the wall's stiffness in N·m/rad.
     ///
     /// # Errors
     /// No telemetry has arrived, so the position of the wall is unknown.

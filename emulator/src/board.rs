@@ -129,7 +129,8 @@ pub struct Board {
     pub shunts: &'static [((usize, usize), usize)],
     /// Voltage of the motor's supply, V.
     pub supply_v: f64,
-    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time, in which none of its transistors conducts.
+    /// Dead time of one switching edge as a fraction (0 to 1) of the PWM period. During the dead time none of a phase's transistors
+    /// conducts.
     pub dead_share: f64,
     /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,
@@ -237,7 +238,7 @@ impl Board {
             break_a: 20.0,
             shunts: &[],
             supply_v: 24.0,
-            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
+            // The dead time is 0.5 µs at each edge; the PWM period is 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -356,7 +357,7 @@ impl Board {
             // The shunts of the phases are on PA1, PA7 and PB0.
             shunts: &[((0, 1), 0), ((0, 7), 1), ((1, 0), 2)],
             supply_v: 24.0,
-            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
+            // The dead time is 0.5 µs at each edge; the PWM period is 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),

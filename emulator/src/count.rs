@@ -241,8 +241,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The walls of the other workloads are too stiff for a board with a small motor. Its program is the same as that of the
-        // NUCLEO.
+        // The walls of the other workloads are too stiff for a board with a small motor. They run on the NUCLEO with the larger
+        // motor, whose program is the same.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),

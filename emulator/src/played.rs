@@ -383,8 +383,8 @@ impl Stand {
         Ok(course)
     }
 
-    /// Appends a row of the recording for each control period. The row of the last period has the change of its energies to the
-    /// next one.
+    /// Appends a row of the recording for each control period. A row has the motor's mean force until the next period, and the
+    /// changes of the energies until then. `course` has the start after the last period too.
     fn write(&mut self, deed: &HandDeed, course: &Course, text: &mut String) {
         let period_s = 1.0 / f64::from(self.rate_hz);
         for (index, (told, shaft)) in course.told.iter().zip(&course.shaft).enumerate() {

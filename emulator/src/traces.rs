@@ -18,7 +18,7 @@ use crate::peripheral::CORE_HZ;
 pub enum Trace {
     /// The pins of the power bridge while the device is armed but renders no force, and the sampling times of the converters.
     Pwm,
-    /// The phase currents at the beginning of a current pulse.
+    /// The phase currents at the beginning of the first current push of a calibration.
     Step,
     /// The shaft's angle and the current of one phase during a calibration.
     Calibration,
@@ -40,14 +40,13 @@ impl Trace {
     }
 }
 
-/// Time between two readings of the pins, in processor cycles. The next constant is the number of readings, which cover 110 µs.
+/// Time between two readings of the pins, in processor cycles. [`LOOKS`] is the number of readings, which cover 110 µs.
 const LOOK: u64 = 5;
 const LOOKS: u64 = 110 * US / LOOK;
-/// Time between two samples of a current probe, in processor cycles. The next constant is that between two samples of the shaft's
-/// angle.
+/// Time between two samples of a current probe, in processor cycles. [`SHAFT`] is that between two samples of the shaft's angle.
 const PROBE: u64 = 25 * US;
 const SHAFT: u64 = 2 * MS;
-/// Time recorded before a current step, in processor cycles. The next constant is the time recorded after the step.
+/// Time recorded before a current step, in processor cycles. [`AFTER`] is the time recorded after the step.
 const BEFORE: u64 = MS;
 const AFTER: u64 = 4 * MS;
 /// A current push counts as begun when the amplitude of the phase currents reaches this fraction (0 to 1) of the push's current.

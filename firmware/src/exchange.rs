@@ -11,7 +11,7 @@ use crate::shared::Latest;
 pub static COMMAND: CommandBox = CommandBox::new();
 /// Mailbox for reports from the current loop to the control interrupt.
 pub static REPORT: ReportBox = ReportBox::new();
-/// Whether the timer's hardware break has acted since a command last cleared it.
+/// Whether the timer's hardware break has acted since a command last cleared this flag.
 pub static BREAK: AtomicBool = AtomicBool::new(false);
 /// Whether the processor's supply has fallen below 2.9 V since a command last cleared this flag.
 pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);

@@ -272,8 +272,8 @@ fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut Guarde
         9 => device.force_limit = end(random, whole(1000)),
         10 => device.force_limit = end(random, whole(128)),
         11 => device.count = end(random, Si::lit("0.1")),
-        // A largest displacement of about a quarter of the format; or nearly as much, with the whole displacement under the old
-        // force.
+        // 12: a largest displacement of a quarter of the format, 32 rad. 13: nearly as much, with a delay of a whole tick, so that
+        // the older force acts over the whole displacement.
         12 => settings.overspeed = whole(32).saturating_mul(Si::from_num(device.rate_hz.min(1000))),
         13 => {
             device.rate_hz = 1 + random.below(30) as u32;
@@ -314,7 +314,8 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
             } else {
                 bits(0)
             };
-            // Arms again with the remaining energy: after a tick that commanded no force, or under a force.
+            // Sometimes the force is switched off after this tick: if `ends` is 0, after a tick that commanded no force; if it is
+            // 1, under a force.
             let ends = random.below(60);
             let told = bits(if ends == 0 { 0 } else { random.signed(31) });
             let answer = law.tick_with_change(

@@ -166,7 +166,8 @@ pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
 
-/// Replaces the quotient of settings when the model checker runs. Where the result is used, the divisor is positive.
+/// Replaces the quotient of settings when the model checker runs: any number, and the same one for equal arguments; the largest
+/// setting if the divisor is not positive.
 pub fn over(a: Si, b: Si) -> Si {
     let answer = quotient(a.to_bits(), b.to_bits());
     if b <= Si::ZERO {
@@ -187,7 +188,8 @@ pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
 }
-/// Replaces `checked_div` when the model checker runs: any result. It may be 0, because the code uses 0 if there is no result.
+/// Replaces `checked_div` when the model checker runs: any number, and `None` only for a division by 0. If a quotient does not fit,
+/// the real function gives `None` too and the code then uses 0, which is one of these numbers.
 pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Option<FixedI64<Frac>> {
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))

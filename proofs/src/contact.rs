@@ -1,8 +1,9 @@
 //! Properties at 8 bits of the steps between a virtual object and a law on three axes: displacement along a normal, surface point,
 //! friction.
 //!
-//! All inputs of each step are tried (`cargo xtask prove --every contact`). `m` is a displacement, `n` a normal, `x` a position,
-//! `e` a penetration and `z` a stretch; `'` marks the last tick.
+//! All inputs of each step are tried (`cargo xtask prove --every contact`). `m` is a displacement, `n` a normal, `u` a direction
+//! out, `x` a position, `e` a penetration and `z` a stretch. `'` marks the last tick at `n`, `x` and `e`, and the new value at `u`,
+//! `z` and the anchor.
 //!
 //! ```text
 //! m = -n'·(x - x'), rounded down, or e - e' where n = n'    p4_displacement

@@ -81,7 +81,7 @@ impl Parts for Own {
         let fresh = Calibration::new(self.config.calibration);
         let mut running = self.calibration.unwrap_or(fresh);
         let progress = running.tick(tick, count, &self.input.current);
-        // The checker uses recorded answers instead of this law, which then has no memory.
+        // The checker uses recorded answers instead of this calibration, which then has no memory.
         if cfg!(not(kani)) {
             self.calibration = Some(running);
         }
@@ -177,7 +177,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// A value that is sometimes `None` in random tests. Under the model checker it is always `Some`, to save a case.
+/// A value that is sometimes `None` in random tests. Under the model checker it is always `None`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -185,7 +185,7 @@ fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     s.bool().then(|| any(s))
 }
 
-/// Any device settings that change how a tick runs, and the configuration calculated from them. `None` if they are refused.
+/// The configuration of any device settings that change how a tick runs. `None` if the settings are refused.
 fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;

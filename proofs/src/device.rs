@@ -135,8 +135,8 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): in every state, the first fault is kept with its context. Only the command to stop ends it, and the
-    /// state is then `Stopped`.
+    /// P10 (fault machine): a fault in any state is kept with its context, and a later fault does not replace it. Only the command
+    /// to stop ends it, and the state is then `Stopped`.
     equation "state = Fault(c)  =>  state' in {Fault(c), Stopped}"
     over "state and event, with any context"
     fn p10_fault_is_latched(s) {

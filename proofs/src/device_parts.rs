@@ -156,8 +156,8 @@ pub fn law_made<N: Number>(
     Ok(plain())
 }
 
-/// Replaces `Supervisor::inspect` when the model checker runs the specification: returns the value that the code got for equal
-/// arguments.
+/// Replaces `Supervisor::inspect` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn inspect(
     _: &mut Supervisor,
     _: &SupervisorConfig,
@@ -316,8 +316,8 @@ pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
         mass: None,
     }
 }
-/// Replaces `Controller::commanded` when the model checker runs: returns any value to the code, and the same value to the
-/// specification.
+/// Replaces `Controller::commanded` when the model checker runs: it only records the force, and the call in the history of this
+/// tick.
 pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
     told::ask([done(4), N::of_signal(force.0)]);
 }

@@ -109,8 +109,8 @@ macro_rules! settings_property {
 #[cfg(kani)]
 pub use by_one_quotient::*;
 
-/// Replaces `quotient` of settings when the model checker runs: any number with the right sign. `p8_quotient_sign64` proves that
-/// the code's own quotient has that sign.
+/// Replaces `quotient` of settings when the model checker runs: any number, which is not negative if `a` is not and `b` is
+/// positive. `p8_quotient_sign64` proves this fact of the code's own quotient.
 #[cfg(kani)]
 pub fn quotient(a: Si, b: Si) -> Si {
     let any = Si::from_bits(kani::any());
@@ -118,8 +118,8 @@ pub fn quotient(a: Si, b: Si) -> Si {
     any
 }
 
-/// Replaces `saturating_mul` of settings when the model checker runs: any number with the right sign, and for twice a number the
-/// sum. `p8_product64` proves both facts of the library's own product.
+/// Replaces `saturating_mul` of settings when the model checker runs: any number, which is not negative if neither factor is, and
+/// for twice a number the sum. `p8_product64` proves both facts of the library's own product.
 #[cfg(kani)]
 pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     let any: i64 = kani::any();
@@ -192,7 +192,7 @@ mod by_one_quotient {
     const ROWS: usize = 3;
     const HIGHEST: u64 = (1 << 31) - 1;
 
-    /// Row of the table of quotients for the code's next division; the next variable is the row for the specification's.
+    /// Row of the table of quotients for the code's next division; `AGAIN` is the row for the specification's next one.
     static DIVIDED: AtomicUsize = AtomicUsize::new(0);
     static AGAIN: AtomicUsize = AtomicUsize::new(0);
     static DIVIDEND: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];

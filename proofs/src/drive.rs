@@ -144,8 +144,8 @@ static ASKED: [core::sync::atomic::AtomicI32; 3] =
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (crate::drive::part_of, crate::drive::same_part)]
-    /// P4 (limits): the torque is the negative of the force. While it fades in, it is a fraction of that, never larger, and never
-    /// has the force's own sign.
+    /// P4 (limits): the torque is the negative of the force. While the torque fades in, it is a fraction of that: never larger than
+    /// the force, and never of the force's sign.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
     over "force, share or none; under the checker a part of which p3_parts_of_words holds"
     by cadical fn p4_fade_in32(s) {
@@ -168,8 +168,8 @@ replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
     /// P4 (limits): for every requested torque, the motor's current is along the q-axis alone and turns the motor in the right
-    /// direction. It is within the current limit as reduced by temperature. The remaining torque is not larger, and unchanged if
-    /// nothing was cut.
+    /// direction. It is within the current limit as reduced by temperature. The torque that the drive reports is not larger than
+    /// the requested one, and equal to it if the current was not cut.
     equation "|i_q| <= i_max min(θ, 1), ±i_q τ >= 0, i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
@@ -205,8 +205,8 @@ replaced_property! {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_drive::units::share_of, crate::drive::any_share)]
-    /// P4 (limits): a current controller's voltage is within its limit, for every error and every memory. The integrator is at most
-    /// the limit or its former size.
+    /// P4 (limits): a current controller's voltage is within its limit, for every error and every memory. The integrator's absolute
+    /// value is at most the limit or its former absolute value.
     equation "|v| <= v_max, |s'| <= max(|s|, v_max)"
     over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_parts_of_words holds"
     by cadical fn p4_current_loop32(s) {

@@ -45,8 +45,8 @@ macro_rules! enhanced {
             }
             property! {
                 /// P1 (energy) at the virtual mass: the mass moves by exactly the displacement whose energy is counted. The new
-                /// energy is the energy before plus force times displacement, at most the cap. If the outward motion is limited, it
-                /// is the remainder of the division plus what the smaller force saves.
+                /// energy is the energy before plus force times displacement, at most the cap. If the outward motion is limited,
+                /// the new energy is the remainder of the division plus what the smaller force saves.
                 equation "E' = E + f d', at most the cap, or E' = rest + (f_wanted - f) m with d' = -m"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $books fn p1_books_are_right(s) {
@@ -174,7 +174,7 @@ macro_rules! enhanced {
             property! {
                 /// P1 (energy), hand-over at the first reversal of motion: the virtual mass starts with no more energy than the
                 /// contact has. The coupling's stored energy is subtracted. If the contact's energy does not cover it, the mass
-                /// starts without a stretch. The energy is not negative.
+                /// starts without a stretch. The mass' energy is not negative.
                 equation "0 <= E' <= max(E, 0)"
                 over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {

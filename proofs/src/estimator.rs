@@ -17,8 +17,8 @@ const ONE: i32 = 1 << 26;
 const ONE_TORQUE: i64 = 1 << 30;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// A weight (coefficient) with any bits under the model checker. In random tests it is from 0 to `most`, because settings give few
-/// of the other weights.
+/// A weight (coefficient) with any bits under the model checker. In random tests it is mostly from 0 to `most`, because settings
+/// give few of the other weights.
 fn weight<S: Source>(s: &mut S, most: i64) -> i32 {
     let x = s.i32();
     if s.shortcut() {
@@ -102,7 +102,7 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any estimated motion; in random tests one within the invariant.
+/// Any estimated motion; in random tests mostly one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
@@ -173,8 +173,8 @@ property! {
 }
 bounded_property! {
     /// P3 (no overflow): a correction keeps the invariant, or the estimator restarts at the measured position; no sum overflows.
-    /// The corrected position is at most as far from the measured one as before. This holds for any result of the prediction that
-    /// `p3_flow_fits32` allows.
+    /// The corrected position is at most as far from the measured position as the predicted one was. This holds for any result of
+    /// the prediction that `p3_flow_fits32` allows.
     equation "|x' - e| <= |e - x⁻|, invariant"
     over "weights as settings give them, motion in the invariant, commands, measured position"
     by minisat fn p3_motion_stays32(s) {

@@ -47,8 +47,8 @@ macro_rules! fba {
             }
             property! {
                 /// P1, P3, P4 and the invariant, force bounding: one tick does not panic, its force is at most the limit and never
-                /// pulls, and it keeps the invariant. The law's energy is that at the port plus the counted damping. It is limited
-                /// from above only.
+                /// pulls, and it keeps the invariant. The law's energy is the energy taken at the port plus the counted damping,
+                /// and is limited from above only.
                 equation "0 <= f <= limit, E <= cap, (E >= 0 or f = 0)"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {

@@ -97,7 +97,7 @@ property! {
 }
 property! {
     /// P4: while a part of the pulse is left, a click's force is its strength in one of the two directions; otherwise 0. A pulse
-    /// begins only when the device has passed the position from its other side, and lasts twice `half` ticks.
+    /// begins only when the device has passed the click's position from its other side, and lasts twice `half` ticks.
     equation "l > 0: |f| = A, l' = l - 1; else f = 0; l' <= 2 h; begins => side known before, unknown after"
     over "strength, length, side, direction, ticks left, distance from the position"
     fn p4_click_force(s) {

@@ -90,7 +90,7 @@ fn both(axis: usize) -> [Direction<N>; 2] {
 
 property! {
     /// P4 (geometry): the depth in a ball is the radius minus the distance from the centre, and the normal points from the centre
-    /// to the place. At the centre the last tick's normal stays; if there was none it is up.
+    /// to the place. At the centre the normal is that of the last tick, or up if there was none.
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {

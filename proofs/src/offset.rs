@@ -16,8 +16,8 @@ macro_rules! offset {
             type F = $functions;
 
             property! {
-                /// P2 (offset): the step of the offset is at most each of three bounds, whatever these are, and not negative if
-                /// they are not. `heart::w32::p2_scale` shows that the bounds are those of thesis (3.7) to (3.11).
+                /// P2 (offset): the step of the offset is at most each of three bounds, whatever these are. It is not negative if
+                /// no bound is negative. `heart::w32::p2_scale` shows that the bounds are those of thesis (3.7) to (3.11).
                 equation "ΔO <= each bound"
                 over "three bounds, all bits"
                 fn p2_least(s) {

@@ -154,14 +154,14 @@ fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
 
-/// Two bounds, in steps of the number format: of the error of the distance to an edge, and of the sideways error of its normal
-/// times that distance.
+/// Bound, in steps of the number format, of two errors near an edge: of the distance to the edge, and of the normal sideways, times
+/// that distance.
 const EDGE: i64 = 7;
 
 property! {
-    /// P4 (geometry): below both planes of an edge the higher plane counts. Above one plane that plane counts, if the foot of the
-    /// perpendicular is below the other. Otherwise the edge counts, with a normal between those of the planes. The depth is then
-    /// right to seven steps of the number format if the planes meet at more than 30 degrees.
+    /// P4 (geometry): at a place below both planes of an edge, the nearer plane counts. At a place above one plane, that plane
+    /// counts if the foot of the perpendicular on it is below the other plane. Otherwise the edge counts, with a normal between
+    /// those of the planes. The depth is then right to seven steps of the number format if the planes meet at more than 30 degrees.
     equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else depth² = (a² + b² - 2 (n·m) a b)/(1 - (n·m)²), to 7 quanta"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_edge_nearest(s) {
@@ -219,7 +219,7 @@ property! {
 }
 property! {
     /// P4 (geometry): the free space of a concave corner is the edge of both planes seen from below. A place is inside the corner
-    /// if it is below one of the planes, and its normal is the opposite of that edge's.
+    /// if it is below one of the planes. The corner's normal is the opposite of that edge's.
     equation "nearest = -(nearest of the free space)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_corner_nearest(s) {

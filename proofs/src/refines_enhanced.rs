@@ -41,7 +41,8 @@ fn any_enhanced<N: Format, S: Source>(
     (law, series)
 }
 
-/// Whether an enhanced law is valid, the compliance of its soft spring is not negative, and its springs can be divided by.
+/// Whether an enhanced law is valid, the compliance of its soft spring is not negative, and the stiffnesses by which it divides are
+/// above 0.
 fn enhanced_ok<N: Format>((law, series): &(EnhancedSfa<N>, Stiffness<N>)) -> bool {
     law.valid()
         && N::of_signal_ratio(law.compliance.0) >= 0

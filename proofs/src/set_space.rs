@@ -3,7 +3,7 @@
 //! ```text
 //! settings.friction(unit, rate, damping) = spec(settings, unit, rate, damping)      p11_friction_settings32
 //! a length in a unit, a quantity per length, a law's settings in it                 p11_per_length64, p11_law_in_unit64
-//! VectorGuard::new = two guards', one of them with √3 of an encoder count           p11_vector_guard_settings32
+//! VectorGuard::new from two guards, one of them with √3 encoder counts              p11_vector_guard_settings32
 //! ```
 
 use crate::accepted::{any_law, any_settings};
@@ -110,7 +110,7 @@ reckoned_property! {
     }
 }
 guarded_property! {
-    /// P11 (refinement): the guard on three axes is that of one axis with √3 of an encoder count, and with one more step of the
+    /// P11 (refinement): the guard on three axes is that of one axis with √3 times the encoder count, and with one more step of the
     /// number format where a position is rounded. A change of force is charged as on one axis.
     equation "VectorGuard::new = (Guard::new(√3 δ), δ + q, i + q, slack of δ)"
     over "settings of the guard, rate, force limit, count; under the checker a guard of which each word is one that it was told"

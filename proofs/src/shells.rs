@@ -90,8 +90,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each law the absolute value of its part of the
-    /// penetration, negative outside. Each law pushes towards the surface.
+    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each law the penetration times the absolute value of
+    /// the normal's component on that axis; outside, this is negative. Each law pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {

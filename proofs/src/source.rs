@@ -11,8 +11,8 @@ pub trait Source {
     fn bits(&mut self, bits: u32) -> u64;
     /// Whether to continue with these inputs; under the model checker the call does not return if `holds` is `false`.
     fn assume(&mut self, holds: bool) -> bool;
-    /// Whether a generator may construct a value that satisfies its condition. The model checker needs no such shortcut, as it
-    /// takes all values.
+    /// Whether a generator may construct a value that satisfies its condition: mostly `true` in random tests, always `false` under
+    /// the model checker, which takes all values.
     fn shortcut(&mut self) -> bool;
     /// Counts a situation (cover) that must occur for at least one input; otherwise the property would prove nothing about it.
     fn cover(&mut self, reached: bool, what: &'static str);

@@ -5,7 +5,7 @@
 //! |u| <= 1, no zero vector has one           p4_unit
 //! |v| > l  <=>  Σ v_i² > l²                  p4_longer
 //! |v across u| <= |v|                        p4_across
-//! |u turned| <= 1, by at most the given angle  p4_turned
+//! |u turned| <= 1, at the given angle to u    p4_turned
 //! |F'| <= limit, no component grows          p4_within
 //! W = Σ F_i d_i                              p1_vector_work
 //! ```
@@ -315,8 +315,8 @@ pub mod turn {
     type N = Fixed32;
 
     property! {
-        /// P4 (limits): a turned direction is at most 1 long and shorter by at most two steps of the number format. Its angle to
-        /// the old direction is the given one.
+        /// P4 (limits): a turned direction is at most 1 long, and at most three steps of the number format shorter. The cosine of
+        /// its angle to the old direction is the given one, to eight steps, unless it is the old direction.
         equation "|u'| <= 1, u·u' = cos a"
         over "directions, ratios of across to along"
         by sampled fn p4_turned(s) {

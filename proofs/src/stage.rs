@@ -263,9 +263,9 @@ pub mod w32 {
     }
 
     staged_property! {
-        /// P9 (end of positions): an environment has positions beyond the ends of the format. A tick of its stage is the stage's
-        /// tick by displacement, for the difference of the two positions. If the force that acted was negative, the axis is
-        /// reversed. At the end of the range of angles, the force is 0.
+        /// P9 (end of positions): an environment's positions may lie beyond the ends of the format, so its guard's stage gets the
+        /// difference of the last two positions. If the force that acted was negative, the stage gets it with the axis reversed. At
+        /// the end of the range of angles, the force is 0.
         equation "(memory, f) = moved(memory, e - e(n-1), e - e(n-1) - since, f_wanted), no e(n-1): 0, none of since: 0; f(n-1) < 0: all with the other sign; |e| at the end => f = 0"
         over "furthest displacement, memory, two positions of 64 bits in whole steps, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
         by minisat fn p9_stage_without_end(s) {

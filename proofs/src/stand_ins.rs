@@ -32,7 +32,8 @@ fn following() -> [i64; 6] {
     }
     core::array::from_fn(|i| DERIVED[i].load(Relaxed))
 }
-/// Replaces [`Settings::derived`] when the model checker runs the code: returns any value, and the same value for equal arguments.
+/// Replaces [`Settings::derived`] when the model checker runs the code: any values that are not negative, the same ones at each
+/// call.
 pub fn derived(_: &Settings) -> Derived {
     let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
     Derived {
@@ -44,8 +45,7 @@ pub fn derived(_: &Settings) -> Derived {
         virtual_damping_per_tick: damper,
     }
 }
-/// Replaces [`crate::spec::law_settings::derived`] when the model checker runs the specification: returns the value that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::law_settings::derived`] when the model checker runs the specification: the values that the code gets.
 pub fn specified_derived(
     _: &crate::spec::law_settings::Settings,
 ) -> crate::spec::law_settings::Derived {

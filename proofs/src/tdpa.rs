@@ -91,8 +91,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1 (energy), TDPA with the exact observer: the energy is that at the port plus that of the counted damping. It
-                /// is limited from above only.
+                /// P1 (energy), TDPA with the exact observer: the law's energy is the energy taken at the port plus that of the
+                /// counted damping, and is limited from above only.
                 equation "E' = min(E + f Δe + loss, cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {

@@ -4,12 +4,13 @@
 //! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! `B` is the energy in the account, `C` the most that it holds, `R` the reserve, `F` the force vector, `D` the largest
-//! displacement plus an encoder count, `s` and `o` the lengths of the last two forces, `q` the distance charged.
+//! displacement plus an encoder count. `s` is the longer of the last two forces, `o` the energy charged at overspeed per squared
+//! force, `1` one step of the position format, and `q` the distance charged per change of force.
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
 //! |F| <= (B' - R)/D, same direction        p1_vector_account
-//! over-speed: B - s (o s + q)              p1_vector_account
+//! over-speed: B - s (o s + 1)              p1_vector_account
 //! ```
 
 use crate::format::Format;

@@ -6,7 +6,8 @@
 //! matters, it is any number in that range. The window multiplies by whole ticks. It is compared in random tests, like everything
 //! else (`proofs/tests/spec_velocity.rs`).
 //!
-//! `v` is the filtered displacement per tick, `x` the position, `a` the gain.
+//! `v` is the filtered displacement per tick, `x` the position, `a` the gain. In `x - x'` the last position is `x'`; elsewhere `'`
+//! marks the new value.
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -39,7 +40,7 @@ type N = Fixed32;
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// A weight (coefficient) with any bits; in random tests one from 0 to `most`.
+/// A weight (coefficient) with any bits; in random tests mostly one from 0 to `most`.
 fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
     let any = s.i32();
     if s.shortcut() {

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! no sum of the code overflows                            estimator::p3_flow_fits32, p3_motion_stays32
-//! sums that do not are the sums                           wide::p3_wide_sums
+//! sums that do not overflow are exact                     wide::p3_wide_sums
 //! the code's multiplications are exact products           p1_weight_times_part
 //! 0 <= w <= 2^k  implies  w p between 0 and p << k        p3_weight_in_range, multiplied::p3_product_in_order, obligations/check.py
 //! |x⁻| < 160 rad, |d⁻| < 21 rad                           estimator::p3_flow_fits32
@@ -20,8 +20,8 @@
 use crate::{cover, property};
 use touchstone_control::number::{Wide as _, Wide64};
 
-/// Whether a product has its proved fact: with a weight (coefficient) from 0 to 1, or to 2, it lies between 0 and the other factor,
-/// or twice that factor.
+/// Whether a product has its proved facts: it lies between 0 and the other factor if the weight (coefficient) is from 0 to 1, and
+/// between 0 and twice that factor if the weight is from 0 to 2.
 #[must_use]
 pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
     let between = |end: i64| product >= end.min(0) && product <= end.max(0);
@@ -43,8 +43,9 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): a weight (coefficient) from 0 to 1, or to 2, gives a product between 0 and the other factor, or twice that
-    /// factor. It follows from the order of products, which two solvers show over the integers in `obligations/check.py`.
+    /// P3 (arithmetic): a weight (coefficient) from 0 to 1 gives a product between 0 and the other factor; one from 0 to 2, between
+    /// 0 and twice that factor. This follows from the order of products, which two solvers show over the integers in
+    /// `obligations/check.py`.
     equation "0 <= w <= 2^k implies w p between 0 and p << k, k = 26, 27"
     over "weight and part"
     by sampled fn p3_weight_in_range(s) {

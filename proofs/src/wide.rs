@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
-//! a machine of words takes the same word               p3_wide_of_words
+//! word_of(w, i) = floor(w 2^-i) modulo 2^32            p3_wide_of_words
 //! a weight is the nearest, or there is none             p3_wide_weights
 //! setting -> signal, towards zero, to the end           p8_saturating_signal32
 //! p / k by a prepared divisor (stored reciprocal), at 8 bits                p6_divide_by8

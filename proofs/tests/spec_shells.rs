@@ -109,7 +109,8 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
             assert_eq!(ends(leaving, -16, [2, 2], contacts), left);
         }
     }
-    // One step of the format outside counts as outside. The rule for each axis compares half of that step, which is rounded to 0.
+    // A depth of one step outside is half a step on each axis, which is rounded to 0, so no axis has left. Two steps are one on
+    // each axis.
     assert!(!ends(Leaving::AnyAxis, -1, [0, 0], touching));
     assert!(ends(Leaving::AnyAxis, -2, [0, 0], touching));
     // One axis has left: 8² + 8² against 8 (20 + 2).

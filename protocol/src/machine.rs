@@ -13,7 +13,7 @@
 /// Why the outputs were switched off. The numbers go over the serial link and never change; a code that is not in use keeps its
 /// number.
 ///
-/// [`Context::value`] holds the measured value, in the unit that ends each code's comment.
+/// [`Context::value`] holds the value that each code's comment names at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum FaultCode {
@@ -25,7 +25,8 @@ pub enum FaultCode {
     UnderVoltage = 3,
     /// The power stage is too hot, or its temperature sensor is broken or shorted. Value: 0.1 degrees Celsius.
     OverTemperature = 4,
-    /// The encoder did not answer several times in a row. Value: the number of missing answers.
+    /// Several encoder readings in a row were bad, and to the last one the encoder did not answer. Value: the number of bad
+    /// readings.
     EncoderSilent = 5,
     /// The encoder's count moved further in one tick than the shaft can turn. Value: counts.
     EncoderJump = 6,
@@ -44,14 +45,14 @@ pub enum FaultCode {
     Watchdog = 12,
     /// The shaft turned faster than allowed. Value: mrad/s.
     OverSpeed = 13,
-    /// The data words of the encoder failed their parity or checksum several times in a row. Value: the raw data word.
+    /// Several encoder readings in a row were bad, and the last one failed its parity or checksum. Value: its raw data word.
     EncoderCheck = 14,
     /// The shaft turns, as the motor's voltage shows, but the encoder shows no motion. Value: mV by which the voltage is too large.
     ///
     /// During a calibration: the field turned but the encoder did not follow. Value: counts moved.
     EncoderStuck = 15,
-    /// The encoder itself reported an error several times in a row: magnet too weak or too strong, track lost, or framing. Value:
-    /// the raw data word.
+    /// Several encoder readings in a row were bad, and in the last one the encoder itself reported an error: magnet too weak or too
+    /// strong, track lost, or framing. Value: its raw data word.
     EncoderStatus = 16,
     /// The current loop got no new command for two control periods. Value: periods of the current loop.
     StaleCommand = 17,
@@ -133,7 +134,7 @@ pub struct Context {
     pub code: FaultCode,
     /// Number of the control tick in which the fault was detected.
     pub tick: u32,
-    /// The measured value that exceeded the limit, in the unit that [`FaultCode`] gives.
+    /// The measured value or the number that [`FaultCode`] names for this code.
     pub value: i32,
 }
 

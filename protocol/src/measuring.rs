@@ -32,11 +32,11 @@ pub enum MeasuringPart {
 pub struct MeasuringTick {
     /// The step of the measurement.
     pub part: MeasuringPart,
-    /// Current along the rotor's field (d-axis), mA, in the frame of the current loop. The torque-making current is
-    /// [`crate::Telemetry::current_q_ma`].
+    /// Current on the d axis of the current loop's frame, mA. The frame follows the rotor's field, in `Low` and `High` the fast
+    /// field. The q-axis current is [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,
-    /// Voltage along the rotor's field (d-axis), mV, in the frame of the current loop.
+    /// Voltage on the d axis of the same frame, mV.
     pub voltage_d_mv: i32,
-    /// Voltage of the torque-making axis (q-axis), mV, in the frame of the current loop.
+    /// Voltage on the q axis of the same frame, mV.
     pub voltage_q_mv: i32,
 }

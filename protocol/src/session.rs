@@ -157,14 +157,14 @@ impl Session {
         self
     }
 
-    /// The stored cogging map, whether or not it was measured with the settings in use.
+    /// The stored cogging map, even if it was measured with other hardware than the settings in use describe.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
         self.cogging.as_ref()
     }
 
-    /// The stored map of the motor's cogging torque, if it was measured with the settings in use.
+    /// The stored map of the motor's cogging torque, if it was measured with the hardware that the settings in use describe.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {

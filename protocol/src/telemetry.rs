@@ -113,7 +113,7 @@ pub struct Fault {
     pub code: u8,
     /// Number of the control tick in which the fault was detected.
     pub tick: u32,
-    /// The measured value that exceeded the limit, in the unit that [`FaultCode`] gives for the code.
+    /// The measured value or the number that [`FaultCode`] names for this code.
     pub value: i32,
 }
 
@@ -154,7 +154,7 @@ pub struct RingChunk {
 pub struct RingRecord {
     /// Low 16 bits of the tick's number.
     pub tick: u16,
-    /// Position in encoder counts from the calibrated zero; 24 bits.
+    /// Position in encoder counts from the calibrated zero: the low 24 bits, sign-extended.
     pub count: i32,
     /// Torque that the control law commands, in units of 1/4096 N·m, at most ±8 N·m.
     pub force: i16,

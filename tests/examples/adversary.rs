@@ -41,7 +41,7 @@ impl Account {
         }
     }
 
-    /// Most energy in J that the energy guard lets a hand get out: the capacity, plus one encoder count times the largest force.
+    /// Most energy in J that the energy guard lets a hand get out: the capacity, plus one encoder count times the force limit.
     fn bound_j(self) -> f64 {
         self.capacity_j + self.force_limit_n_m * touchstone_tests::port::COUNT_RAD
     }
@@ -58,8 +58,8 @@ impl Account {
 
 const SEED: u64 = 1;
 
-/// The control laws that the hands meet: plain springs and dampers, one that pushes with all its force when the hand moves out,
-/// every law with the settings of the DLR thesis, and the shipped law.
+/// The control laws that the hands meet: plain springs and dampers, a hostile damper that drives the device the way it moves, every
+/// law with the settings of the DLR thesis, and the shipped law.
 fn laws() -> Vec<(String, PortLaw)> {
     let spring = |k, b| PortLaw::from(SpringDamper { k, b });
     let mut laws = vec![

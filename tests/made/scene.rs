@@ -15,7 +15,7 @@ use touchstone_sim::scene::{Preset, Scene};
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
 /// Processor time that a simulation announced as long may take, per second of the program's own estimate.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
-/// Length of the part that is simulated of a scene announced as long, in s of its estimated time.
+/// Part of a scene announced as long that is simulated, in s of the program's estimate of its processor time.
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {

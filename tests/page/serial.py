@@ -95,7 +95,7 @@ def serial(browser, program, pictures, folder, check):
         page.run("fakeSerial.busy(true)")
         page.run("document.getElementById('connect').click()")
         page.until("document.getElementById('error').textContent.includes('does not open')", 3)
-        check("another program" in text(page, "error") and not page.run("document.getElementById('connect').disabled"), f"a port that another program has: {text(page, 'error')}")
+        check("Close other programs" in text(page, "error") and not page.run("document.getElementById('connect').disabled"), f"a port that another program has: {text(page, 'error')}")
         page.run("fakeSerial.busy(false)")
         connected(page)
         check(text(page, "error") == "", "it is opened as soon as it is free")

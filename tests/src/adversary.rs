@@ -11,12 +11,13 @@ pub const FASTEST_RAD_PER_S: f64 = 59.0;
 /// A type of simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that repeats every ten control periods; each half of a period has its own speed.
+    /// A motion that repeats every ten control periods. The parts of a period before and after the change of force have their own
+    /// speeds.
     Periodic,
     /// A sum of three sines below 200 Hz around a mean depth in the wall.
     Sines,
-    /// A hand that reacts to the force at once: its speed in each half of a control period depends on the force and the force's
-    /// change.
+    /// A hand that reacts to the force at once: its speed before and after the change of force in a control period depends on the
+    /// force and the force's change.
     Policy,
     /// A hand with mass that holds the device by a spring, and pushes.
     Gripped,

@@ -77,7 +77,7 @@ impl BoardLoop {
             }
             self.error = error;
             if is_last {
-                // The next tick begins with this PWM period, so its state is restored.
+                // The next tick begins with this PWM period, so the loop gets back its state from before the period.
                 *self = before;
             }
         }

@@ -56,7 +56,7 @@ pub fn mirrored(wall: &WallSettings) -> WallSettings {
     }
 }
 
-/// Settings of 12 detents in half a turn. One of them lies between two encoder counts.
+/// Settings of 12 detents in half a turn. The centre of one of them lies between two encoder counts.
 #[must_use]
 pub fn detents() -> DetentSettings {
     DetentSettings {
@@ -79,7 +79,7 @@ pub fn built<N: Reported>(
     Environment::new(settings, walls, detents).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Settings of the thesis without the energy guard, which would change a part's force.
+/// Settings of the thesis without the energy guard, which would change the force of a feel's part.
 #[must_use]
 pub fn unguarded() -> Settings {
     let mut settings = Settings::thesis();

@@ -1,5 +1,5 @@
-//! Simulates the port between hand and device with a torque profile behind the guard of its environment, and makes hostile
-//! profiles.
+//! Simulates the port between hand and device, with a torque profile as the law and the energy guard of its environment. Also makes
+//! hostile profiles.
 
 use crate::environment::{COUNT_RAD, at, built};
 use crate::port::{Hand, Outcome, Port, TICK_S};
@@ -14,7 +14,7 @@ use touchstone_control::{
 /// Largest torque of the profiles and force limit, N·m.
 pub const STRENGTH_N_M: f64 = 0.3;
 
-/// Step to which the environment rounds positions before its guard gets their differences: that of a 32-bit position.
+/// Step of a 32-bit position, to which the environment rounds positions before its guard gets their differences.
 const STEP: Si = Si::from_bits(1 << 8);
 
 fn environment(port: &Port, profile: &ProfileSettings) -> Environment<Fixed32> {
@@ -60,7 +60,7 @@ pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks:
         lowest_account_j: account(&felt),
         ..Outcome::default()
     };
-    // Results at the beginning of the last tick that was run.
+    // The two largest energies at the beginning of the last tick that was run.
     let mut settled = (0.0, 0.0);
     for tick in 0..ticks {
         let now = counted(x);
@@ -69,7 +69,7 @@ pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks:
         told = now;
         let force = felt.tick(&at(now), since);
         if let Some(guard) = &felt.guard {
-            // The energy of an over-speed is beyond the bound, and is reported on its own.
+            // The guard's bound does not cover the energy of an over-speed, so only `with_overspeed_j` includes it.
             let is_far = |way: &Position<Fixed32>| way.modulus() > guard.guard.furthest;
             if ways.iter().any(|way| way.as_ref().is_none_or(is_far)) {
                 outcome.with_overspeed_j = outcome.above_refill_j;
@@ -110,7 +110,7 @@ pub fn play(port: &Port, profile: &ProfileSettings, hand: &mut impl Hand, ticks:
 pub enum Hostile {
     /// Points at random.
     Random,
-    /// A cliff from one limit to the other between two points, once or several times in a copy.
+    /// Runs of points at one limit and at the other in turn, with cliffs in between. A single run has no cliff.
     Cliffs,
     /// A ramp that drives the knob in one direction, and falls back within a step.
     Saw,

@@ -71,7 +71,8 @@ impl Flash {
         self.bytes.fill(byte);
     }
 
-    /// Begins an operation (programming a word or erasing a page); returns whether the power fails during it.
+    /// Begins an operation (programming a word or erasing a page). Returns whether the power fails during it; an error if it failed
+    /// before.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {

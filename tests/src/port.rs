@@ -254,12 +254,13 @@ impl Port {
             lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
-        // Results at the beginning of the last tick that was run.
+        // The two largest energies at the beginning of the last tick that was run.
         let mut settled = (0.0, 0.0);
         for tick in 0..ticks {
             let now = sample(x);
             if let Some(board) = &board {
-                // `at_change` holds the second reading; the position calculated from it replaces it.
+                // `at_change` holds the second reading. It is replaced by the position that the board calculates from both
+                // readings.
                 let since = board.change.since_change(at_change - told, now - at_change);
                 at_change = if self.reads { now - since } else { told };
             }
@@ -277,7 +278,7 @@ impl Port {
                 None => wanted,
                 Some(guard) => {
                     let force = guard.tick(now, measured.then_some(at_change), wanted);
-                    // The energy of an over-speed is beyond the bound, and is reported on its own.
+                    // The guard's bound does not cover the energy of an over-speed, so only `with_overspeed_j` includes it.
                     if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
                         outcome.with_overspeed_j = outcome.above_refill_j;
                         (outcome.worst_window_j, outcome.above_refill_j) = settled;
@@ -414,7 +415,7 @@ impl<F: Fn(f64) -> f64> Hand for Gripped<F> {
             let drag = DAMPING_N_M_S_PER_RAD * self.knob.1;
             self.knob.1 += h * (grip - force - drag) / INERTIA_KG_M2;
             self.hand.1 += h * ((self.push)(self.time_s) - grip) / self.inertia;
-            // New speeds move the positions: the motion is linear within a step, and the sums are of that motion.
+            // The new speeds move the positions, so that the motion is linear within a step; the energies are those of this motion.
             self.knob.0 += h * self.knob.1;
             self.hand.0 += h * self.hand.1;
             damped += DAMPING_N_M_S_PER_RAD * self.knob.1 * self.knob.1 * h;

@@ -109,9 +109,9 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     length(cross).atan2(dot(a, b))
 }
 
-/// Settings of a control law in SI units for an omega.3 (haptic device with three axes) at 1 kHz. Its largest stable stiffness is 5
-/// N/mm (§5.2 of the DLR thesis). The virtual mass and coupling of the enhanced law are scaled from those of the knob in proportion
-/// to it.
+/// Settings of a control law in SI units for an omega.3 (haptic device with three axes) at 1 kHz. The device's largest stable
+/// stiffness is 5 N/mm (§5.2 of the DLR thesis). The enhanced law's virtual mass and coupling are those of the knob, scaled in
+/// proportion to this stiffness.
 #[must_use]
 pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     Settings {

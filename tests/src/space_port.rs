@@ -98,7 +98,7 @@ impl Port {
         let mut hand = HandState::new(way, numbers, self.delay_ticks);
         let (mut last, mut now) = (None, [0.0; 3]);
         let mut outcome = Outcome::default();
-        // Energy got out in total, and the least total at a tick so far, where the best window began.
+        // Energy got out in total, and the least total at the start of a tick so far, where the best window began.
         let (mut total, mut least) = (0.0_f64, 0.0_f64);
         for tick in 0..ticks {
             let count = |x: f64| (x / COUNT_MM).round() * COUNT_MM;
@@ -158,9 +158,11 @@ impl Port {
 /// A type of simulated hand on three axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that repeats every six control periods; each half of a period has its own velocity.
+    /// A motion that repeats every six control periods. The parts of a period before and after the change of force have their own
+    /// velocities.
     Periodic,
-    /// A hand that reacts to the force: its velocity in each half of a control period depends on the force and the force's change.
+    /// A hand that reacts to the force: its velocity before and after the change of force in a control period depends on the force
+    /// and the force's change.
     Policy,
     /// A circular motion from two perpendicular sines, and a third sine along the circle's axis.
     Circles,
@@ -209,7 +211,7 @@ impl HandState {
         }
     }
 
-    /// Limits a displacement vector to the energy guard's speed limit over this many control periods.
+    /// Limits a displacement vector to 97 % of what the energy guard's speed limit allows in this many control periods.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
         // Leaves room for the counts by which a measurement may be wrong: the bound does not hold at an over-speed.
         let most = 0.97 * FASTEST_MM * ticks;

@@ -48,7 +48,7 @@ fn leaning() -> Knob<Spoilt> {
 
 #[test]
 fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
-    // Three bad readings: a missing one, one that fails its check, and one half a turn away after a part of a tick.
+    // Three bad readings: a missing one, one that fails its check, and one that is half a turn off.
     let far = Frames::alone(as5047p_frame(8_192));
     for reading in [
         None,

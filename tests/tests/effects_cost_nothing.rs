@@ -109,7 +109,7 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     for (planned, by_hand) in [("bare", "bare-by-hand"), ("held", "held-by-hand")] {
         assert_eq!(end(&example, planned), end(&example, by_hand), "{planned}");
         // The same work in two functions may differ by an instruction, as registers are allotted differently. The cheapest effect
-        // costs more than that (see below). The hand-written loop may be slower by what the compiler makes of it.
+        // costs more than that (see below). The hand-written loop may be up to five instructions slower.
         let more = cost[planned] - cost[by_hand];
         assert!(
             (-5.0..=1.1).contains(&more),
@@ -179,7 +179,7 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
         let name = &scene.name;
         assert!(!changes(scene, "device.torque_limit_n_m=1e9"), "{name}");
         assert!(!changes(scene, "timing.computational_delay_s=0"), "{name}");
-        // The settings have an effect as soon as their value has one.
+        // The same settings do change the results once their value is not neutral.
         assert!(changes(scene, "device.torque_limit_n_m=0.05"), "{name}");
         assert!(
             changes(scene, "timing.computational_delay_s=1e-4"),

@@ -345,7 +345,7 @@ fn what_it_costs_is_that_of_its_largest_error() {
         let (ticks, known, _) = told(&Case::of(degrees, [0.3, 1.0]), 60);
         Eccentricity::new(&ticks, &known).unwrap().cost(7.0)
     };
-    // With one order of amplitude A alone: place A, lost torque 1 - cos(7 A), stiffness n A.
+    // For an error of amplitude A with n periods per turn alone: `place_rad` is A, `torque_lost` 1 - cos(7 A), `stiffness_off` n A.
     let within = |found: f64, truth: f64, most: f64| {
         assert!((found - truth).abs() < most, "{found} for {truth}");
     };

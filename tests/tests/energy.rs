@@ -194,7 +194,7 @@ fn over_ten_million_ticks_the_exact_observer_reads_what_crossed_the_port_and_the
     );
     // The observer's plain sum rounds each tick by up to half a unit in the last place of the sum; that limits the error.
     assert!(error < 1e-9);
-    // The same comparison detects the thesis' form.
+    // The same comparison shows that the observer in the thesis' form is wrong.
     assert!((thesis - port).abs() > 1e-3 * throughput);
 
     let books = &done.books;

@@ -10,7 +10,7 @@ use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringD
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 const CAPACITY_J: f64 = 0.02;
 const REFILL_W: f64 = 0.0005;
-/// Energy of half an encoder count at each end of a time window, under 0.33 N·m, the largest force that the energy account allows.
+/// Energy of half an encoder count at each end of a time window. The largest force that 20 mJ allow is 0.33 N·m, here rounded up.
 const ENCODER_J: f64 = 0.34 * COUNT_RAD;
 
 /// Mean delay from a board's encoder sample until its force acts, in control periods of 1 ms: 0.1 until the motor voltage changes,
@@ -42,7 +42,7 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
         assert!(bare.worst_window_j > 3.0 * CAPACITY_J);
         assert!(guarded.above_refill_j <= CAPACITY_J + ENCODER_J);
         assert!(guarded.worst_window_j <= CAPACITY_J + 20.0 * REFILL_W + ENCODER_J);
-        // The guard has not switched the wall off. (With a delay the charge for what is not measured empties the account first.)
+        // The guard has not switched the wall off. (With a delay the charge for unmeasured motion empties the account first.)
         assert!(delay > 0.0 || guarded.worst_window_j > CAPACITY_J);
     }
 }
@@ -68,8 +68,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
             1e3 * over.with_overspeed_j
         );
         assert!((600..=602).contains(&over.ticks));
-        // At a delay of a whole tick, the charge for what is not measured has emptied the account before, so no force acts that
-        // could give energy.
+        // At a delay of a whole tick, the charge for unmeasured motion has emptied the account before, so no force acts that could
+        // give energy.
         assert!(delay == 1.0 || over.with_overspeed_j > over.above_refill_j + 0.005);
         assert!(over.above_refill_j <= CAPACITY_J + ENCODER_J);
         reached.push(over.with_overspeed_j);
@@ -217,8 +217,7 @@ fn a_search_finds_no_hand_that_gets_out_more() {
     }
 }
 
-/// Simulates a hand that moves inwards for eight seconds, and then to and fro for ten seconds around 128 rad, where the 32-bit
-/// format of positions ends.
+/// Simulates a hand that moves inwards to `centre_rad` in eight seconds, and then to and fro around it for ten seconds.
 fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> Outcome {
     let path = |t: f64| {
         let inwards = (centre_rad / 8.0 * t).min(centre_rad);
@@ -251,7 +250,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
         "worst about the end of positions: {:.2} mJ above the refill",
         1e3 * worst
     );
-    // The search did find energy to get out.
+    // Some of the motions did get energy out.
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
@@ -273,7 +272,7 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the energy guard's account. The example
+/// Checks that the energy guard changes no force while a hand holds (0 Hz), wiggles or trembles for ten seconds. The example
 /// `untouched -- 3600` simulates an hour.
 #[test]
 fn a_good_wall_is_left_untouched() {
@@ -297,16 +296,16 @@ fn a_good_wall_is_left_untouched() {
     }
 }
 
-/// Checks that the force of a wall does not break down when the energy account is nearly empty: it never falls faster than the hand
-/// itself reduces it by moving.
+/// Checks a wall whose energy account covers 0.066 N·m. The guard leaves a press of 0.05 N·m alone, and reduces the force of a
+/// press of 0.1 N·m, which gets out no more than the bound.
 #[test]
-fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
+fn a_small_account_makes_a_hard_press_softer_and_keeps_the_bound() {
     let mut port = Port::new(SOFT, 0.0, true, true);
     port.guard = Some(GuardSettings {
         capacity: Si::lit("0.004"),
         ..Port::settings(0.0)
     });
-    // 4 mJ cover 0.066 N·m: a press of 0.1 N·m goes deeper, but is held.
+    // 4 mJ cover 0.066 N·m, so a press of 0.1 N·m goes deeper.
     let hand = |push: f64| Gripped::medium(move |t: f64| push * (t / 0.3).min(1.0));
     let mut light = hand(0.05);
     assert_eq!(port.play(&mut light, 3_000).changed_ticks, 0);

@@ -112,8 +112,8 @@ fn two_walls_are_two_scenes() {
             {
                 *force = controller.tick(scale.penetration(*way));
             }
-            // The scene of one wall must not report a force of the other wall to its estimator. Where both push, both forces are
-            // reported.
+            // A controller gets only its own force reported. In `both` each wall gets the force of both walls, so estimated states
+            // make other forces there while both push.
             let together = both.tick(&at(count), None);
             assert_eq!(alone.tick(&at(count), None), forces[0], "{settings:?}");
             if settings.states == StatesKind::Measured {

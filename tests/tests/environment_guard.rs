@@ -238,7 +238,7 @@ fn hostile_feel(settings: &Settings, seed: u64) -> FeelSettings {
         damping: Si::ZERO,
         bandwidth_hz,
     };
-    // Either all damping is that of the friction, or a quarter of it, so that the mass has some.
+    // The viscous friction has all the accepted damping, or a quarter of it, which leaves some for the mass.
     let damping = viscous.most(settings) / (1 + 3 * (i64::from(seed % 4 == 1)));
     let mut inertia = InertiaSettings {
         inertia: Si::ZERO,

@@ -14,7 +14,8 @@ fn float_agrees_with_the_matrices() {
         play(3_000, 1, |e, f| {
             let sample = law.tick(&mut state, Position(e));
             let (x, d) = matrices.tick(e);
-            // Inertia and damping per tick have steps of 2.3e-10 N·m/rad; this is for the smallest inertia that is used.
+            // Inertia and damping per tick have steps of 2.3e-10 N·m/rad; the tolerance allows for the smallest inertia that is
+            // used.
             let tolerance = 1e-9;
             assert!(
                 (sample.e.0 - x).abs() < tolerance,
@@ -97,7 +98,8 @@ fn at_rest_it_is_exact_and_stays_so_for_ten_million_ticks() {
         let ticks = if index == 0 { 10_000_000 } else { 200_000 };
         let (law, mut state) = (estimator::<Fixed32>(device), EstimatorState::default());
         let e = Position::<Fixed32>::from_f64(0.0123);
-        // Only cut parts and the rounding of the result remain: no error for the knobs at 1 kHz.
+        // At rest only the cut parts of products and the rounding of the result are left. The first three devices have no error at
+        // all.
         let sums = amplification(&reference(device), device.4);
         let (into, ahead) = rounding([0.0; 3], device.4, 0.1);
         let bound = [0, 1].map(|row| {
@@ -108,7 +110,7 @@ fn at_rest_it_is_exact_and_stays_so_for_ten_million_ticks() {
                 sum + ahead[row] + 2f64.powi(-25)
             }
         });
-        // A hand that pushes against a held force at rest, for any assumed inertia.
+        // The hand holds the device at rest against a constant force.
         let force = Force::from_f64(0.1);
         let start = Position::from_f64(0.01);
         law.tick(&mut state, start);

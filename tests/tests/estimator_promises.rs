@@ -42,8 +42,8 @@ fn a_wrong_inertia_costs_what_the_force_changes_by_and_no_more() {
         worst
     });
     // With a wrong inertia the estimator expects a wrong response to a change of force of 0.05 N·m. The error per tick is that
-    // force times the error of T²/J: half of it in the position, all of it in the displacement. The response to the grip's forces
-    // is added; it is that of a device half or twice as quick.
+    // force times the error of T²/J: half of it in the position, all of it in the displacement. The grip's forces add at most three
+    // times the error with the right inertia.
     let sums = amplification(&reference(&device), 0.0)[1];
     let bound = |inertia: f64| {
         let push = 0.05 * 1e-6 * (1.0 / inertia - 1e4_f64).abs();

@@ -24,7 +24,7 @@ fn swung(feel: &FeelSettings, amplitude: f64, hz: f64) -> (f64, f64) {
     let omega = std::f64::consts::TAU * hz;
     let ticks = (4.0 * RATE_HZ / hz).round() as i64;
     let (mut of_position, mut of_velocity) = (0.0, 0.0);
-    // The first half is for the beginning to end.
+    // In the first half the transient of the start decays.
     for tick in 0..2 * ticks {
         let phase = omega * tick as f64 / RATE_HZ;
         let count = (amplitude * phase.sin() / COUNT_RAD).round() as i64;

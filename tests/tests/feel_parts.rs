@@ -168,8 +168,8 @@ fn dry_friction_is_a_spring_until_the_knob_slides() {
     }
 }
 
-/// Checks that dry friction gives no energy around any closed path beyond what its spring stores, except for what sampling adds,
-/// `k Δ²/2` in a tick.
+/// Checks that dry friction gives no energy around any closed path beyond what its spring stores. Exception: sampling a spring of
+/// stiffness `k` adds `k Δ²/2` in a tick with the displacement `Δ`.
 #[test]
 fn dry_friction_takes_energy() {
     let mut environment = feeling::<Fixed32>(&each()[2].1);
@@ -181,7 +181,7 @@ fn dry_friction_takes_energy() {
         assert!(taken + leak >= -1e-9, "{taken} J");
         (force, last) = (environment.tick(&at(count), None).to_f64(), count);
     }
-    // The hand slides over some thousand counts a second.
+    // The hand slides by more than 5 rad against 0.01 N·m.
     assert!(taken > 0.01 * 5.0, "{taken} J: the motion is no test");
 }
 
@@ -262,7 +262,8 @@ fn every_turn_is_alike() {
     }
 }
 
-/// Checks that no part pushes harder than its settings allow, and that the sum of all is the sum of each.
+/// Checks that no part pushes harder than its settings allow, and that all parts together give the sum of the parts' forces, within
+/// the force limit.
 #[test]
 fn the_parts_add_up_within_their_strengths() {
     let mut together = feeling::<Fixed32>(&all());
@@ -281,7 +282,7 @@ fn the_parts_add_up_within_their_strengths() {
         let limit = Force::<Fixed32>::from_si(unguarded().force_limit).unwrap();
         assert_eq!(together.tick(&at(count), None), sum.within(limit));
     }
-    // A leap of half a turn in a tick, for the damper and the mass.
+    // A leap to count 40,000 in a tick, for the damper and the mass.
     for part in [1, 4] {
         let leap = apart[part].tick(&at(i64::from(COUNTS)), None).to_f64();
         reached[part] = reached[part].max(leap.abs());

@@ -77,7 +77,7 @@ fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
 }
 
 /// Checks that a hand feels the detent torque that the scene file states, to within 5 %, and that the knob comes to rest in a
-/// detent, as near its centre as dry friction allows.
+/// detent, as near its centre as dry friction and the hand's pull allow.
 #[test]
 fn detents_have_their_torque_and_hold() {
     for name in scene::feels() {
@@ -125,7 +125,8 @@ fn detents_have_their_torque_and_hold() {
     }
 }
 
-/// Checks that a hand feels a drawn torque profile as it is drawn at every angle, to within 5 % of its strength.
+/// Checks that a hand feels a drawn torque profile as it is drawn at every angle, to within 5 % of its strength and the strength of
+/// detents beside it.
 #[test]
 fn a_profile_is_felt_as_it_is_drawn() {
     let mut felt = 0;
@@ -312,24 +313,29 @@ fn a_base_that_is_none_is_named_with_its_line() {
 }
 
 /// Checks every shipped haptic effect with the scorecard of a feel: quiet at rest, the drawn torque within 5 %, every position
-/// counted once, and no more energy for the hand than the energy guard allows.
+/// counted once, and no more energy for the hand than the energy guard allows. The torque of a flywheel in a slow turn is too small
+/// for a comparison: fractions of a mN·m, to which the encoder's counts add as much.
 #[test]
 fn every_feel_has_a_clean_scorecard() {
-    let (mut crossings, mut with_positions) = (0, 0);
+    let (mut crossings, mut with_positions, mut compared) = (0, 0, 0);
     for name in scene::feels() {
         let card = feel_card(&feel(name, &[]), 200).unwrap();
         with_positions += u32::from(card.pitch_rad.is_some());
         for felt in &card.grips {
             let who = format!("{name} {}: {felt:?}", felt.grip);
-            if felt.buzz_counts > 2.0 {
-                println!("BUZZ");
-            }
+            assert!(felt.buzz_counts <= 2.0, "{who}");
             assert!(felt.counts_right(), "{who}");
+            assert!(felt.energy_out_j <= felt.energy_allowed_j, "{who}");
+            if felt.drawn_n_m > 1e-3 {
+                compared += 1;
+                assert!((felt.peak_share.unwrap() - 1.0).abs() <= 0.05, "{who}");
+            }
             crossings += felt.crossings;
         }
     }
     println!("{crossings} positions crossed");
     assert!(with_positions >= 13 && crossings > 200 * 3 * 13);
+    assert!(compared >= 3 * 15, "{compared} torques compared");
 }
 
 /// Checks that the scorecard of a feel finds what it looks for: torque that the energy guard takes away, detents that buzz, and a
@@ -359,7 +365,7 @@ fn a_scorecard_finds_what_is_wrong() {
 
 /// Checks feels that are hard to render: detents narrower than ten encoder counts, a profile whose torque falls from one limit to
 /// the other within a hundredth of a turn, and a knob after 10,000 turns. The hand never gets more than the energy guard allows, no
-/// position is lost, and the torque is the drawn one. Steep torques may buzz, so that is demanded of the turned knob only.
+/// position is lost, and the torque reaches the drawn strength to within 5 %. Only the turned knob must be quiet at rest.
 #[test]
 fn hard_feels_stay_within_their_bounds() {
     let cliff = "environment.profile.shape=[1.0,0.6,0.2,-0.2,-0.6,-1.0]";

@@ -19,8 +19,7 @@ fn at(rad: f64) -> Position<Fixed32> {
 }
 
 /// Checks control laws that ring and kick, under three simulated grips (light, medium, firm) and without a hand, with several
-/// delays. The hand gets out at most what the guard's energy account holds, what refills it, the error of the encoder, and the
-/// device's kinetic energy.
+/// delays. The hand gets out at most what the guard's energy account holds, what refills it, and the error of the encoder.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);

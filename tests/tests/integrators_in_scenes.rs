@@ -1,5 +1,6 @@
 //! Tests a numerical integrator that a scene file (description of a simulation) names in place of the exact solution of the motion.
-//! The integrator's result converges to the exact solution, and simulations without a named integrator do not pay for it.
+//! The integrator's result converges to the exact solution. A scene that names the exact solution gives the results of one without
+//! a name.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::{Choice as _, Integrator, Scene};

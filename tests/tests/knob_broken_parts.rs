@@ -76,7 +76,7 @@ fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
 fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     for degrees in [-150.0, -120.0, -100.0, 100.0, 120.0, 150.0, 180.0] {
         let (most, pushing, fault) = pressed_after_slip(degrees);
-        // The motor pushed for 50 ms.
+        // The motor pushes for at most 50 ms.
         assert!(
             pushing <= 50,
             "{degrees} degrees: pushed for {pushing} ticks"

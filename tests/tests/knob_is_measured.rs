@@ -56,7 +56,7 @@ fn calibrated<T: Tamper>(
 ) -> (Vec<MotorTick>, Knob<T, BareCoulomb>) {
     let plant = BareCoulomb::new(&knob, PERIOD_S / 2.0).unwrap();
     let mut knob = Knob::with_plant(settings, truth, plant, 0.3, tamper);
-    // 0.5 us at both ends of 50 us.
+    // A dead time of 0.5 us in a PWM period of 50 us.
     knob.rig.bridge.dead_share = 0.01;
     knob.ask(Command::Calibrate);
     let mut ticks = vec![];
@@ -75,8 +75,8 @@ fn measured(truth: MotorParameters, knob: Device) -> MeasuredMotor {
     motor(&ticks, &known(&settings)).unwrap()
 }
 
-/// Errors of the measured properties: resistance, inductance, flux and inertia relative to the true values, damping and friction as
-/// multiples of the allowed error.
+/// Errors of the measured properties. Those of resistance, inductance, flux and inertia are relative to the true values. Those of
+/// damping and friction are multiples of the allowed error, 20 % (for damping at least 2e-6 N·m·s/rad).
 fn errors(found: &MeasuredMotor, truth: &MotorParameters, knob: &Device) -> [f64; 6] {
     let part = |found: f64, truth: f64| found / truth - 1.0;
     let allowed = |found: f64, truth: f64, floor: f64| (found - truth) / (0.2 * truth).max(floor);
@@ -176,7 +176,7 @@ fn without_being_asked_it_does_not_spin() {
 #[test]
 fn a_knob_that_is_held_is_refused() {
     let settings = asked();
-    // Friction above the torque of a quarter of 1 A, and below that of the alignment.
+    // Friction above the torque of 0.25 A, and below the torque of the alignment.
     let held = Device {
         friction: Some(Coulomb {
             kinetic: 0.08,

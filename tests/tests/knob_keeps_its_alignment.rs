@@ -1,5 +1,5 @@
-//! Tests that a stored alignment (rotor angle relative to the encoder) is checked at the next start: used if it is right, and
-//! refused if it is wrong for any reason.
+//! Tests that a stored alignment (rotor angle relative to the encoder) is checked at the next start: used if it is right to within
+//! 20 electrical degrees, and refused if it is wrong by more, for any reason.
 
 use std::f64::consts::TAU;
 use touchstone_drive::calibration::Alignment;

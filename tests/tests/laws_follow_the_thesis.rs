@@ -80,8 +80,8 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
-/// Checks that the control law SFA does not shift the wall's surface while a hand presses at the force limit and trembles there.
-/// When the hand lets go, the wall is where it was.
+/// Checks that the offset by which the control law SFA shifts the wall's surface does not grow while a hand presses at the force
+/// limit and trembles there for a minute.
 #[test]
 fn leaning_at_the_force_limit_winds_up_no_offset() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -117,7 +117,7 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
 }
 
 /// Checks that the enhanced control law never pulls inside the wall, however fast the hand leaves the law's virtual mass behind.
-/// The energy of this mass, including the energy that the law may lend, changes only by the work of the force on it.
+/// The energy of this mass, including the energy that the law may lend, grows by no more than the work of the force on it.
 #[test]
 fn the_enhanced_law_never_pulls_inside_the_wall() {
     let stiff = Settings {

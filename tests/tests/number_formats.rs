@@ -44,7 +44,7 @@ fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     counts.iter().map(|&count| wall.at_count(count)).collect()
 }
 
-/// Largest difference between two lists of forces in N·m, and its control period.
+/// Largest difference between two lists of forces in N·m, and the control period in which it occurs.
 fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
     a.iter()
         .zip(b)
@@ -109,16 +109,17 @@ fn fixed32_is_within_a_tenth_of_a_millinewtonmetre_of_f64() {
 
 #[test]
 fn f32_is_within_a_hundredth_of_a_millinewtonmetre_of_f64() {
-    // 24 significant bits at 0.1 N·m are 6e-9 N·m; the observer's sum of some thousand ticks and the offset's steps, of which
-    // one may come a tick later, leave 6e-7.
+    // 24 significant bits at 0.1 N·m are 6e-9 N·m. The observer's sum of some thousand ticks and the offset's steps, one of which
+    // may come a tick later, raise this to 6e-7.
     assert!(worst::<f32>() < 1e-5);
 }
 
 #[test]
 fn fixed16_shows_the_wall_to_a_tenth_of_the_press_and_no_better() {
     let worst = worst::<Fixed16>();
-    // Below q = 6.1e-5 rad a step of the offset (c/k_de times the force's error) rounds to zero. That leaves up to q k_de/c: 5 mN·m
-    // at 1 N·m/rad and 25 at 5. The mass stands still below q (m/T² + k_f + c_env/T), 0.9 mN·m. A tenth of the press is measured.
+    // `q` = 6.1e-5 rad is a step of a 16-bit position. A step of the offset below `q` (`c/k_de` times the force's error) rounds to
+    // zero, which can leave a force error of `q k_de/c`: 5 mN·m at 1 N·m/rad, 25 mN·m at 5. The law's virtual mass stands still
+    // below `q (m/T² + k_f + c_env/T)`, 0.9 mN·m. The measured error is below a tenth of the press.
     assert!(worst < 1e-2);
     // A format can fail the bound that fixed32 keeps.
     assert!(worst > 1e-3);

@@ -13,8 +13,8 @@ const COUNTS_PER_REV: u32 = 40_000;
 /// The wall's state after a hand leaned on it and then eased to half the depth.
 struct Eased {
     offset_rad: f64,
-    /// Time in s from the end of the easing until the mean force over 0.1 s stays within 5 % of that of the desired stiffness; at
-    /// most 119.
+    /// Time in s from the end of the easing until the mean force over 0.1 s stays within 5 % of the force that the desired
+    /// stiffness gives; at most 119.
     settled_s: f64,
 }
 

@@ -83,7 +83,7 @@ fn the_force_is_the_line_between_the_points() {
                 let angle = count as f64 / f64::from(COUNTS) * std::f64::consts::TAU;
                 let force = environment.tick(&at(count), None).to_f64();
                 let wrong = (force - expected(&profile, angle)).abs();
-                // The place is known to 1e-6 of a copy at 100 copies a turn, of which a step between points is a 64th.
+                // At 100 copies a turn the place is known to 1e-6 of a copy; a step between points is a 64th of a copy.
                 assert!(
                     wrong <= step + 2e-4 * 0.05,
                     "{wrong} at {angle}: {profile:?}"
@@ -177,8 +177,8 @@ fn a_mirrored_profile_gives_mirrored_forces() {
     body::<f64>();
 }
 
-/// Checks that a torque profile that drives the knob in every turn gives the hand the energy in the energy guard's account, and no
-/// more.
+/// Checks that a torque profile that drives the knob in every turn gives the hand the energy in the energy guard's account and its
+/// refill, and no more.
 #[test]
 fn the_guard_pays_for_a_profile_that_is_a_motor() {
     let mut settings = Settings::thesis();

@@ -97,8 +97,8 @@ fn a_tap_is_shallow_and_bounces_less_than_from_an_ideal_wall() {
     assert_eq!(judged, 8, "a light hand at 1 rad/s does not reach the wall");
 }
 
-/// Checks a pulse for a wrong inertia: too strong for half of it, too weak for double. The wall stays as shallow as without the
-/// pulse, but a firm hand bounces off.
+/// Checks the pulse on devices with half and double the inertia for which it is set, where it is too strong and too weak. A tap
+/// goes at most 1.2 times as deep as without the pulse. With half the inertia the device bounces faster than off the ideal wall.
 #[test]
 fn an_unknown_inertia_costs_bounce_but_no_depth() {
     let mut bounce: f64 = 0.0;

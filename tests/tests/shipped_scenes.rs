@@ -7,9 +7,9 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene;
 use touchstone_tests::thesis;
 
-/// Allowed relative difference of the rate-hardness (slope of the force just after contact, over the speed of the touch). The slope
-/// is taken over a depth `w`, where the position is wrong by up to half a count `q/2`; so it is wrong by at most `3 (q/2)/w`.
-/// Counts are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches 7 mrad, and a tap goes deeper.
+/// Allowed relative difference of the rate-hardness (slope of the force over the penetration just after contact). The slope is
+/// taken over a depth `w`, where the position is wrong by up to half a count `q/2`; so it is wrong by at most `3 (q/2)/w`. Counts
+/// are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches 7 mrad, and a tap goes deeper.
 const HARDNESS: f64 = 3.0 * 0.0785 / 7.0;
 
 fn summary(name: &str) -> Summary {

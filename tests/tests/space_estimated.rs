@@ -93,8 +93,8 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// Checks that the estimated position at rest equals the measured one, to one step of the number format. Holds at any position and
-/// under any force, also if the surface moves.
+/// Checks that at rest inside a ball the estimated position equals the measured one, to three steps of the number format: the
+/// wall's spring gives the force of the measured position.
 #[test]
 fn at_rest_the_place_is_the_measured_one() {
     let centre = Vector::default();

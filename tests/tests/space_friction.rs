@@ -41,7 +41,7 @@ fn floor(normal: Direction<F>) -> Plane<F> {
 }
 
 /// Checks that a mass which is pushed along x and held by friction does not creep. The mass' motion between control periods is
-/// exact, except for the damping, which is calculated in steps of a fiftieth of a period.
+/// integrated in steps of a fiftieth of a period.
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;

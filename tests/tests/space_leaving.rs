@@ -105,8 +105,8 @@ fn figure_4_8_a_small_coordinate_drops_the_force() {
     }
 }
 
-/// Checks Fig. 4.9 of the DLR thesis. With the rule "projection" the contact ends exactly where the distance from the object equals
-/// the projection of the surface's shift (by the control laws) on this distance.
+/// Checks Fig. 4.9 of the DLR thesis. With the rule "projection" the contact ends no later than where the distance from the object
+/// equals the projection of the surface's shift (by the control laws) on this distance.
 #[test]
 fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     let mut hand = Hand::pressing(Leaving::Projection);

@@ -115,8 +115,8 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
     }
 }
 
-/// Checks unit vectors in the 8-bit format for nearly all vectors. The code is generic, so that the same source serves all number
-/// formats.
+/// Checks unit vectors in the 8-bit format for one in fifteen of all vectors. The code is generic, so that the same source serves
+/// all number formats.
 #[test]
 fn every_direction_of_8_bits() {
     for x in i8::MIN..=i8::MAX {

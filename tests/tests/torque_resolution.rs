@@ -25,7 +25,7 @@ const KIT: MotorParameters = MotorParameters {
 /// Torque resolution of a board with a motor, mN·m; `per_code` is the torque of one code of the current sensors.
 struct Found {
     per_code: f64,
-    /// Root mean square ripple, mN·m, of the mean torque of one control period, from period to period.
+    /// Root mean square change, mN·m, of the mean torque from one control period to the next.
     ripple: f64,
     /// Error of the mean torque over one second, mN·m.
     off: f64,
@@ -145,13 +145,13 @@ fn the_small_shield_is_ten_times_finer() {
                 "{name:<14} {motor:<10} {:>8.3} {:>18.3} {:>18.3} {:>14.3}",
                 noisy.per_code, noisy.ripple, quiet.ripple, noisy.off
             );
-            // A calm loop gives no more torque noise than its readings have, and its mean is right to half a code.
+            // A calm loop gives no more torque noise than its readings have, and its mean is right to 0.6 of a code.
             assert!(noisy.ripple < noisy.per_code, "{name}: {}", noisy.ripple);
             assert!(noisy.off < 0.6 * noisy.per_code, "{name}: {}", noisy.off);
             ripples.push(noisy.ripple);
         }
     }
-    // Both on the same motor.
+    // All three on the motor `KIT`.
     assert!(ripples[0] < 0.13 * ripples[1], "{ripples:?}");
     assert!(ripples[0] < 0.07 * ripples[2], "{ripples:?}");
 }

@@ -1,5 +1,5 @@
-//! Tests that a simulated copy of a device calculates the device's force bit for bit from the telemetry, whatever the control law
-//! remembers. It gives no force where telemetry is missing.
+//! Tests that a simulated copy of a device calculates the device's force bit for bit from complete telemetry, whatever the control
+//! law remembers. After lost telemetry the copy gives no force until it has synchronised, and then the force to 1e-5 N·m.
 
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;

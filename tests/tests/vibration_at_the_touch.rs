@@ -39,6 +39,7 @@ fn played(settings: &Settings, speed: f64, ticks: u32) -> Vec<f64> {
 }
 
 /// Largest distance of the vibration from `s J ω v exp(-t/τ) sin(ω t)`, as a fraction of `s J ω v`, and the bound of this fraction.
+/// `s` is [`SHARE`], `J` the inertia, `ω` the vibration's angular frequency, `v` the speed at the touch, `τ` the decay time.
 fn error(rate_hz: u32, frequency_hz: f64, decay_s: f64) -> (f64, f64) {
     let speed = 2.0;
     let settings = settings(rate_hz, frequency_hz, decay_s);

@@ -13,7 +13,7 @@ use crate::{inspect, shell};
 /// One entry of a list of deliberately wrong changes.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Entry {
-    /// Other fields of the entry, by the field's name.
+    /// Fields of the entry other than its changes, by the field's name.
     words: BTreeMap<String, String>,
     pub changes: Vec<Change>,
 }

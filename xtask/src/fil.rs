@@ -5,8 +5,8 @@
 //! injected fault. They are printed as a table; one failed check fails the step. Except with `--only`, the emulator's own tests run
 //! first. Afterwards the reference board runs one press of the scorecard (scripted actions of a simulated hand).
 //!
-//! `--sample` runs one of three fault injections, all but the longest check on the reference board, and few checks on the other
-//! boards. `--brief` runs the same injections and only the short checks.
+//! `--sample` runs every third fault injection and at least one for each fault code. It runs all but the longest check on the
+//! reference board, and few checks on the other boards. `--brief` runs the same injections and only the short checks.
 //!
 //! `--sabotage` shows that the checks fail where they must ([`sabotage`]). `--scorecard` runs the whole scorecard on the reference
 //! board ([`board_scorecard`]).

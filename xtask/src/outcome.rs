@@ -31,7 +31,7 @@ impl Outcome {
         }
     }
 
-    /// The kind of outcome for an exit code of a program of the project; `None` for a code that none of them uses.
+    /// The constructor of the outcome that [`Self::exit_code`] turns into this code; `None` for any other code.
     pub fn of_code(code: i32) -> Option<fn(String) -> Self> {
         match u8::try_from(code).ok()? {
             0 => Some(Outcome::Ok),

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::outcome::Outcome;
 
-/// The root folder of the workspace, one level above this crate.
+/// The root folder of the workspace: the nearest folder above this crate that has a `Cargo.lock`.
 pub fn root() -> PathBuf {
     let start = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(
         || std::env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),

@@ -56,7 +56,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
     verdict(&done, start.elapsed())
 }
 
-/// The command line that runs what a gate (test run of one extent) leaves out.
+/// Sentence that names the commands for what a gate (test run of one extent) leaves out.
 fn whole(gate: Gate) -> &'static str {
     match gate {
         Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",

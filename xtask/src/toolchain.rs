@@ -30,7 +30,7 @@ const QUICK_BUILTINS: [&str; 2] = [
 /// Where a compiler comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Origin {
-    /// The compiler of the toolchain that runs this program.
+    /// The compiler of the active toolchain, with which this program was started.
     Active,
     /// A toolchain with this name that a user linked, so it is not one of rustup's releases. Its version number says nothing about
     /// its content.
@@ -267,7 +267,7 @@ fn linked() -> Option<String> {
     (!is_released(&name)).then_some(name)
 }
 
-/// Version of the compiler that runs this program.
+/// Version of the active toolchain's compiler; empty if it cannot be found.
 pub fn active_version() -> String {
     let version = shell::capture(Origin::Active.rustc().arg("--version")).unwrap_or_default();
     version.split_whitespace().nth(1).unwrap_or("").to_owned()

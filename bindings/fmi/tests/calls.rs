@@ -218,7 +218,8 @@ fn wrong_calls_are_errors_with_a_message() {
     assert_eq!(token.matches("law").count(), 1);
 }
 
-/// Random calls with odd numbers, in any order, crash nothing. Every output is finite, unless a step was refused.
+/// Checks that random calls with odd numbers, in any order, end no instance fatally. Every output is finite, until a step was
+/// refused because the device is too far away.
 #[test]
 fn random_calls_are_harmless() {
     let scene = Scene::load("thesis-knob").expect("a scene");

@@ -118,7 +118,8 @@ fn fmpy_validates_the_fmus_and_runs_them_to_the_bits_of_the_program() {
     assert!(compare("long", &scene) > 100_000);
 }
 
-/// Runs three scenes: with a recording, whose file is in the FMU; with a second encoder reading; without guard and hand.
+/// Runs four scenes: with a recording, whose file is in the FMU; with a second encoder reading; without guard and hand; with
+/// detents.
 #[test]
 fn fmpy_runs_scenes_of_other_variables() {
     let here = folder("others");

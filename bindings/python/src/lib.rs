@@ -62,9 +62,9 @@ fn number(value: impl Into<Si>) -> f64 {
 
 /// Bounds the energy that a hand can get out of a haptic device, whatever force the control law requests.
 ///
-/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in. This holds if the device has the stated damping,
-/// encoder and delay, and its motor gives the commanded torque. Units are rad and N·m; with m and N the same numbers serve a linear
-/// device.
+/// Beyond what it put in and the device's kinetic energy, the hand gets at most `capacity_j + refill_w * time`, and half an encoder
+/// count times the largest force. This holds if the device has the stated damping, encoder and delay, and its motor gives the
+/// commanded torque. Units are rad and N·m; with m and N the same numbers serve a linear device.
 #[pyclass(name = "Guard", module = "touchstone")]
 struct PyGuard {
     inner: Guarded<Fixed32>,

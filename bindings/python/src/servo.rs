@@ -132,7 +132,7 @@ fn opened(wanted: &Wanted) -> Result<Box<dyn HapticDevice>, String> {
 }
 
 /// Returns the settings of the wall and their description. They are the tuned ones if some exist for the device at this rate and
-/// the caller gives no stiffness.
+/// the caller gives no stiffness, else those of the thesis.
 fn chosen(
     wanted: &Wanted,
     sheet: &DataSheet,

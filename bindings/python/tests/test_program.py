@@ -34,7 +34,7 @@ def test_a_mistake_names_place_problem_and_remedy():
 
 
 def test_a_demand_that_does_not_hold_is_an_error_with_results():
-    with pytest.raises(touchstone.NotMet, match="wanted at most") as error:
+    with pytest.raises(touchstone.NotMet, match="required at most") as error:
         touchstone.run("tap", max_penetration=1e-4)
     assert error.value.code == 3
     assert error.value.results["runs"]

@@ -57,7 +57,8 @@ impl<N: Number> Environment<N> {
     }
 
     /// Makes this environment continue for the running environment `before`. Both have the same settings of law and guard. Walls
-    /// that are in both environments keep their memory. The difference of the forces shrinks by `per_tick` in each tick.
+    /// that are in both environments keep their memory. The difference between the last force of `before` and the force of this
+    /// environment shrinks by `per_tick` in each tick.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before

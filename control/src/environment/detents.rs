@@ -13,8 +13,9 @@ pub(super) const COARSEST: Si = Si::lit("6.2831853072");
 pub enum Spacing {
     /// This number of detents per turn, 1 to 6283. Their positions are the same at every turn, bit for bit.
     PerTurn(u16),
-    /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch and its inverse are rounded to 2^-33. So after
-    /// 100,000 detents the position can be wrong by some 2e-5 of a pitch of 1 rad, or 1 % of a pitch of 0.001 rad.
+    /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch in rad and its inverse each have a rounding
+    /// error of up to 2^-33. So after 100,000 detents the position can be wrong by some 2e-5 of a pitch of 1 rad, or 1 % of a pitch
+    /// of 0.001 rad.
     Pitch(Si),
 }
 

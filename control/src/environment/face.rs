@@ -40,7 +40,7 @@ pub struct Face {
 /// positions be measured relative to a surface further away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
-    /// Whole turns from zero; 0 for a surface within ±`FROM_ZERO`.
+    /// Whole turns from zero; 0 for a surface within ±100 rad.
     pub turns: i32,
     /// The surface at the angle that remains beyond the whole turns, with its solid side.
     pub face: Face,

@@ -2,9 +2,10 @@
 //!
 //! The force of a mass needs the acceleration, which an encoder gives late and in steps. This part needs no acceleration: it
 //! **drags a virtual mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be
-//! the distance by which the device is ahead of that mass. With a mass `m = b/p` the distance is a high-pass of the displacement,
-//! `y' = v - p y`, and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`: that of the mass `m` for
-//! motions slower than `p`, of the damper for faster ones. The force stays that of a damper at all frequencies.
+//! the distance by which the device is ahead of that mass, and `p` the bandwidth in rad/s. With a mass `m = b/p` the distance is a
+//! high-pass of the displacement, `y' = v - p y`, and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`:
+//! that of the mass `m` for motions slower than `p`, of the damper for faster ones. The force stays that of a damper at all
+//! frequencies.
 //!
 //! A damper to a free mass has no source of energy. What sampling and delay add is bounded as for
 //! [viscous friction](super::ViscousSettings::most), and the energy guard counts it.

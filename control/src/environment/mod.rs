@@ -8,18 +8,18 @@
 //!       -> feel ------------------------------------>
 //! ```
 //!
-//! **All walls are calculated at every tick.** Each wall has its own law with its own memory. Outside its wall a law gives no force
-//! and has no memory, so a touch of another wall does not influence it. The sum of all forces is limited as one force and passes
-//! one guard. So the guard's account also bounds the energy that a hand gets by going from one wall to the next. Estimators get the
-//! sum of all forces, since the sum moves the device.
+//! **All walls are calculated at every tick.** Each wall has its own law with its own memory. When a contact has ended, its law
+//! gives no force and keeps no energy and no offset, so a touch of another wall does not influence it. The sum of all forces is
+//! limited as one force and passes one guard. So the guard's account also bounds the energy that a hand gets by going from one wall
+//! to the next. Estimators get the sum of all forces, since the sum moves the device.
 //!
 //! **Signs.** Forces here act against `+x`, like the force of a wall that is solid above its surface. A wall that is solid below is
 //! calculated as the mirror image of one above. So an environment and its mirror image answer mirrored motions with mirrored
 //! forces, bit for bit.
 //!
 //! **Many turns.** A knob may turn for 340 million turns: detents and the guard's energy account are the same at every turn, bit
-//! for bit. A wall acts as far as positions reach, 128 rad with 32 bits. Further outside there is no wall to feel. Further inside
-//! the wall is off, which [`Environment::is_beyond_reach`] reports.
+//! for bit. A wall acts up to a distance of 128 rad from its surface (with 32 bits). Further outside there is no wall to feel.
+//! Further inside the wall is off, which [`Environment::is_beyond_reach`] reports.
 //!
 //! Objects on three axes are in [`crate::space::environment`]: there a point is inside one shape, here inside any number of walls.
 

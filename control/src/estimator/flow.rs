@@ -5,10 +5,10 @@ use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Number of past commands that the estimator remembers. With a delay of two ticks, two commands are not yet in effect. If the
-/// delay is not a whole number of ticks, a third command acts in parts of two ticks.
+/// Number of past commands that the estimator remembers. With a delay of more than one tick, up to two, the last command but two
+/// still acts during the last tick.
 pub const TAPS: usize = 3;
-/// Number of commanded forces that are not yet in effect when a position is sampled.
+/// Largest number of commanded forces that are not yet in effect when a position is sampled.
 pub const UNDER_WAY: usize = 2;
 /// Longest delay over which the estimator predicts, ticks.
 pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
@@ -138,7 +138,8 @@ impl<N: Number> Flow<N, 0> {
     }
 }
 
-/// Fraction that a first-order filter has approached: `1 - exp(-angle)`, for `angle` up to 4.
+/// Fraction of a step that a first-order filter has covered after `angle` time constants: `1 - exp(-angle)`, for `angle` from 0 to
+/// 4.
 #[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
     // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t) for a time t and a loss β. With a as the loss and 1 as the time, V

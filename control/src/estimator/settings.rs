@@ -56,7 +56,8 @@ pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
 /// Ranges of the estimator's settings, with the tick `T` in seconds:
 ///
 /// - `bandwidth_hz`, `p`: from a 500th to a fifth of the control rate. The three poles of the estimator's error are `exp(-2π p T)`.
-/// - `inertia`: so large that the largest force accelerates the device by at most 1 rad per tick², and at most 6e7 T².
+/// - `inertia`: so large that the force limit, or 0.76 N·m if that is larger, accelerates the device by at most 1 rad per tick²;
+///   at most 6e7 `T²`.
 /// - `damping`: only a damping over inertia up to `2π p` is modelled. With more damping the device would coast to rest faster than
 ///   the estimator can follow, so the rest counts as a part of the hand's push.
 /// - `delay_s`: a delay longer than two ticks is predicted for two ticks, so that one scene serves several control rates.

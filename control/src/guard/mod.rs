@@ -42,7 +42,7 @@ pub struct Guard<N: Number> {
     pub damping: Stiffness<N>,
     /// The largest measured displacement per tick that the guard accepts; a larger one is overspeed.
     pub furthest: Position<N>,
-    /// Twice the largest error of a measured position (one encoder count), rounded up.
+    /// Twice the largest error of a measured position (one encoder count if it has no other error), rounded up.
     pub count: Position<N>,
     /// Fraction of a displacement that passes under the old force: of the tick's displacement or, if the position at the change of
     /// force is measured, of the displacement after that measurement.
@@ -53,9 +53,10 @@ pub struct Guard<N: Number> {
     /// The guard charges this distance times the size of a change of force, for position errors. It is half an encoder count and
     /// the errors of rounding.
     pub slack: Position<N>,
-    /// Largest allowed force for each joule in the account: 1 over the largest displacement per tick plus a count. Rounded down.
+    /// Largest allowed force for each joule in the account: 1 over the sum of `furthest`, two counts and roundings, or less where
+    /// the number format has no room for that force. Rounded down.
     pub per_reach: Stiffness<N>,
-    /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
+    /// Largest displacement over which a force still acts after the next sample, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,
     /// This compliance times the square of a force is the most energy that overspeed can cost until the force is off, over any
     /// displacement. Rounded up.

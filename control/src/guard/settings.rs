@@ -15,7 +15,7 @@ pub struct GuardedDevice {
     pub rate_hz: u32,
     /// Largest force ever commanded, N·m (N).
     pub force_limit: Si,
-    /// Twice the largest error of a measured position, that is one encoder count, rad (m); up to 0.1.
+    /// Twice the largest error of a measured position: one encoder count plus twice the other errors, rad (m); up to 0.1.
     pub count: Si,
 }
 

@@ -104,7 +104,7 @@ pub struct EnhancedSfa<N: Number> {
     pub series: Divisor<N>,
     /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
-    /// Largest energy that the law stores, a quarter of the number format's range.
+    /// Largest energy that the law stores, half of the number format's largest value.
     pub energy_cap: Energy<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,

@@ -20,7 +20,7 @@ pub struct Fba<N: Number> {
     pub bound: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Largest energy that the law stores, a quarter of the number format's range.
+    /// Largest energy that the law stores, half of the number format's largest value.
     pub energy_cap: Energy<N>,
 }
 

@@ -1,8 +1,8 @@
 //! The control laws, one file each, with one common trait.
 //!
 //! A law is an immutable set of coefficients, and its memory is a separate, small [`Law::State`]. A tick depends on these two and
-//! on the sampled position alone. Every law gives a force that pushes out of the wall (a negative force pulls in). When the hand's
-//! point leaves the wall, a law returns the force 0 and clears its memory.
+//! on the sampled position alone. Every law gives a force that pushes out of the wall (a negative force pulls in). When a contact
+//! ends, a law returns the force 0 and clears its memory, except for past positions and a velocity filter.
 
 mod damped;
 mod enhanced;

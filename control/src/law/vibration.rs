@@ -1,9 +1,10 @@
 //! A decaying vibration at the touch of a wall, by which people tell materials apart (Okamura, Cutkosky and Dennerlein, IEEE/ASME
 //! Trans. Mechatronics 6(3) 245, 2001).
 //!
-//! A sinusoid of the frequency `f` starts at the first control period `n = 1` inside the wall, where the device has the speed `v`.
-//! It decays by `exp(-t/τ)` and is added to the law's force as long as the device is inside. Its amplitude is `s J ω v`, at most
-//! the force limit, with the estimator's inertia `J` and `ω = 2π f`. That force moves a free device with the speed amplitude `s v`.
+//! A sinusoidal force `x` of the frequency `f` starts at the first control period `n = 1` inside the wall, where the device has the
+//! speed `v`. It decays by `exp(-t/τ)` and is added to the law's force as long as the device is inside. Its amplitude is `s J ω v`,
+//! at most the force limit, with the estimator's inertia `J`, `ω = 2π f` and the setting `s` (`vibration_share_of_speed`). That
+//! force moves a free device with the speed amplitude `s v`.
 //!
 //! ```text
 //! x(0) = 0,  x(1) = s J ω v w d,  x(n+1) = (2 - w²) d x(n) - d² x(n-1)     w = ω T,  d = τ/(τ + T)
@@ -38,7 +39,7 @@ pub struct Vibration<N: Number> {
     pub left: u16,
 }
 
-/// Time constants of the decay after which the vibration ends: then a 400th of the amplitude is left, less than a hand can feel.
+/// Number of time constants `τ` after which the vibration ends: then a 400th of the amplitude is left, less than a hand can feel.
 const TIME_CONSTANTS: Si = Si::lit("6");
 
 impl ImpactSettings {

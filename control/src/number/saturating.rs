@@ -57,7 +57,8 @@ saturates!(i8 i16 i32 i64);
 mod tests {
     use super::Saturates as _;
 
-    /// Compares with the standard library's saturating sums: every pair of 8-bit numbers, and difficult pairs at every other width.
+    /// Compares with the standard library's saturating sums: every pair of 8-bit numbers, and difficult pairs of 16, 32 and 64
+    /// bits.
     #[test]
     fn every_sum_is_the_library_s() {
         macro_rules! check {

@@ -62,15 +62,15 @@ enum Way {
 pub(super) struct Check {
     /// The stored alignment, converted so that it holds for count 0 of the unwrapped encoder.
     kept: Alignment,
-    /// Encoder count at which the shaft stands. The next fields: for how many control periods it has stood there, and how many
-    /// periods the check has waited.
+    /// Encoder count at which the shaft stands; `None` before the first reading. `still`: control periods for which it has stood
+    /// there; `waited`: control periods for which the check has waited.
     stands: Option<i64>,
     still: u32,
     waited: u32,
     way: Way,
     /// Angle by which the field has moved from where it was raised, 2^-32 electrical turns.
     reached: i64,
-    /// Sum of the sampled angles between rotor and field. The next field is the number of samples.
+    /// Sum of the sampled angles between rotor and field, in 1/65,536 of a turn; `samples` is their number.
     sum: i32,
     samples: i32,
     /// The rotor's electrical angle when the field reached the far end of its way back.

@@ -6,8 +6,8 @@ use crate::angle::Angle;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Fit {
     first: Option<Angle>,
-    /// Sum of the sampled angles relative to the first one, in 1/65,536 of a turn. The next fields: the smallest and the largest
-    /// one.
+    /// Sum of the sampled angles relative to the first one, in 1/65,536 of a turn; `least` and `most` are the smallest and the
+    /// largest of these angles.
     sum: i32,
     pub(super) least: i32,
     pub(super) most: i32,

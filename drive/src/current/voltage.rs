@@ -1,14 +1,13 @@
 //! Drive by voltage instead of current, for a board that measures no current.
 //!
 //! ```text
-//! v = R i*       L di/dt = v - R i - e       e_q = ψ ω,  ψ = k_t/(3/2 p)
+//! v = R i*       L di/dt = v - R i - e       e_q = ψ p ω,  ψ = k_t/(3/2 p)
 //! ```
 //!
-//! Here `i*` is the requested current, `i` the true one, `e` the back-EMF, and `ψ` the flux linkage. `ω` is the electrical speed,
+//! Here `i*` is the requested current, `i` the true one, `e` the back-EMF, and `ψ` the flux linkage. `ω` is the speed of the shaft,
 //! `k_t` the torque constant, `p` the number of pole pairs.
 //!
-//! **The back-EMF is not compensated.** So the torque is not `k_t i*` but, with the winding's pole `R/L` and the speed `ω` of the
-//! shaft,
+//! **The back-EMF is not compensated.** So the torque is not `k_t i*` but, with the winding's pole `R/L` (`s`: Laplace variable),
 //!
 //! ```text
 //! τ = (k_t i* - b ω)/(1 + s L/R)        b = k_t ψ p/R = k_t²/(3/2 R)

@@ -29,8 +29,8 @@ const READ_FIELD: u16 = 0xFFFC;
 
 const ERROR: u16 = 1 << 14;
 const DATA: u16 = 0x3FFF;
-/// The bits of `DIAAGC` that report a field too weak, a field too strong, an overflow, and compensated offsets. The next constant
-/// is their value in normal operation.
+/// The bits of `DIAAGC` that report a field too weak, a field too strong, an overflow, and compensated offsets. In normal operation
+/// their value is [`FIELD_IS_RIGHT`].
 const FIELD: u16 = 0xF << 8;
 const FIELD_IS_RIGHT: u16 = 1 << 8;
 

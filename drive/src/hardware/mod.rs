@@ -27,8 +27,8 @@ pub struct Hardware {
     pub timer_top: u16,
     /// Timer counts for which a phase's low side must be on so that its shunt can be sampled: dead time, settling, conversion.
     pub sampling_counts: u16,
-    /// Whether the board measures the motor's currents. If not, the motor is driven by voltage ([`crate::current`]), and the five
-    /// constants that concern the current sensors have no meaning.
+    /// Whether the board measures the motor's currents. If not, the motor is driven by voltage ([`crate::current`]), and
+    /// `amps_per_code` and the three constants `offset_…` have no meaning.
     pub senses_current: bool,
     /// Current into the motor in A per code of the analogue-to-digital converter. It is negative for shunts below the low-side
     /// transistors with amplifiers that do not invert. A current into the motor comes from ground, so it pulls the shunt's upper

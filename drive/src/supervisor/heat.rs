@@ -1,14 +1,15 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`,
-//! the mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
+//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`, a
+//! running mean: the squared current `i²` through a first-order low-pass filter with the time constant `τ`. `R` is the windings'
+//! resistance:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
 //! ```
 //!
 //! A motor that can carry a current continuously can bear every `s` up to that current squared. So neither `R_th` nor the room's
-//! temperature need be known. From 80 % of that `s` on, the largest allowed current falls in a straight line, from the motor's
+//! temperature need be known. From 80 % of that square on, the largest allowed current falls in a straight line, from the motor's
 //! current limit to its continuous current. So `s` approaches its limit and does not exceed it, for any requested current. The
 //! model leaves out:
 //!

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Here `v` is the voltage and `i` the current on the axes d and q, `R` and `L` are resistance and inductance of the windings. `ω`
-//! is the shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
+//! is the shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant, `ψ` the flux linkage times the number of pole
+//! pairs.
 //!
 //! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
 //! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
@@ -20,8 +21,8 @@
 //! - on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %;
 //! - as constants: dead time (0.3 V at 24 V and 500 ns), rounding, and `L di/dt` (0.5 V for a step of 2 A in the small motor).
 //!
-//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <=
-//! a` in each control period keeps it in the mean, so there is no alarm.
+//! Both `r` and `a` go through the same first-order low-pass filter, with a time constant of 10 to 20 ms. The filter is linear and
+//! has positive weights: if `|r| <= a` holds in each control period, it also holds after the filter, so there is no alarm.
 //!
 //! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
 //! then. A board that measures no current calculates it by the same equations, so there the check is left out.
@@ -41,7 +42,7 @@ pub struct ModelConfig {
     flux: I16F16,
     /// Inductance `L` times the number of pole pairs `p`, H.
     henries: I16F16,
-    /// Length of the running mean in control periods, as a power of two.
+    /// Time constant of the low-pass filter in control periods, as a power of two.
     over_log2: u32,
 }
 
@@ -64,22 +65,23 @@ impl ModelConfig {
     }
 }
 
-/// Running sums of the voltages. Divided by `2^over_log2` they are means, with 16 fractional bits.
+/// Memory of the low-pass filters of the voltages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Model {
-    /// Sums of the unexplained voltage `r` and of the allowed voltage `a` on each axis: `r_d`, `a_d`, `r_q`, `a_q`.
+    /// Decaying sums of the unexplained voltage `r` and of the allowed voltage `a` on each axis: `r_d`, `a_d`, `r_q`, `a_q`.
+    /// Divided by `2^over_log2` they are the filtered voltages, V with 16 fractional bits.
     sums: [i64; 4],
 }
 
 impl Model {
-    /// The running sums before the first control period: zero.
+    /// The memory before the first control period: all sums are zero.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
     }
 
     /// Takes a control period in which the control law drove the motor. `speed`, in rad/s, is positive if the electrical angle
-    /// rises. Returns by how much the unexplained voltage exceeds the allowed one, mV.
+    /// rises. Returns by how much the filtered unexplained voltage exceeds the allowed one, mV; `None` if it does not.
     pub fn update(
         &mut self,
         config: &ModelConfig,

@@ -14,7 +14,7 @@ const ECCL: u32 = 1 << 3;
 const NMI: usize = 2;
 
 impl Chip {
-    /// Raises the system break, as enabled, because the processor has locked up.
+    /// Raises the system break, if SYSCFG_CFGR2 enables it, because the processor has locked up.
     pub fn lock_up(&mut self) {
         let now = self.core.now;
         self.locked_up = true;
@@ -23,7 +23,8 @@ impl Chip {
         self.drive_world();
     }
 
-    /// Called when the processor reads flash: an uncorrectable error there raises the NMI and, as enabled, the system break.
+    /// Called when the processor reads flash: an uncorrectable error there raises the NMI and, if SYSCFG_CFGR2 enables it, the
+    /// system break.
     pub fn read_flash(&mut self, address: u32) {
         let before = self.flash.has_error();
         if self.flash.reads_torn(address) && !before {

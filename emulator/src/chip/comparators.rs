@@ -34,7 +34,7 @@ const PLUS: [[(usize, usize); 2]; 4] = [
     [(0, 0), (2, 1)],
     [(1, 0), (4, 7)],
 ];
-/// Channel of DAC3, counted from 0, that each comparator can use as inverting input. The next constant is that of DAC1.
+/// Channel of DAC3, counted from 0, that each comparator can use as inverting input. [`DAC1`] has the channels of DAC1.
 const DAC3: [usize; 4] = [0, 1, 0, 1];
 const DAC1: [usize; 4] = [0, 1, 0, 0];
 

@@ -28,8 +28,8 @@ use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
 use crate::world::World;
 
-/// Interrupt number and width in bits of the timers TIM2 to TIM5. The next constants are further interrupt numbers (RM0440, table
-/// 97).
+/// Interrupt number and width in bits of the timers TIM2 to TIM5. [`ADC1_2`], [`SPI3`], [`USART2`] and [`LPUART1`] are further
+/// interrupt numbers (RM0440, table 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
 const ADC1_2: u32 = 18;
 const SPI3: u32 = 51;
@@ -267,7 +267,7 @@ impl Chip {
         self.count_places();
     }
 
-    /// Counts fetches from flash by address while the current loop or the control interrupt runs.
+    /// Switches the counting of flash fetches by address: on while the current loop or the control interrupt runs, otherwise off.
     fn count_places(&mut self) {
         let runs = self.running.last().map(|running| running.exception);
         self.core.is_counting = matches!(runs, Some(CURRENT_LOOP | CONTROL_TICK));
@@ -303,7 +303,8 @@ impl Chip {
         }
     }
 
-    /// For each converter, the quantity that it samples or converts, and the time at which its sampling ends.
+    /// For each converter, the quantity that it samples or converts, and the time in processor cycles at which its sampling ends.
+    /// `None` for a converter that is idle or on another channel.
     #[must_use]
     pub fn samplings(&self) -> [Option<(Source, u64)>; 2] {
         [0, 1].map(|adc| {

@@ -6,7 +6,7 @@ use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
-/// Time between two steps of a short circuit's current, in processor cycles.
+/// Time between two simulation steps of a short circuit's current, in processor cycles.
 const LOOK: u64 = 4;
 
 impl Chip {

@@ -84,8 +84,8 @@ impl Cost {
     }
 }
 
-/// Wait states of the flash at 170 MHz, in voltage range 1 boosted (RM0440, table 29). `registers.tsv` checks that the firmware
-/// sets as many.
+/// Wait states of the flash at 170 MHz, in voltage range 1 boosted (RM0440, table 29). The check against `registers.tsv` ensures
+/// that the firmware sets this number.
 pub const WAIT_STATES: u64 = 4;
 
 /// Registers, memories and counters of the processor.
@@ -193,7 +193,8 @@ impl Core {
         usize::from(address >= ccm.base) + usize::from(address >= ram.base)
     }
 
-    /// The decoded instruction at an address; `None` if it has not been decoded yet.
+    /// The decoded instruction at an address; `None` if it has not been decoded yet. Outside the code memories it is
+    /// [`Info::SIMPLE`].
     #[must_use]
     #[inline]
     pub fn known(&self, address: u32) -> Option<Info> {

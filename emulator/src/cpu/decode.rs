@@ -232,7 +232,7 @@ mod tests {
     }
     #[test]
     fn instructions_of_each_class() {
-        // By an assembler: add, ldr, push {r4-r7, lr}, pop {r4, pc}, itte, bkpt-free hints.
+        // adds r0, r0, r1; ldr r0, [r0]; ldr r0, [pc, #4]; push {r4-r7, lr}; pop {r4, pc}; it eq; itte eq; wfe; nop; cpsid i
         for (first, second, cycles, kind) in [
             (0x1840, 0, 1, Kind::Plain),
             (0x6800, 0, 2, Kind::Plain),

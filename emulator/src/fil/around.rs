@@ -136,7 +136,8 @@ pub fn sweep(bench: &mut Bench) {
     });
 }
 
-/// All further parts of a feel: a spring to a centre, viscous and dry friction, clicks of this torque, N·m, and an inertia.
+/// All further parts of a feel: a spring to a centre, viscous and dry friction, clicks and an inertia. `strength` is the torque of
+/// spring and clicks, N·m.
 fn parts(strength: Si) -> FeelSettings {
     FeelSettings {
         spring: Some(CentreSettings {
@@ -178,7 +179,7 @@ fn configured(program: &Program, setup: &Setup) -> Result<Bench, String> {
     Ok(bench)
 }
 
-/// Sends an environment to the device; returns the device's answer, from when on it is rendered.
+/// Sends an environment (walls, detents) to the device; returns from when on the device renders it.
 pub fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> {
     match bench.demand(Request::SetEnvironment(*environment))? {
         Reply::Taken(from) => Ok(from),

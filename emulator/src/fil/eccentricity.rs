@@ -142,8 +142,8 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     Ok((found, truth))
 }
 
-/// Compares the computed errors at one and two periods per turn with the true ones. They must be within twice the stated
-/// uncertainty or half a count, and within the limit [`OFF_MOST`].
+/// Compares the computed errors at one and two periods per turn with the true ones. Each deviation must be below twice the stated
+/// uncertainty, or half a count if that is more. It must also be below one count plus [`OFF_MOST`] of the true amplitude.
 fn judged((found, truth): Found) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;

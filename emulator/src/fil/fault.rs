@@ -35,7 +35,7 @@ pub enum Fault {
     Sensor(usize, f64),
     /// The gate driver pulls the break input for this time in µs; 0 keeps it pulled.
     Break(u64),
-    /// A break of 1 us, which begins this many us after the handler began.
+    /// A break of 1 us, which begins this many us after the handler of this level began.
     BreakWithin(Level, u64),
     /// A comparator (1 to 4) reports over-current for this time in µs; 0 keeps the report.
     Comparator(u32, u64),
@@ -91,7 +91,7 @@ pub enum Fault {
 /// Priority of the control interrupt as a value of the register BASEPRI.
 const CONTROL_PRIORITY: u32 = 2 << 4;
 
-/// Offsets from 0xE000E100 of the registers that enable interrupts (ISER) and, in the next constant, disable them (ICER).
+/// Offset from 0xE000E100 of the registers that enable interrupts. [`ICER`] is that of the registers that disable them.
 const ISER: u32 = 0x00;
 const ICER: u32 = 0x80;
 

@@ -80,8 +80,8 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
-/// A reference model of the winding temperature: the squared current averaged with one time constant, from the simulated phase
-/// currents every 100 us.
+/// A reference model of the winding temperature: the squared current amplitude through a first-order low-pass with the time
+/// constant [`HEATING_TIME_S`], from the simulated phase currents every 100 us.
 #[derive(Default)]
 struct Windings {
     mean: f64,

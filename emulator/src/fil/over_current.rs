@@ -84,7 +84,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     bench.run(250 * MS)
 }
 
-/// The device's phase (for example armed). Errors: a fault is latched although there is no short circuit.
+/// The device's phase. Errors: the device has latched a fault, although the test has made no short circuit.
 fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     let status = bench.status()?;
     match status.fault.and_then(|fault| fault.known()) {

@@ -20,9 +20,9 @@ pub struct Press {
     pub in_contact: usize,
     /// Largest force of the wall, N·m.
     pub max_force: f64,
-    /// Rendered stiffness at the end of the hold: mean force over mean penetration, N·m/rad.
+    /// Rendered stiffness, N·m/rad: mean force over mean penetration in 0.1 s near the end of the hold.
     pub shown: f64,
-    /// Difference between the largest and the smallest encoder count in the last tenth of the hold.
+    /// Difference between the largest and the smallest encoder count in the same 0.1 s near the end of the hold.
     pub moves: i32,
 }
 

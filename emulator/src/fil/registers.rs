@@ -1,7 +1,7 @@
 //! Compares the register values that the program leaves after its start with those that the manuals require.
 //!
-//! The tables `registers.tsv` and `pins.tsv` are a second source for the wiring: what each register should hold, and why. Their
-//! contents come from the reference manual (RM0440) and the boards' schematics, not from the firmware. The position of each field,
+//! The tables `registers.tsv` and `pins.tsv` are a second source for the wiring: what each register should hold, and why. They
+//! were written from memory of the reference manual (RM0440) and the boards' schematics, not from the firmware. The position of each field,
 //! and the number of each pin's alternate function, come from the vendor's description (`vendor.tsv`, written by `vendor.py`).
 //!
 //! Every register that the program writes must be in the tables, with every bit that the program changes. A register that is not in

@@ -23,7 +23,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Ripple that remains with the compensation, as a fraction of the cogging torque. 1: nothing was compensated.
+    /// The ripple as a fraction of the cogging torque. 1: nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m

@@ -41,8 +41,8 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
         Err(error) => return tally.check("kept alignment", Err(error)),
     };
     tally.check("kept alignment, used", is_used(&mut bench));
-    // A slip of 24 electrical degrees pulls the rotor away by less than an eighth of a turn. So only the mean over the check
-    // reveals it.
+    // A slip of 24 electrical degrees pulls the rotor away by less than an eighth of an electrical turn. So only the mean over the
+    // check reveals it.
     for degrees in [360.0, 24.0, 30.0, 90.0, 180.0] {
         let name = format!("kept alignment, a magnet that slipped by {degrees} electrical degrees");
         tally.check(&name, slipped(&mut bench, degrees));

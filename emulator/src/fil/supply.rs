@@ -54,7 +54,7 @@ pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     );
 }
 
-/// Checks that the motor's field starts to turn at the command to calibrate, and stops at the command to stop.
+/// Checks that the outputs go on after the command to calibrate, and that the device accepts the command to stop.
 fn starts(bench: &mut Bench) -> Result<(), String> {
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
     let on = bench.run_until("the outputs on", 200 * MS, |bench| bench.is_on());

@@ -258,7 +258,8 @@ impl Machine {
         self.behind_program
     }
 
-    /// Number of stack bytes that were ever written. The stack lies between the start of RAM and `top`.
+    /// Number of stack bytes from the deepest that was ever written up to `top`. The stack grows down from `top` to the start of
+    /// RAM.
     #[must_use]
     pub fn stack_used(&self, top: u32) -> u32 {
         let stack = self.memory(RAM, (top - RAM) as usize);

@@ -149,8 +149,8 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and its speed. If the speed
-    /// alternates in sign: after how many mechanical steps in all, and after how many from now.
+    /// The shaft is turned from outside at `rad_per_s`, against any torque of the motor. `reverses`, if the speed alternates in
+    /// sign: number of mechanical steps between two reversals, and until the next one.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
@@ -185,8 +185,8 @@ pub struct World {
     pub bridge: Bridge,
     drive: Drive,
     grip: Grip,
-    /// Integral of the motor's torque since the knob's last simulation step, N·m·s. `torque_n_m` is the mean over the previous
-    /// step.
+    /// Integral of the motor's torque since the knob's last simulation step, N·m·s. `torque_n_m` is the mean torque over the step
+    /// before.
     impulse: f64,
     torque_n_m: f64,
     /// Energy balance of the shaft; `None` unless a test has started it.

@@ -14,10 +14,12 @@ enum Worse {
     More,
 }
 
-/// Fields of a run's results that are compared. Each has an absolute tolerance in the field's unit, for values near zero.
+/// Fields of a run's results that are compared, each with an absolute tolerance in the field's unit, for values near zero.
+/// Stiffness and ratio have none.
 ///
 /// Angles: a hundredth of a count of the finest encoder in the shipped scenes. Energies: a thousandth of the energy that a press of
-/// 0.1 N·m stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz.
+/// 0.1 N·m stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz. Speed: the
+/// tolerance of an angle per such period.
 const MEASURES: [(&str, Worse, f64); 10] = [
     ("k_displayed", Worse::Less, 0.0),
     ("peak_penetration_ratio", Worse::More, 0.0),

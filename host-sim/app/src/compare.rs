@@ -19,8 +19,8 @@ const APART: u8 = 3;
 /// A parameter of the knob that differs from the scene's by a smaller fraction than this is not reported. An encoder's step and the
 /// scatter of a fit cause as much.
 const SAME: f64 = 0.1;
-/// A changed parameter is named as the reason of a difference only if the rms difference with it is below this fraction of the
-/// present one.
+/// A changed parameter is named as the reason of a difference only if it reduces the rms difference between recording and
+/// simulation to less than this fraction of its value.
 const EXPLAINS: f64 = 0.5;
 
 /// Options of the command `touchstone compare`.

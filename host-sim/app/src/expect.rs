@@ -107,7 +107,7 @@ impl Expectations {
         }
     }
 
-    /// Checks runs against the demands. `strict`: also demands that no run gives the hand more energy than it took.
+    /// Checks runs against the demands. `strict`: also demands that in no run the hand gets more energy than it put in.
     pub fn check(&self, strict: bool, runs: impl Iterator<Item = Subject>) -> Checked {
         Checked {
             checks: runs.flat_map(|run| self.on(&run, strict)).collect(),
@@ -292,9 +292,9 @@ fn unsaid(checks: &[Check]) -> Option<&str> {
     why.filter(|_| !checks.iter().any(of_verdict))
 }
 
-/// The JUnit tests of one run. If the run was not judged, a skipped test states the reason, unless the test of the verdict states
-/// it. The demands that the run meets then show the measured values. Otherwise a list of passed tests would look like a wall that
-/// comes to rest.
+/// The JUnit tests of one run. If the run was not judged, a skipped test states the reason, unless the test of the verdict does.
+/// The passed tests of such a run also print their measured values and the reason, so that they do not look like a wall that comes
+/// to rest.
 fn suite_of(checks: &[Check]) -> TestSuite {
     let run = &checks[0].run;
     let mut suite = TestSuite::new(run);

@@ -35,7 +35,8 @@ pub struct Options {
     /// With --feel: judges the feel with the encoder, rate, delay, torque and guard of each of the five boards.
     #[arg(long, requires = "feel")]
     boards: bool,
-    /// With --feel: least number of positions that each grip crosses, at 2 to 20 rad/s.
+    /// With --feel: each grip turns the knob to and fro at 2 to 20 rad/s until it has crossed this many positions, or a round
+    /// crosses none.
     #[arg(long, value_name = "N", requires = "feel", default_value_t = 200, value_parser = number::within(1_u64, 100_000_000, "of positions"))]
     crossings: u64,
     /// With --feel: demands at most two encoder counts of motion at rest.
@@ -44,7 +45,7 @@ pub struct Options {
     /// With --feel: demands that every position is counted once.
     #[arg(long, requires = "feel")]
     positions: bool,
-    /// With --feel: demands that the largest torque is within 5 % of the drawn one.
+    /// With --feel: demands that the largest commanded torque is within 5 % of the largest drawn one.
     #[arg(long, requires = "feel")]
     as_drawn: bool,
 }
@@ -103,7 +104,7 @@ impl Options {
     fn conclude(&self, cards: &[(&str, FeelCard)]) -> ExitCode {
         let mut code = ExitCode::SUCCESS;
         for (board, card, felt) in rows(cards) {
-            // NaN meets none of them.
+            // A value that is NaN meets no demand.
             let demands = [
                 (
                     true,
@@ -148,7 +149,8 @@ impl Options {
                 );
             }
         }
-        // With no counted crossings the demand proves nothing. With --all-feels, feels without positions are allowed.
+        // Without counted crossings, `--positions` would be met but prove nothing. With --all-feels, feels without positions are
+        // allowed.
         for (board, card) in cards.iter().filter(|_| self.positions) {
             let has_none = card.pitch_rad.is_none() && !self.all_feels;
             let counted = card.grips.iter().any(|felt| felt.crossings > 0);

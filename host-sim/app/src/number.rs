@@ -6,8 +6,8 @@ use std::str::FromStr;
 /// A measured quantity whose magnitude is below this value, in its SI unit, is only rounding error.
 const ROUNDING: f64 = 1e-12;
 
-/// Formats a measured quantity for people, with this many digits after the decimal point. A value that is only rounding error is
-/// shown as 0.
+/// Formats a measured quantity for people, with an exponent and this many digits after the decimal point. A value that is only
+/// rounding error is shown as 0.
 pub fn measured(value: f64, digits: usize) -> String {
     if value.abs() < ROUNDING {
         return "0".into();

@@ -18,8 +18,8 @@ pub const SHIPPED: (&str, &str, &str) = (
     include_str!("../../../scenes/delta-ball.toml"),
 );
 
-/// Reads a three-axis scene: the shipped scene by its name, or a TOML file with the field `dof`. Returns `None` for other names and
-/// files.
+/// Reads a three-axis scene: a TOML file with the field `dof`, else the shipped scene of this name. Returns `None` for all other
+/// names and files.
 pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     let path = Path::new(file);
     let read = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SCENE);

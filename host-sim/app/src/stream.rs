@@ -10,8 +10,8 @@ use touchstone_sim::error::{Error, Result};
 /// Time without telemetry after which a device that should send telemetry counts as disconnected.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
-/// Longest time between two requests to the device. It is half of the shortest useful limit on the time without a request, after
-/// which a device switches off.
+/// Time after which the next request is sent to the device, so that it does not switch off for lack of requests. A device's limit,
+/// `limits.host_silence_s`, should be at least twice as long.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Conditions that end the reception of a device's telemetry.

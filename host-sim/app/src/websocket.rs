@@ -30,7 +30,7 @@ const WAITING_MAX: usize = 64 * 1024;
 const AT_A_TIME: usize = 8;
 /// Time between two pings to a client.
 const PING: Duration = Duration::from_secs(3);
-/// Time after which a client that has answered no ping counts as hung.
+/// Time without any message from a client, also without an answer to a ping, after which it counts as hung.
 const HANGS: Duration = Duration::from_secs(10);
 
 /// The WebSocket server with its clients.

@@ -2,8 +2,8 @@
 
 use touchstone_protocol::{Phase, Telemetry};
 
-/// A larger gap between the control periods of two records is a reset of the board, s. After such a gap without telemetry,
-/// reception has ended.
+/// If the control periods of two successive records are further apart than this, s, the board was reset. Lost records cannot be the
+/// cause: without telemetry, reception ends much earlier.
 const LONGEST_GAP_S: u32 = 10;
 
 /// How the angle of a record relates to earlier angles.
@@ -85,11 +85,11 @@ mod tests {
             (9_000, Phase::Calibrating, Angles::Calibrating),
             (9_040, Phase::Ready, Angles::Calibrated),
             (9_080, Phase::Armed, Angles::Same),
-            // Records are lost.
+            // Two seconds of lost records are no reset.
             (29_080, Phase::Armed, Angles::Same),
             (400, Phase::Boot, Angles::Reset { before: 29_080 }),
             (440, Phase::Boot, Angles::Same),
-            // The wrap of the number is not taken for a reset. Then comes a reset after days.
+            // The wrap from `u32::MAX` to 39 is no reset. The last entry is a reset after days.
             (u32::MAX, Phase::Boot, Angles::Reset { before: 440 }),
             (39, Phase::Boot, Angles::Same),
             (u32::MAX - 5, Phase::Boot, Angles::Reset { before: 39 }),

@@ -295,7 +295,7 @@ fn started(folder: &Path, seconds: &[&str]) -> Child {
         .spawn()
         .unwrap();
     wait_for(&folder.join("lock"));
-    // Into the wall.
+    // Waits until the hand is in the wall.
     std::thread::sleep(Duration::from_millis(900));
     child
 }

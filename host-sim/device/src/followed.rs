@@ -241,7 +241,7 @@ mod tests {
             law.commanded(force);
             acts = force[0];
         }
-        // The hand moves at up to 0.25 m/s, so that the trusted damping pays for 0.8 * 2.5 N·s/m * v² on average 0.0631 W.
+        // The hand moves at up to 0.25 m/s, so the trusted damping of 0.8 * 2.5 N·s/m dissipates 0.063 W on average.
         let damping_j = 0.8 * 2.5 * 0.5 * (0.01 * 4.0 * std::f64::consts::TAU).powi(2) * 2.0;
         let bound_j = 0.04 + 0.0005 * 2.0 + damping_j;
         assert!(

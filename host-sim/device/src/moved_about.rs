@@ -22,7 +22,7 @@ pub struct SmallMotions {
 
 /// Time before the first push, s, in which the force of the servo loop fades in. It is not recorded.
 const QUIET_S: f64 = 1.2;
-/// Stiffness (N/m) of the spring that holds the device. The next constant is the damping (N·s/m) that acts with it.
+/// Stiffness of the spring that holds the device, N/m. `DAMPING_N_S_PER_M` is the damping that acts with it.
 const SPRING_N_PER_M: f64 = 120.0;
 const DAMPING_N_S_PER_M: f64 = 1.0;
 /// Frequencies of the three sines, Hz, each with its amplitude as a fraction of [`SmallMotions::push_n`]. The frequencies are

@@ -26,7 +26,7 @@ pub struct Omega3 {
 const DELAY_S: f64 = 250e-6;
 /// Number of attempts for each step of a release. More attempts would take longer than two control intervals of the device.
 const RELEASE_TRIES: usize = 2;
-/// Number of checks whether the motors are on, after they were switched on. The next constant is the time between two checks.
+/// Number of checks whether the motors are on, after they were switched on. `ENGAGE_PAUSE` is the time between two checks.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 

@@ -8,17 +8,17 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// The survey of a haptic device. Its library reported all values except damping and friction.
+/// The survey of a haptic device. Its library reported all values except damping and friction, or [`Survey::measured`] made it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
     /// Name and serial number of the device.
     pub device: String,
-    /// Version of the maker's library.
+    /// Version of the maker's library; empty if it is unknown.
     pub library: String,
     /// Mass of the effector in kilograms that the library assumes; `None` if it does not say.
     pub effector_mass_kg: Option<f64>,
-    /// Inertia along each axis, kg: the mean over all recorded poses.
+    /// Inertia along each axis, kg: the mean over all recorded poses, or the measured mass.
     pub inertia_kg: [f64; 3],
     /// Damping of each axis, N·s/m. No library reports it, so it is the value of the thesis (§5.2) until `touchstone device
     /// identify` measures it.

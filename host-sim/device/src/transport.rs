@@ -96,7 +96,7 @@ fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
 }
 
 /// Connects to `HOST:PORT` for requests that are one small packet each. Looking up the name and trying its addresses, such as ::1
-/// and 127.0.0.1 of localhost, share the deadline `limit`.
+/// and 127.0.0.1 of localhost, share the deadline `limit`, but each address gets at least 20 ms.
 pub(crate) fn connected(socket: &str, limit: Duration) -> std::io::Result<TcpStream> {
     let until = Instant::now() + limit;
     let left = || until.saturating_duration_since(Instant::now());

@@ -135,8 +135,8 @@ fn the_force_fades_in() {
     assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
 }
 
-/// Injects every fault at the first, the second and the 300th call of its function. Checks that the device is released by the next
-/// control interval.
+/// Injects every fault at the first, the second and the 301st call of its function. Checks that the device is released by the
+/// control interval after the one in which the loop detects the fault.
 #[test]
 fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));

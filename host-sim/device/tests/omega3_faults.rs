@@ -153,8 +153,8 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and permanently. Checks
-/// that the force is zero and the device closed within two control intervals.
+/// Makes each call before and in the servo loop fail: at its first call, in the loop also at its second and a later one; once,
+/// twice and permanently. Checks that the force is zero and the device closed within two control intervals.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -197,7 +197,7 @@ fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks
     );
 }
 
-/// Makes each call of the release fail. Checks that a failing call is tried again, and that all other calls are made.
+/// Makes `dhdStop` or `dhdClose` fail in the release. Checks that a failing call is tried again, and that the other calls are made.
 #[test]
 fn a_release_goes_on_whatever_of_it_fails() {
     for (plan, closed) in [
@@ -384,8 +384,8 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
     let pace = &mut RealTime::new(RATE_HZ);
     let report = play(&mut omega, &mut spring(), &limits, RATE_HZ, pace, more);
     assert_eq!((&report.ending, &report.release), (&Ending::Asked, &Ok(())));
-    // Time from the end of the first tick to that of the last. It has as many intervals as ticks, run or missed, except for the
-    // lateness of these two. 50 ms are added for unmeasured time within a tick.
+    // Time from the end of the first tick to the end of the last. It has one interval per further tick, run or missed, apart from
+    // the lateness of the first and the last tick. 50 ms are added for unmeasured time within a tick.
     let took_s = seen.map_or(0.0, |(_, took_s)| took_s);
     let due_s = (report.ticks + report.missed_ticks - 1) as f64 * INTERVAL_S;
     assert!(

@@ -69,7 +69,7 @@ impl Dhd {
         Some(format!("{major}.{minor}.{release}"))
     }
 
-    /// Number of connected devices, and number of the connected devices that no other program has open.
+    /// Number of connected devices, and number of those that no other program has open (all, if the library cannot report it).
     ///
     /// # Errors
     /// The library's error.

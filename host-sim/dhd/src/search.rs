@@ -175,7 +175,7 @@ fn platform() -> String {
     format!("{system}-{machine}-")
 }
 
-/// The folders inside `folder` whose names begin with `prefix`, in descending alphabetical order.
+/// The folders inside `folder` whose names begin with `prefix`, newer versions before older ones.
 fn children(folder: &Path, prefix: &str) -> Vec<PathBuf> {
     let mut found = named(folder, |name| name.starts_with(prefix));
     found.retain(|path| path.is_dir());

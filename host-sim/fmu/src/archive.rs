@@ -1,6 +1,6 @@
 //! Zip archives without compression.
 
-/// Date of every file, 1 January 1980 in the format of zip: the same FMU is the same bytes.
+/// Date of every file, 1 January 1980 in the format of zip. It is fixed, so that the same FMU has the same bytes.
 const DATE: u16 = 0x21;
 /// Version of the zip format that a reader needs, 1.0.
 const NEEDS: u16 = 10;

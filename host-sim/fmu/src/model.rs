@@ -212,7 +212,7 @@ impl Model {
     /// Number of ticks (control periods) of a step.
     ///
     /// # Errors
-    /// The step does not begin where the last one ended, or is not a whole number of periods.
+    /// The step does not begin where the last one ended, or is not a whole number of periods from 1 to 1,000,000.
     pub fn ticks_of(&self, begins_s: f64, step_s: f64) -> Result<u64> {
         let rate_hz = f64::from(self.scene.timing.rate_hz);
         let begins = (finite("currentCommunicationPoint", begins_s)? - self.start_s) * rate_hz;

@@ -176,7 +176,7 @@ fn side_by_side_is_one_period_of_delay_more() {
     }
 }
 
-/// Checks that the input `hand_offset_rad` can replace the scene's motion: the rest points of a tap are given from outside.
+/// Checks that the input `hand_offset_rad` can replace the scene's motion: with the rest points of a tap, the knob enters the wall.
 #[test]
 fn the_hand_can_be_moved_from_outside() {
     let tap = Scene::load("tap").expect("a scene");

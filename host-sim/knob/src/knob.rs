@@ -158,7 +158,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         Self::on(&IHM08M1, settings, motor, plant, angle_rad, tamper)
     }
 
-    /// Same as [`Knob::new`], with the hardware constants (scales, limits) of another board.
+    /// Same as [`Knob::with_plant`], with the hardware constants (scales, limits) of another board.
     ///
     /// # Panics
     /// The firmware refuses the settings.
@@ -332,7 +332,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.output = Some(output);
     }
 
-    /// Runs PWM periods until a control tick has run; returns the tick's telemetry values.
+    /// Runs PWM periods up to the one in which a control tick is due. Returns the telemetry values of the last tick that ran.
     pub fn tick(&mut self) -> Record {
         while !self.period() {}
         self.record

@@ -34,7 +34,7 @@ const TURN_RAD_PER_S: f64 = 3.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Outside {
     supply_v: f64,
-    /// Whether a frame from the desktop program arrived since the last control tick; `None` before a program connects.
+    /// Whether a frame from the desktop program arrived since the last control tick; `None` until the knob is served.
     heard: Option<bool>,
 }
 
@@ -132,8 +132,8 @@ impl ServedKnob {
             self.knob.rest_rad += (turned_rad - self.knob.rest_rad).clamp(-step, step);
         } else if self.knob.device.state() == State::Armed {
             self.armed_s += 1.0 / rate_hz;
-            // The hand moves from where the knob was armed to a little before the surface. From there it moves a fraction of a
-            // radian inside and back, again and again.
+            // In the first second the hand's rest point moves from where the knob was armed to `NEAR_RAD` before the surface. From
+            // there it moves to `DEEP_RAD` inside and back, again and again.
             let (near, pressing_s) = (self.outside_rad - NEAR_RAD, (self.armed_s - 1.0).max(0.0));
             let share = (1.0 - (std::f64::consts::TAU * pressing_s / PRESS_S).cos()) / 2.0;
             let ahead = near * self.armed_s.min(1.0) + (NEAR_RAD + DEEP_RAD) * share;

@@ -1,11 +1,11 @@
 //! Tunes control laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES per
 //! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS] [AIM]`.
 //!
-//! LAWS are names of laws as in a scorecard, separated by commas. TICKS limits the simulated control periods of each search.
-//! AIM is `rest` (the default) or `all`, see [`Budget::for_all_measures`].
-//! Results are appended to the file, one row per device and law; an interrupted campaign continues when started with the same
-//! arguments. At the end the program prints how many walls meet the limits under each law and under the better law of each device,
-//! and why the other walls do not.
+//! LAWS are names of laws as in a scorecard, separated by commas. TICKS and SECOND TICKS limit the simulated control periods of
+//! the first search, and of a second one where the first finds no suitable wall. AIM is `rest` (the default) or `all`, see
+//! [`Budget::for_all_measures`]. Results are appended to the file, one row per device and law; an interrupted campaign continues
+//! when started with the same arguments. At the end the program prints how many walls meet the limits under each law and under
+//! the best law of each device, and why the other walls do not.
 
 use std::error::Error;
 use std::path::Path;

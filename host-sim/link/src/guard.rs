@@ -18,10 +18,10 @@ pub struct Weaker {
     pub problem: String,
 }
 
-/// Lists the settings in `after` that weaken the energy guard's bound. The delay must stay measured with the board's own current
-/// loop, and not fall below that in `before` with an external amplifier. The assumed damping must not exceed that in `before`; the
-/// energy account's capacity and refilling power must not exceed the shipped ones. A weakness that `before` already has is not
-/// listed.
+/// Lists the settings in `after` that weaken the energy guard's bound. With the board's own current loop the change of force must
+/// stay measured; with the same external amplifier, delay plus lag must not fall below that in `before`. The trusted damping must
+/// not exceed that in `before`, nor the encoder's error fall below it. Capacity and refilling power must not exceed the shipped
+/// ones. A setting with the same value in `before` is not listed, unless the guard was off there.
 #[must_use]
 pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
     const ON: &str = "law.guard.on";

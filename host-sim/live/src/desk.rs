@@ -67,7 +67,8 @@ pub const FACTS: [&str; 19] = [
 /// One simulated control loop of the page.
 struct Place {
     live: Live,
-    /// The hand motion that the simulation's scene file prescribes, and its duration in seconds; `None` for a file without one.
+    /// The hand motion that the simulation's scene file prescribes, and its duration in seconds; `None` without one, and for a
+    /// recorded motion, which a page cannot read.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
@@ -100,7 +101,7 @@ pub fn scene(text: &str) -> Result<Scene> {
             Some(word) => {
                 preset = Preset::of_word(word).ok_or_else(|| Error::Option {
                     option: format!("--preset {word}"),
-                    problem: "there is no scene of this name".into(),
+                    problem: "there is no preset of this name".into(),
                     fix: format!("give {}", Preset::WORDS.join(" or ")),
                 })?;
             }
@@ -241,7 +242,7 @@ impl Desk {
     /// hand keep their positions.
     ///
     /// # Errors
-    /// The first problem in the new description; the loop then continues with the old one.
+    /// The handle is unknown, or the first problem in the new description; the loop then continues with the old one.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -253,7 +254,7 @@ impl Desk {
     /// Restarts a simulated loop from the beginning of its simulation.
     ///
     /// # Errors
-    /// The same as for opening the loop.
+    /// The handle is unknown, or the same as for opening the loop.
     pub fn reset(&mut self, handle: usize) -> Result<()> {
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
         place.live = Live::new(&place.scene)?;
@@ -270,8 +271,8 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
-    /// prescribes none.
+    /// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN
+    /// without such a motion, for a recorded one, and for an unknown handle.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())

@@ -109,8 +109,8 @@ extern "C" fn live_tick(handle: usize, rest_rad: f64) -> *const f64 {
     })
 }
 
-/// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
-/// prescribes none.
+/// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN without
+/// such a motion, for a recorded one, and for an unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_own_rest(handle: usize, time_s: f64) -> f64 {
     desk(|desk| desk.own_rest_rad(handle, time_s))

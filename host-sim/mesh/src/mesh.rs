@@ -164,7 +164,7 @@ impl Mesh {
         self.left_out
     }
 
-    /// Number of solids that the STL file names.
+    /// Number of solids or objects that the mesh's file names; 1 if it names none.
     #[must_use]
     pub const fn solids(&self) -> usize {
         self.solids

@@ -17,7 +17,7 @@ pub struct Edges {
     pub open: usize,
     /// Number of edges along which two triangles run in the same direction: one of the two triangles is inside out.
     pub same_way: usize,
-    /// Number of triangles with the same corners as another triangle, in any order.
+    /// Number of triangles with the same corners as another triangle, in any order; the first of such triangles is not counted.
     pub doubled: usize,
 }
 

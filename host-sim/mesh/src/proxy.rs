@@ -127,7 +127,8 @@ impl Proxy {
     }
 }
 
-/// The point closest to `place` that lies below none of the planes: it lies on one, two or three of them.
+/// The point closest to `place` that lies below none of the planes: it lies on one, two or three of them. `None` if no such point
+/// is above all planes.
 fn closest(place: Vector, planes: &[Plane], gap_m: f64) -> Option<Vector> {
     let allowed = |point: &Vector| {
         planes

@@ -9,8 +9,8 @@ pub(crate) const HEAD: usize = 84;
 /// Number of bytes per triangle in a binary STL file.
 const RECORD: usize = 50;
 
-/// Reads the bytes of an STL file. It is text if it begins with the word `solid`, followed by a `facet` or an end; otherwise it is
-/// binary.
+/// Reads the bytes of an STL file. The file is binary if its length fits the number of triangles in its header. Else it must be
+/// text that begins with the word `solid` and contains no zero byte except at its end.
 ///
 /// # Errors
 /// The bytes are not STL, or hold more than [`MOST_TRIANGLES`].

@@ -8,7 +8,8 @@ use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Beginning of a temporary file's name; the number of the writing process and the final file's name follow.
+/// Beginning of a temporary file's name. `PROCESS.COUNT-NAME` follows: number of the writing process, a counter, name of the final
+/// file.
 const PREFIX: &str = ".touchstone-";
 
 /// A temporary file beside an output, which is deleted on drop. The program locks the file while it uses it. The operating system

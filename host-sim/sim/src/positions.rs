@@ -39,7 +39,7 @@ pub struct Place {
     pub position: i64,
     /// Difference of the number to the previous one; 0 for the first position.
     pub change: i64,
-    /// Distance of the knob's angle from the position, as a fraction of the distance between two positions.
+    /// Distance of the knob's angle from the position, positive above it, as a fraction of the distance between two positions.
     pub beside: f64,
 }
 
@@ -95,9 +95,9 @@ impl Positions {
         before as f64 + (angle_rad - from) / (to - from)
     }
 
-    /// The positions of a scene's environment. They come from the first of these that the environment has: its listed detents, its
-    /// detents, its torque profile, its clicks. In a profile with copies a position is the point of least energy of a copy. In a
-    /// profile without copies it is every angle at which the knob rests. `None` if the environment has none of them.
+    /// The positions of a scene's environment. They come from the first of these that acts: the listed detents, the equally spaced
+    /// detents, the torque profile, the clicks. In a profile with copies, the point of least energy of each copy is a position. In
+    /// a profile without copies, every angle at which the knob rests is one. `None` if nothing gives a position.
     #[must_use]
     pub fn of(environment: &Environment) -> Option<Self> {
         let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
@@ -179,8 +179,8 @@ impl Positions {
         })
     }
 
-    /// Finds the position at an angle anew, as at the first call of [`Positions::take`]. Without end stops it gets the number
-    /// `number`, if there is one; between end stops the place alone gives the number.
+    /// Finds the position at an angle anew, as at the first call of [`Positions::take`]. If the positions have no ends, this
+    /// position then gets the number `number`, if given. Otherwise no position is renumbered.
     pub fn settle(&mut self, angle_rad: f64, number: Option<i64>) -> Place {
         self.now = None;
         let place = self.take(angle_rad);
@@ -205,8 +205,8 @@ impl Positions {
         self.now = Some(position);
     }
 
-    /// Distance of an angle from the present position, as a fraction of the distance between two positions. Before the first call
-    /// of [`Positions::take`], it is the distance from the nearest position.
+    /// Distance of an angle from the present position, positive above it, as a fraction of the distance between two positions.
+    /// Before the first call of [`Positions::take`], it is the distance from the nearest position.
     #[must_use]
     pub fn beside(&self, angle_rad: f64) -> f64 {
         let way = self.place_of(angle_rad);
@@ -289,7 +289,8 @@ fn rests(profile: &TorqueProfile) -> Vec<f64> {
 /// The least torque on either side of a rest, as a fraction of the profile's strength.
 const LEAST_PUSH: f64 = 0.1;
 
-/// The point of least energy in a torque profile, at which the knob comes to rest, as a fraction (0 to 1) of the profile's length.
+/// The point of least energy in a repeated torque profile, at which the knob comes to rest, as a fraction (0 to 1) of a copy's
+/// length.
 fn deepest(points: &[f64]) -> f64 {
     let whole = |point: &f64| (point * f64::from(WHOLE)).round() as i64;
     let (mut height, mut least, mut place) = (0_i64, 0, 0);

@@ -153,7 +153,7 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     for (error, angle) in periodic.iter().zip(&trace.angle_rad) {
         assert!((error - 1e-3 * angle.sin()).abs() < 1e-15);
     }
-    // A second part with twice as many periods, alone and together with the first part.
+    // A second component of the periodic error with twice as many periods, alone and together with the first one.
     for first in [0.0, 1e-3] {
         let asked = [
             &*format!("sensor.periodic.amplitude_rad={first}"),
@@ -285,7 +285,7 @@ fn late_commands_lie_between_the_least_and_the_greatest_delay() {
         ]);
         assert!((0.25..=0.75).contains(&spread), "{spread}");
     }
-    // Ticks are late by up to a period. With jitter alone and no force, the displacement is that of the elapsed time.
+    // Samples are late by up to a period. With jitter alone and no force, the displacement is that of the elapsed time.
     let free = Scene::load("free-release")
         .unwrap()
         .with_overrides(&[

@@ -1,18 +1,19 @@
 //! Specification of a device's control tick: which of the device's parts (drive, law, limits) the tick calls, and what it
 //! calculates from their answers.
 //!
-//! `e` is the penetration, `f` the force, `τ` the torque, `i` the current, `share` the fraction of the torque that is commanded;
-//! `'` marks the new value.
+//! `e` is the penetration, `f` the force, `τ` the torque, `i` the current; `share` (0 to 1) is the factor by which the torque fades
+//! in; `'` marks the new value.
 //!
 //! ```text
 //! fault     = reported, else detected, else refused settings      the first one is latched, and outputs go off
 //! count'    = count - zero,  e = angle(count') - surface          from a good reading
 //! f         = law(e, e - displacement since the change of force)  if armed with a good reading; else the drive is off
-//! share'    = min(share + step, 1)                                fraction of the torque, from 0 at arming
+//! share'    = min(share + step, 1)                                0 at arming
 //! τ         = -f share', or -f once the share was 1
 //! (i, τ')   = drive(τ, angle, derating)
 //! reported  = -τ' while fading in or if τ' /= τ                   the law's guard calculates with that force
-//! tripped   : law restarted if no force acted or e is beyond the end of positions; else a fault in the next tick
+//! tripped   : law restarted if no force acted, or if e is so near the end of positions that the guard allows none; else a fault in
+//!             the next tick
 //! disarmed  : where the last force acted up to now, one law tick with no force closes the energy account; then
 //!             the switching off is reported to the law
 //! ```
@@ -30,7 +31,7 @@ use touchstone_drive::supervisor::{Verdict, Watch};
 use touchstone_drive::{Amps, Angle, Celsius, ControlInput, ControlOutput, DriveCommand, Record};
 use touchstone_protocol::{Command, Context, FaultCode, Limit, Limits, Machine, Outputs, State};
 
-/// The whole torque as a fraction with 32 fractional bits. It is 2^-32 less than 1, so that it fits 32 bits.
+/// The factor of the whole torque, with 32 fractional bits. It is 2^-32 less than 1, so that it fits 32 bits.
 const ALL: Int = (1 << 32) - 1;
 
 /// The parts of a device that a control tick calls. Each may give any answer.
@@ -48,7 +49,7 @@ pub trait Parts {
     fn changes_over(&mut self) -> bool;
     /// Shaft's speed in rad/s, with 16 fractional bits.
     fn speed(&mut self) -> i32;
-    /// Electrical angle by which the rotor advances in one PWM period.
+    /// Electrical angle by which the rotor advances in one PWM period, in 2^-32 turns.
     fn advance(&mut self) -> i32;
     /// Electrical angle that belongs to an encoder count.
     fn angle(&mut self, count: i64) -> u16;
@@ -77,9 +78,9 @@ pub trait Parts {
     fn is_beyond_reach(&mut self, e: i32) -> bool;
     /// Smallest force at which a tick counts as being at the force limit.
     fn force_limit(&self) -> i32;
-    /// Growth per tick of the fraction of the torque that is commanded while the force fades in.
+    /// Growth per tick of the factor by which the torque fades in, 2^-32.
     fn fade_step(&self) -> u32;
-    /// Torque for a force; `share` is the fraction of it that is commanded while the force fades in.
+    /// Torque for a force; `share` is the factor by which the torque fades in, 2^-32, or `None` once it has faded in.
     fn torque(&mut self, force: i32, share: Option<u32>) -> i32;
     /// Drive command for a torque, given the rotor's position.
     fn drive(&mut self, torque: i32, rotor: &Rotor) -> Driven;

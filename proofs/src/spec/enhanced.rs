@@ -11,7 +11,8 @@ pub struct Enhanced {
     pub desired: Int,
     /// Stiffness that the law reaches by changing the offset, in the number format of stiffnesses.
     pub target: Int,
-    /// Damping over the control period of the damper whose force is added to the wall's, in the number format of stiffnesses.
+    /// Damping of the damper whose force is added to the wall's, divided by the control period, in the number format of
+    /// stiffnesses.
     pub damper: Int,
     /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
@@ -33,7 +34,7 @@ pub struct Enhanced {
     /// Whether the force stays the same at the end of the contact's first phase (thesis 2.16, 2.17); otherwise the offset starts at
     /// zero.
     pub keep_force: bool,
-    /// Inertia of the virtual mass over the control period squared, in the number format of stiffnesses.
+    /// Inertia of the virtual mass divided by the squared control period, in the number format of stiffnesses.
     pub inertia: Int,
     /// Stiffness of the coupling between hand's point (HIP) and virtual mass, in the number format of stiffnesses.
     pub coupling: Int,
@@ -270,7 +271,7 @@ impl Enhanced {
         if e <= 0 {
             return None;
         }
-        // A wall does not pull: the mass moves on as if it were not coupled, if its energy covers that.
+        // A wall does not pull: the mass moves on as if it were not coupled, if the stored energy covers that motion.
         let force = if self.exact { wanted } else { m.at_mass };
         let coast = self.displacement(before.mass, times(self.inertia, before.mass_moved), force);
         let mut step = coast;
@@ -289,8 +290,8 @@ impl Enhanced {
         Some(0)
     }
 
-    /// Energy, force and displacement of the virtual mass in a tick. They are such that the stored energy plus the work of the
-    /// displacement is not negative.
+    /// Stored energy after a tick, force on the virtual mass, and its displacement. The energy pays for the outward motion and does
+    /// not become negative; if necessary, force and motion are reduced.
     #[must_use]
     pub fn paid_move(&self, energy: Int, mass: Int, drive: Int, wanted: Int) -> (Int, Int, Int) {
         let step = self.displacement(mass, drive, wanted);

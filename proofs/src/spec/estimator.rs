@@ -71,7 +71,7 @@ pub struct Estimator {
     pub tick: Flow<REMEMBERED>,
     /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Gains of the difference between measured and predicted position. They correct the estimates of position, displacement and
+    /// Gains by which the difference between measured and predicted position corrects the estimates of position, displacement and
     /// the hand's push.
     pub correction: [Int; 3],
     /// Largest command, in steps of the force format.

@@ -29,8 +29,8 @@ pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// The quotient `a / b` of two positive settings, with 56 fractional bits. When the model checker runs, [`crate::reckoned`]
-/// replaces it.
+/// The quotient `a / b` of two positive settings, with 56 fractional bits; the largest number for `b = 0`. When the model checker
+/// runs, [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -68,7 +68,7 @@ pub struct Settings {
     pub delay: Int,
 }
 
-/// The nearest coefficient with this many fractional bits; `None` if it does not fit a word.
+/// `x` (56 fractional bits) rounded to `fraction` fractional bits; `None` if it does not fit a word.
 fn weight(x: Int, fraction: u32) -> Option<Int> {
     let half = 1 << (55 - fraction);
     let nearest = (x + half).min(LONG_MOST) >> (56 - fraction);
@@ -82,12 +82,12 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// Constants of the device: loss of velocity, displacement per torque, and the delay, all with the tick as the unit of time.
+/// Constants of the device: loss of velocity, acceleration per torque, and the delay, all with the tick as the unit of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// Fraction of the velocity that damping takes per tick: damping times tick over inertia.
+    /// Fraction of the velocity that damping takes per tick: damping times tick, divided by inertia.
     pub loss: Int,
-    /// Acceleration per tick² for each N·m of torque: tick squared over inertia.
+    /// Acceleration in rad per tick² for each N·m of torque: squared tick divided by inertia.
     pub per_torque: Int,
     /// Time until a command begins to act, in ticks.
     pub delay: Int,
@@ -126,8 +126,8 @@ impl Device {
     }
 
     /// The gains by which the difference of measured and predicted position corrects position, displacement and the hand's push,
-    /// for three equal poles at `z = exp(-angle)`. `None` if one does not fit a word. When the model checker runs,
-    /// [`crate::reckoned`] replaces them.
+    /// for three equal poles at `z = exp(-angle)`. `None` if a gain does not fit a word. When the model checker runs,
+    /// [`crate::reckoned`] replaces the gains.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -168,8 +168,8 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// Prediction of the motion from a sample to the time when the next command begins to act. When the model checker runs,
-/// [`crate::reckoned`] replaces it.
+/// Prediction of the motion from a sample to the time when the next command begins to act; `None` if a weight does not fit a word.
+/// When the model checker runs, [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
@@ -180,8 +180,9 @@ fn rate_of(rate: Int) -> Int {
     (rate.max(1) * ONE).min(MOST)
 }
 
-/// Whether `validate` accepts the settings. The bandwidth must be a 500th to a fifth of the rate. The inertia over the squared
-/// tick, in N·m/rad, must be at least the largest force in N·m and at least 0.76, and at most 6e7.
+/// Whether `validate` accepts the settings. Besides the range of each setting, the bandwidth must be a 500th to a fifth of the
+/// rate. The inertia divided by the squared tick, in N·m/rad, must be at least the largest force in N·m and at least 0.76, and at
+/// most 6e7.
 #[must_use]
 pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
     let each = between(8_589_935, set.bandwidth, 20_000 * ONE)
@@ -224,8 +225,9 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     (signal_fits(limit) && bounded(&made)).then_some(made)
 }
 
-/// Whether a prediction is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no
-/// other weight exceeds the time in ticks.
+/// Whether a prediction over `ticks` ticks is bounded. Commands up to the limit change position and displacement by less than 2 rad
+/// per tick (with 54 fractional bits). The weights of displacement and push are at most the time in ticks, damping takes at most
+/// the whole velocity, and no weight is negative.
 #[must_use]
 pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, limit: Int) -> bool {
     let taken = |which: usize| {

@@ -7,7 +7,7 @@ use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 pub struct Fba {
     /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Damping of the device over the control period, in the number format of stiffnesses.
+    /// Damping of the device divided by the control period, in the number format of stiffnesses.
     pub device_damping: Int,
     /// Factor of the bound on the force: root of four times the device's damping per tick, in the number format of stiffnesses.
     pub bound: Int,

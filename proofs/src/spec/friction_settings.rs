@@ -21,9 +21,10 @@ pub struct Settings {
 pub struct Friction {
     /// Stiffness of the friction's spring, in the number format of stiffnesses.
     pub stiffness: Int,
-    /// Static friction: largest stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
+    /// Static friction: largest stretch per newton of normal force (coefficient divided by stiffness), in the number format of
+    /// ratios.
     pub fixed: Int,
-    /// Kinetic friction: stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
+    /// Kinetic friction: stretch per newton of normal force (coefficient divided by stiffness), in the number format of ratios.
     pub kinetic: Int,
 }
 

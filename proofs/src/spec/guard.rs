@@ -9,7 +9,7 @@ pub struct Guard {
     pub capacity: Int,
     /// Energy that the refill power adds to the account per tick.
     pub refill: Int,
-    /// Trusted damping over the control period, in the number format of stiffnesses.
+    /// Trusted damping divided by the control period, in the number format of stiffnesses.
     pub damping: Int,
     /// The largest measured displacement in a tick that is not overspeed.
     pub furthest: Int,
@@ -21,8 +21,8 @@ pub struct Guard {
     pub stray: Int,
     /// Distance charged per change of force: half an encoder count plus a bound of the rounding errors.
     pub slack: Int,
-    /// Largest force for each unit of free energy, in the number format of stiffnesses: the inverse of the largest displacement
-    /// plus a count.
+    /// Largest force for each unit of free energy, in the number format of stiffnesses: 1 over the sum of the largest displacement
+    /// and a count.
     pub per_reach: Int,
     /// Largest displacement for which the present force may act after the next sample, plus half an encoder count.
     pub in_flight: Int,

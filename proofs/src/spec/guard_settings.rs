@@ -93,8 +93,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
 }
 
 /// The two warnings for settings within their ranges, each `true` if it applies. First: the capacity is less than the work of the
-/// largest force over the largest displacement, the part after the next sample, and half a count. Second: the account is never
-/// refilled.
+/// largest force over the sum of the largest displacement, its part after the next sample, and half a count. Second: the account is
+/// never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let set = within_a_tick(set, told);

@@ -76,7 +76,7 @@ pub struct Settings {
 pub struct Spring {
     /// Stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Damping over the control period, in the number format of stiffnesses.
+    /// Damping divided by the control period, in the number format of stiffnesses.
     pub damping: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,
@@ -93,17 +93,17 @@ fn signal(x: Int) -> Option<Int> {
 /// Damping and inertia per tick, in units of 2^-32 N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// Critical stiffness, the largest that the device's damping makes passive: twice the damping over the control period.
+    /// Critical stiffness, the largest that the device's damping makes passive: twice the damping divided by the control period.
     pub critical: Int,
-    /// Inertia of the virtual mass over the control period squared.
+    /// Inertia of the virtual mass divided by the squared control period.
     pub inertia: Int,
     /// Damping of the damper between hand's point and virtual mass, divided by the control period.
     pub filter_damping: Int,
-    /// Damping between virtual mass and ground over the control period.
+    /// Damping between virtual mass and ground, divided by the control period.
     pub ground_damping: Int,
-    /// Damping of the device over the control period.
+    /// Damping of the device divided by the control period.
     pub device_damping: Int,
-    /// Virtual damping over the control period.
+    /// Virtual damping divided by the control period.
     pub virtual_damping: Int,
 }
 
@@ -128,7 +128,8 @@ pub enum Damped {
     Not,
     /// The configured virtual damping.
     Fully,
-    /// The virtual damping times desired over soft stiffness, for the enhanced law with a desired stiffness up to the soft one.
+    /// The virtual damping times the desired stiffness divided by the soft one. The enhanced law has it for a desired stiffness up
+    /// to the soft one.
     InProportion,
 }
 
@@ -180,9 +181,8 @@ impl Settings {
         })
     }
 
-    /// The coefficients of the SFA law, successive force augmentation (thesis 2.14a). The offset's step per displacement is
-    /// critical over soft stiffness less 1, and 0 for a device with a smaller critical stiffness. `None` if a coefficient does not
-    /// fit.
+    /// The coefficients of the SFA law, successive force augmentation (thesis 2.14a). The offset's step per displacement is the
+    /// critical stiffness divided by the soft one, minus 1; it is 0 if that is negative. `None` if a coefficient does not fit.
     #[must_use]
     pub fn sfa(&self, update: Update) -> Option<Sfa> {
         let critical = derived(self).critical;

@@ -18,8 +18,8 @@ pub fn plus(a: Int, b: Int) -> Int {
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// The quotient `a / b` of settings, and the largest setting for `b = 0`. When the model checker runs, [`crate::reckoned`] replaces
-/// it.
+/// The quotient `a / b` of settings, and the largest setting if `b` is not above 0. When the model checker runs,
+/// [`crate::reckoned`] replaces it.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
@@ -44,7 +44,7 @@ pub fn signal_of(x: Int) -> Int {
 pub fn gain_of(x: Int) -> Int {
     x >> 20
 }
-/// A setting converted to an energy, with 48 fractional bits.
+/// A setting converted to an energy: 16 zero bits follow its 32 fractional bits, since an energy has 48.
 #[must_use]
 pub fn energy_of(x: Int) -> Int {
     x << 16

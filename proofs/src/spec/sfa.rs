@@ -32,7 +32,8 @@ pub struct Sfa {
     pub desired: Int,
     /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
-    /// Step of the offset per displacement, critical over soft stiffness less 1 (thesis 2.14a), in the number format of ratios.
+    /// Step of the offset per displacement: critical stiffness divided by the soft one, minus 1 (thesis 2.14a), in the number
+    /// format of ratios.
     pub gain: Int,
     /// Compliance of the soft virtual spring, in the number format of ratios.
     pub compliance: Int,

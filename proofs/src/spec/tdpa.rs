@@ -9,7 +9,7 @@ pub struct Tdpa {
     pub desired: Int,
     /// Whether the law counts the true energy, last force times displacement, instead of new force times displacement (thesis 2.1).
     pub exact: bool,
-    /// Damping of the device over the control period (thesis 2.6), in the number format of stiffnesses.
+    /// Damping of the device divided by the control period (thesis 2.6), in the number format of stiffnesses.
     pub device_damping: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,

@@ -11,8 +11,8 @@ pub use super::window::{LONGEST, window};
 /// Number of binary digits of a state below its part, the leading digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
 
-/// First-order filter of the velocity: `v = v + a (x - x' - v)`, with the gain `a`, the position `x` and the last one `x'`. `None`
-/// if no device can move like that.
+/// First-order filter of the velocity: the new velocity is `v + a (x - x' - v)`, with the last velocity `v`, the gain `a`, the
+/// position `x` and the last position `x'`. `None` if no device can move like that.
 #[must_use]
 pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
     let news = state(at) - before.x - before.d;

@@ -44,7 +44,8 @@ impl Session {
         Ok(())
     }
 
-    /// Hands the stored encoder alignment to the device for the next calibration, if it was measured with the present settings.
+    /// Hands the stored encoder alignment to the device for the next calibration, if it was measured with the hardware that the
+    /// present settings describe.
     pub(super) fn give_kept(&self, device: &mut impl Backend) {
         let usable = self.kept.usable(&self.settings, device.identity().board);
         device.use_kept(usable.ok());

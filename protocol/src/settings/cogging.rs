@@ -20,8 +20,8 @@ pub const CURRENT_BITS: u32 = 13;
 /// Most bytes that a [`KeptCogging`] takes in flash (a test checks it).
 pub const COGGING_MAX: usize = 120;
 
-/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)` with its order `n`. The angle `θ` of the shaft is measured from the
-/// encoder's own zero in the direction of rising counts.
+/// One harmonic of the current: field `cos` times `cos(n θ)` plus field `sin` times `sin(n θ)`, with the order `n`. The angle `θ`
+/// of the shaft is measured from the encoder's own zero in the direction of rising counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingHarmonic {
     /// Order `n` of the harmonic: its number of periods in a turn, 1 or more.
@@ -49,7 +49,7 @@ pub struct KeptCogging {
 }
 
 impl KeptCogging {
-    /// The cogging map, if it was measured with the present settings.
+    /// The cogging map, if it was measured with the hardware that the present settings describe.
     ///
     /// # Errors
     /// Why the map cannot be used.

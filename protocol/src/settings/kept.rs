@@ -190,7 +190,7 @@ impl MeasuredWith {
     /// Checks whether the data were measured with the hardware that the present settings describe.
     ///
     /// # Errors
-    /// The part of the hardware that differs.
+    /// The settings allow no stored data, or the part of the hardware that differs.
     pub fn fits(&self, settings: &DeviceSettings, board: Board) -> Result<(), Unkept> {
         may_keep(settings)?;
         let now = Self::new(settings, board);

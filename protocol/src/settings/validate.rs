@@ -142,7 +142,7 @@ impl fmt::Display for Invalid {
 impl core::error::Error for Invalid {}
 
 impl DeviceSettings {
-    /// Checks all that depends on the board and on the control law. Returns the wall's control law.
+    /// Checks every range, and all that depends on the board and on the control law. Returns the wall's control law.
     ///
     /// Firmware and desktop call `touchstone_drive::wire::checked` instead. It calls this function first and then also checks the
     /// power stage's limits of current and voltage.

@@ -24,13 +24,13 @@ pub enum Motor {
     Resistance(f64),
     /// The magnets have this fraction of their strength.
     Magnets(f64),
-    /// The stored electrical angle is wrong by this many degrees; the encoder is right.
+    /// The alignment becomes wrong by this many electrical degrees; the encoder's readings stay right.
     Angle(f64),
-    /// The knob comes off the shaft.
+    /// The knob comes off: the hand no longer acts on the shaft, which keeps its inertia.
     KnobOff,
     /// The bearings lose all their damping.
     NoDamping,
-    /// The bearings jam.
+    /// The bearings jam: their damping becomes 1 N·m·s/rad.
     Jams,
 }
 
@@ -64,7 +64,7 @@ pub enum Memory {
     Damaged,
     /// The stored alignment is wrong by this many electrical degrees.
     Alignment(f64),
-    /// The settings are those of another motor: its resistance, inductance and torque constant are multiplied by this factor.
+    /// The settings are those of another motor: resistance, inductance and torque constant are this many times the motor's.
     Motor(f64),
     /// The resistance in the settings is this many times the motor's.
     Resistance(f64),

@@ -68,7 +68,7 @@ impl Grip {
 pub const BEFORE_S: f64 = 1.0;
 /// Time from the fault until the hand goes out of the wall, s.
 pub const STAYS_S: f64 = 2.2;
-/// Same as [`STAYS_S`], where a run without a found fault is repeated for longer.
+/// [`STAYS_S`] in the longer repetition of a run in which the board found no fault.
 pub const LONG_STAYS_S: f64 = 32.2;
 /// Time from when the hand goes out of the wall until the run ends, s.
 pub const LEAVES_S: f64 = 0.8;
@@ -96,7 +96,7 @@ pub struct Bench {
     pub(super) knob: Played,
     /// Shaft angle at the device's zero, rad.
     pub(super) zero_rad: f64,
-    /// Lowest value of the energy that the motor has given, at any time since the arming, J.
+    /// Least energy that knob and hand had got from the motor in total, at any time since the hand began to move, J.
     pub(super) least_j: f64,
     /// [`super::Cell::course`] of a healthy board: without a restart, and with one.
     pub(super) healthy: [u64; 2],
@@ -264,7 +264,7 @@ impl Bench {
         HeldLinear::new(shaft, hand, factor * PERIOD_S / 2.0).expect("a plant")
     }
 
-    /// Most energy in J that the guard lets a hand get in one run.
+    /// Most energy in J that the guard lets a hand get in one run with [`STAYS_S`].
     #[must_use]
     pub fn promise_j(&self) -> f64 {
         let law = touchstone_drive::change::law_settings(&self.settings, hardware(self.board));
@@ -276,8 +276,8 @@ impl Bench {
         capacity + force * count / 2.0 + refill * (BEFORE_S + STAYS_S + LEAVES_S)
     }
 
-    /// Rest point of the hand, rad, at the time `since_s` after the fault. The hand began to move at `began_s` and goes out of the
-    /// wall at `stays_s`.
+    /// Rest point of the hand, rad, at the time `since_s` after the fault. The hand begins to move at `began_s` (not used for
+    /// [`Moment::Ready`]) and goes out of the wall at `stays_s`, both times after the fault.
     pub(super) fn rest_rad(&self, since_s: f64, began_s: f64, zero_rad: f64, stays_s: f64) -> f64 {
         use std::f64::consts::TAU;
         let surface = zero_rad + self.settings.wall.surface_rad.to_num::<f64>();

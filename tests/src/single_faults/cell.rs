@@ -9,18 +9,18 @@ use super::tamper::Breaks;
 use touchstone_protocol::{Command, FaultCode, State};
 use touchstone_world::motor::Drive;
 
-/// Number of ticks that a run goes on after the fault was found. In this time the motor's current ends.
+/// Number of ticks that a run goes on after the board found the fault. In this time the motor's current ends.
 const TAIL: u32 = 20;
 
 /// The result of a run with a fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// Most energy that the motor gave to hand and knob, beyond what it took, in any time window, J. The window ends after the
-    /// fault and before the device is off.
+    /// fault, and at most 20 ticks after the device is off.
     pub most_j: f64,
     /// Time from the fault until the device is off for good, s; `None` if the board found no fault.
     pub off_s: Option<f64>,
-    /// Largest speed of the shaft between the fault and the switch-off, rad/s.
+    /// Largest speed of the shaft from the fault until 20 ticks after the switch-off, or until the run's end, rad/s.
     pub fastest_rad_per_s: f64,
     /// The fault that the board found.
     pub code: Option<FaultCode>,

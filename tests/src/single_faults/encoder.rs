@@ -32,7 +32,7 @@ pub enum Encoder {
     Bit(u32, bool),
     /// The reading runs the wrong way.
     Mirrored,
-    /// The reading moves by half of the way.
+    /// The reading moves by half of the shaft's displacement.
     Half,
     /// Noise with this root mean square.
     Noise(f64),

@@ -62,8 +62,8 @@ impl<'b> Table<'b> {
     }
 
     /// Violations of what the rows must fulfil, one per line; empty if there are none. A healthy board raises no fault and keeps
-    /// the guard's bound. A fault changes the run, gives at most [`MOST_J`], and is found if the bound is exceeded, except for
-    /// known gaps.
+    /// the guard's bound. A fault with `Same::Nowhere` changes every run. Each fault gives at most [`MOST_J`], and is found if the
+    /// bound is exceeded, except for known gaps.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -99,8 +99,8 @@ impl<'b> Table<'b> {
         lines
     }
 
-    /// Violations that only all rows together show: known gaps that no run shows any more, and faults that change no run, or one
-    /// although they must change none.
+    /// Violations that only all rows together show: a known gap that no run shows, a fault that changes no run, and a fault that
+    /// changes a run although all must be equal.
     #[must_use]
     pub fn complaints_of_all(&self) -> Vec<String> {
         let mut lines = Vec::new();

@@ -71,7 +71,7 @@ pub enum Bridge {
 pub enum Supply {
     /// The voltage goes to this fraction of what it was, within this many ticks.
     To(f64, u32),
-    /// The voltage is at this fraction for this many ticks.
+    /// The voltage is at this fraction of what it was for this many ticks.
     Dip(f64, u32),
     /// The sensor reads this fraction of the voltage.
     Reads(f64),
@@ -84,9 +84,9 @@ pub enum Supply {
 /// A fault of the timing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Timing {
-    /// Every tick comes this many PWM periods late, and the processor measures it.
+    /// Every tick comes this many PWM periods late, and the processor measures the delay.
     Late(u32),
-    /// The same, but the processor does not measure it.
+    /// The same, but the processor measures no unusual delay.
     LateUntold(u32),
     /// One of this many ticks is left out.
     Misses(u32),

@@ -170,8 +170,8 @@ fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
 }
 
-/// Combines the outcomes of the harnesses (proofs) and of the integer obligations, lemmas on which some harnesses rest. A failure
-/// counts first, then "not run", then the harnesses' outcome.
+/// Combines the outcomes of the harnesses (proofs) and of the integer obligations (lemmas on which some harnesses rest). The result
+/// is a failure if one of them failed, else "not run" if one was not run, else a success.
 fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     let said = format!("{}; integer obligations", harnesses.reason());
     match obligations {

@@ -8,15 +8,15 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Number of conflicts after which the script stops the solver CaDiCaL and starts the solver kissat. CaDiCaL takes a second or two
-/// for them. The limit is not a time, so that the same solver answers on every machine.
+/// Number of conflicts after which the script stops the solver CaDiCaL and starts the solver kissat. CaDiCaL reaches this number in
+/// a second or two. The limit is not a time, so that the same solver answers on every machine.
 const CONFLICTS: u32 = 10_000;
 /// Number of variables below which the solver kissat runs at once, without CaDiCaL, because kissat solves such small problems as
 /// fast.
 ///
-/// The solutions found first change the last problem of a harness (proof). With CaDiCaL first, kissat took 28 s instead of 4 s for
-/// one of two tried harnesses, and 11 s instead of 8 s for the other. These differences are chance and may be the opposite for
-/// other harnesses.
+/// The last problem of a harness (proof) depends on the solutions of its earlier problems. With CaDiCaL for the earlier ones,
+/// kissat took 28 s instead of 4 s for one of two tried harnesses, and 11 s instead of 8 s for the other. These differences are
+/// chance and may be the opposite for other harnesses.
 const FEW_VARIABLES: u32 = 40_000;
 
 /// Search path in which scripts come before cvc5 and kissat, if these solvers are installed.

@@ -84,7 +84,8 @@ class GuardedDevice:
 
     Two functions and all keywords of ``Guard`` serve instead: ``GuardedDevice(read, write, rate_hz=1000, …)``.
 
-    At most ``capacity_j + refill_w * time`` reaches the hand beyond what it put in, under the conditions of ``Guard``.
+    Beyond what it put in and the device's kinetic energy, the hand gets at most ``capacity_j + refill_w * time`` and half a count times the
+    largest force, under the conditions of ``Guard``.
     """
 
     @overload

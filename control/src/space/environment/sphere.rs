@@ -48,8 +48,8 @@ fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     }
 }
 
-/// Distance from a point `v` inside a circle or ball to its surface along a direction. `v` is given from the centre. For the radius
-/// `R` it is `sqrt(b² + R² - |v|²) - b`, where `b` is the component of `v` along the direction.
+/// Distance from a point inside a circle or ball to its surface along a direction. `from` is the vector `v` from the centre to the
+/// point. For the radius `R` the distance is `sqrt(b² + R² - |v|²) - b`, where `b` is the component of `v` along the direction.
 pub(super) fn chord<N: Spatial>(
     radius: Position<N>,
     from: Vector<Position<N>>,

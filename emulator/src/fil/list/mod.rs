@@ -151,8 +151,8 @@ const TICK: u64 = 1_050;
 /// latches the fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
 /// Time limit in µs if a seventh of the encoder's frames are bad, with two to four frames in a control period. Each bad reading
-/// adds 50 to a sum, each good one takes 1 away, and 1,000 is a fault (`drive/src/supervisor/share.rs`). With two frames in a
-/// period the fault comes after 75 periods; the limit is nearly twice that.
+/// adds 50 to a sum, each good one takes 1 away, and 1,000 is a fault (`drive/src/supervisor/share.rs`). With one reading of two
+/// frames in a period, the fault comes after some 75 periods; the limit is twice that.
 const OFF_AT_SHARE: u64 = 150_000;
 /// Time limit in µs for windings whose current does not match the voltage by the motor's model (`docs/faults/25-motor-model.md`).
 const OFF_AT_MODEL: u64 = 50_000;

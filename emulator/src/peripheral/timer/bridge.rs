@@ -474,7 +474,7 @@ impl BridgeTimer {
         self.registers.get(CR2) >> 20 & 15 == 2
     }
 
-    /// Whether the last edge at the top or bottom was an update event, at which the repetition counter is reloaded.
+    /// Whether the last edge, [`Edge::Top`] or [`Edge::Bottom`], was an update event, which reloads the repetition counter.
     #[must_use]
     pub fn was_update(&self) -> bool {
         self.repetition == self.registers.get(RCR)

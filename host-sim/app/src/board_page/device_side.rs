@@ -162,13 +162,13 @@ impl DeviceSide {
     }
 
     /// Switches the device off if it drives the motor or could do so, and checks that it is off. Returns a description of what was
-    /// done.
+    /// done; `None` if there was nothing to switch off.
     ///
     /// # Errors
-    /// The request failed: the device may still be on.
+    /// The device may still be on: a request failed, or there is no connection to a device that was on.
     pub fn off(&mut self) -> Result<Option<&'static str>> {
         if self.client.is_none() {
-            // The connection is lost. A new one is tried here, since no other program switches the device off.
+            // Without a connection, one more attempt to connect is made, because no other program switches the device off.
             self.client = Client::connect(&self.address).ok();
         }
         let done = match &mut self.client {

@@ -11,7 +11,7 @@ use touchstone_sim::positions::Positions;
 
 /// Narrowest and widest distance between two positions that a board accepts, rad.
 const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;
-/// Points of a torque profile for each position: the points are a third of a position's width apart.
+/// Number of a torque profile's points per position: the points are a third of a position's width apart.
 const POINTS_A_POSITION: i64 = 3;
 
 /// A SmartKnob's configuration translated for a board: the detents and end stops to render, and the angles of the positions.
@@ -47,8 +47,8 @@ impl Strength {
     }
 }
 
-/// Why a SmartKnob's configuration is invalid, as the text that is logged; `None` for a valid one. A SmartKnob itself refuses the
-/// same configurations.
+/// Why a SmartKnob's configuration is invalid, as the text that is logged; `None` for a valid one. A SmartKnob itself makes the
+/// same checks, but not whether all numbers are finite and the width is within `WIDTHS`.
 pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     let numbers = [
         config.position_width_radians,
@@ -145,7 +145,7 @@ fn magnetic(
     torque: f64,
     notes: &mut Vec<String>,
 ) -> Option<ProfileBeside> {
-    // The nearest positions first, as many as the points of a profile suffice for.
+    // Keeps the detents nearest to `position`, as far as all kept ones fit into the points of one profile.
     let room = (MOST_POINTS as i64 - 5) / POINTS_A_POSITION;
     let mut wanted: Vec<i64> = config
         .detent_positions

@@ -261,7 +261,7 @@ impl SmartKnob {
             self.state.current_position = number as i32;
         }
         let beside = self.positions.beside(self.angle_rad) as f32;
-        // Changes too small to be seen are not sent to the program.
+        // A change of at most 0.005 of a position's width is not sent to the program.
         if (beside - self.state.sub_position_unit).abs() > 0.005 {
             self.state.sub_position_unit = beside;
         }
@@ -357,7 +357,7 @@ impl SmartKnob {
         Ok(())
     }
 
-    /// Sends a configuration to the board, with `position` at the angle `centre_rad`. Returns whether it is rendered now.
+    /// Sends a configuration to the board, with `position` at the angle `centre_rad`. Returns whether the board accepted it.
     fn render(
         &mut self,
         client: &mut Client,

@@ -182,7 +182,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
                 let value = value::shown(&settings, field);
                 say!("{} = {value}{}", field.path, value::unit(field));
             }
-            // If the guard's settings are shown, the bound that they give is shown, too.
+            // Below the guard's settings, also prints the bound on the hand's energy that follows from them.
             if shown
                 .iter()
                 .any(|field| field.path == "law.guard.capacity_j")

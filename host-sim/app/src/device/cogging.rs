@@ -201,8 +201,8 @@ pub fn at_rest(client: &mut Client) -> Result<()> {
     }
 }
 
-/// Measures a cogging map, checks it and saves it on the board. A map that does not reduce the ripple is not stored. The device is
-/// left stopped.
+/// Measures a cogging map, checks it and saves it on the board. A map with which `LEFT_MOST` of the ripple or more remains is not
+/// stored. The device is left stopped.
 pub fn measure(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
     guarded(client, settings, |client, asked| {
         let (before, known) = swept(client, asked, stop, Sweep::Bare)?;
@@ -328,7 +328,7 @@ fn swept(
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     calibrate.map_err(|refused| spin::fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
-    // The shaft turns both ways, each with a quarter of a turn in addition.
+    // Time of the turns, s: `TURNS` each way, and a quarter of a turn more each way.
     let quarters = 2 * (4 * TURNS + 1) / QUARTERS_PER_S;
     let turning = Duration::from_secs(quarters.unsigned_abs());
     let limit = calibration_limit(settings) + turning + SWEEP_REST;

@@ -118,7 +118,7 @@ pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> V
     lines
 }
 
-/// Whether the encoder's magnet should be centred again, and why; `None` if not.
+/// Warning that the encoder's magnet should be mounted again, with the reason; `None` if the error is small enough.
 pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     let cost = found.cost(pole_pairs);
     let why = match cost.reseat()? {

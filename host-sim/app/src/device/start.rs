@@ -149,7 +149,7 @@ pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result
 }
 
 /// Stores the alignment that the calibration measured, and runs the check that the next start will make. An alignment that fails
-/// the check is not stored.
+/// the check is deleted again.
 pub fn keep(client: &mut Client) -> Result<()> {
     client.tell(&Request::KeepAlignment)?;
     client.tell(&Request::Command(DeviceCommand::Stop))?;
@@ -173,8 +173,9 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// Configures the longest time without a message from the computer, and returns it, s. A knob that starts unattended gets 0, which
-/// means no limit. With automatic start off, a knob without a limit gets the default.
+/// Sets the time without a request from the computer after which the board switches off, and returns this time, s. A board that
+/// starts unattended gets 0: it never switches off for this reason. If automatic start is switched off, a value of 0 becomes the
+/// default.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;

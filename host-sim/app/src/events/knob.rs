@@ -23,7 +23,7 @@ pub struct Knob<'a> {
     pub positions: Positions,
     /// Name of the feel that a program chose last; `None` before any choice.
     feel: Option<String>,
-    /// The number that the present position gets at the next record.
+    /// The number that the present position gets at the next record; `None` to keep its number.
     called: Option<i64>,
     kept: Option<Kept>,
     zero: Zero,

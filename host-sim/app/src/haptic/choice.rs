@@ -89,7 +89,7 @@ pub fn described(library: &Dhd) -> String {
 pub enum SimulatedHand {
     /// No hand; the device runs at this control rate, Hz.
     Nobody(u32),
-    /// The hand holds still above the workspace's centre.
+    /// For a device that is only opened to read its properties: the hand moves as at a floor, at 1 kHz.
     Still,
     /// The hand moves around an object repeatedly, at this control rate, Hz.
     Moves(Object, u32),
@@ -108,7 +108,8 @@ impl SimulatedHand {
     }
 }
 
-/// The rest point of a simulated hand that slides at this speed, and its update rate, Hz.
+/// The rest point of a simulated hand over time, and its update rate, Hz. A hand that slides along the object does so at
+/// `slide_mm_per_s`.
 fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
     let (object, rate_hz) = match hand {
         SimulatedHand::Nobody(rate_hz) => return (Box::new(|_| [0.0; 3]), rate_hz),
@@ -132,7 +133,7 @@ fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
 }
 
 fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
-    // The workspace of this device is 80 mm wide instead of 160 mm, so the hand slides more slowly.
+    // This device's workspace is 80 mm wide, that of the omega.3 160 mm, so the hand slides more slowly here.
     let (rest, rate_hz) = rest(hand, 20.0);
     let at = hand.hand();
     SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))

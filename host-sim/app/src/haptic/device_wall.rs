@@ -58,7 +58,7 @@ pub struct WallOptions {
     pub no_guard: bool,
 }
 
-/// Default stiffness with the thesis' settings, N/mm. The next constant is that for a device of unknown mass and damping.
+/// Default stiffness with the thesis' settings, N/mm. `UNKNOWN_N_PER_MM` is the default for a device of unknown mass and damping.
 const THESIS_N_PER_MM: f64 = 5.0;
 const UNKNOWN_N_PER_MM: f64 = 1.0;
 
@@ -194,7 +194,8 @@ fn of_tuned(wall: &TunedWall, sheet: &DataSheet, rate_hz: u32) -> ChosenLaw {
         law: wall.settings(rate_hz, sheet.force_n),
         estimator: Some([wall.estimator(); 3]),
         source: format!("tuned for {}", wall.name),
-        // The stiffness during a hold is measured to 5 %. Here half an encoder count of depth is more than 5 % of the press force.
+        // The displayed stiffness must be measured to 5 %. Warns if the force of half an encoder count of depth is above 5 % of the
+        // press force.
         caution: (count_n > 0.1 * PRESS_SHARE * sheet.force_n).then(|| {
             format!(
                 "one encoder count of {} is {count_n:.2} N in this wall: too coarse to measure the displayed stiffness",

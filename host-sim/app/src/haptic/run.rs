@@ -235,7 +235,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         (false, true) => Box::new(DevicePace::new(rate_hz)),
         (false, false) => Box::new(RealTime::new(rate_hz)),
     };
-    // The length of the run: in seconds for a real device, in control ticks in simulated time.
+    // The run ends after `seconds` of real time, or with `--fast` after `most` control periods.
     let programme = turn.map(|turn| turn.ticks());
     let seconds = options
         .seconds

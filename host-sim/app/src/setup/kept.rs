@@ -173,7 +173,7 @@ impl Kept {
         self.write()
     }
 
-    /// Writes the progress file in one step: after a power cut, the file has the earlier state.
+    /// Writes the progress file in one step: after a power cut, the file has either the earlier or the new content.
     fn write(&self) -> Result<()> {
         output::write(&self.file, self.text()).map_err(|error| io(&self.file, &error))
     }

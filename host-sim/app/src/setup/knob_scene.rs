@@ -16,8 +16,8 @@ const GUARD_SHARE: f64 = 0.8;
 /// Number of standard uncertainties that are subtracted from the measured damping. The result is an upper limit of the damping that
 /// the energy guard may assume.
 const GUARD_UNCERTAINTIES: f64 = 2.0;
-/// Torque with which the simulated hand presses, as a fraction of the motor's torque at its largest allowed current. The torque is
-/// at most 0.1 N·m, as in the thesis.
+/// Torque with which the simulated hand presses, as a fraction of the motor's torque at its continuous current or its current
+/// limit, whichever is smaller. The press has at most 0.1 N·m, as in the thesis.
 const PRESS_SHARE: f64 = 0.6;
 
 /// Damping that the energy guard may assume, N·m·s/rad.

@@ -268,7 +268,7 @@ fn a_program_for_a_smartknob_configures_turns_and_reads_a_board() {
     configures_turns_and_reads(&mut Demo::new());
 }
 
-/// Same as the test with the demo, on the emulated firmware of a board.
+/// Runs `configures_turns_and_reads` on the emulated firmware of a board.
 #[test]
 #[ignore = "needs the emulated firmware; `cargo xtask smartknob` builds it and runs this test"]
 fn a_program_for_a_smartknob_configures_turns_and_reads_the_emulated_firmware() {

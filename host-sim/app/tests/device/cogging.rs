@@ -65,7 +65,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
         "{said}"
     );
 
-    // A map shifted by half a cogging period makes the torque ripple larger. The check reports this and does not delete the map.
+    // A map shifted by half a cogging period makes the shaft's ripple larger. The check reports this and does not delete the map.
     let right = bent(&device, |kept| {
         for part in &mut kept.map.harmonics {
             (part.cos, part.sin) = (-part.cos, -part.sin);

@@ -71,14 +71,14 @@ fn a_recording_of_a_flick_is_put_beside_its_scene() {
     let value: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(value["differences"][0]["what"], "position");
     assert_eq!(value["holds"], true);
-    // With a tolerance of 0 the comparison fails, because no two recordings are exactly equal.
+    // With a tolerance of 0 the comparison fails, because recording and simulation are never exactly equal.
     let said = compared(&["--tolerance", "0", "--json"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     let value: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(value["holds"], false);
 
-    // Without `--hand released` the command assumes that the scene's hand held the knob. Its motion is estimated from the recording
-    // and can be run again.
+    // Without `--hand released` the command assumes that the scene's hand held the knob. The hand's motion, estimated from the
+    // recording, can be run again.
     let held = [
         "compare",
         file.to_str().unwrap(),

@@ -181,7 +181,7 @@ fn a_file_that_was_cut_changes_nothing() {
     let name = file.to_str().unwrap();
     device.run(&["config", "export", name]).done();
     let whole = std::fs::read_to_string(&file).unwrap();
-    // The file is cut at many places. At some of them the rest is still valid TOML, for example in the middle of a number.
+    // The file is cut at many places. At some places, such as the middle of a number, the text before the cut is still valid TOML.
     for length in (0..whole.len() - 1).step_by(97) {
         if !whole.is_char_boundary(length) {
             continue;

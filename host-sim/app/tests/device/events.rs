@@ -70,7 +70,7 @@ fn a_knob_without_positions_says_what_to_give() {
         "{}",
         said.err
     );
-    // With `--pitch` the command counts positions.
+    // With `--pitch`, a device without detents has positions, too.
     let said = device
         .run(&["events", "--pitch", "10", "--seconds", "0.3"])
         .done();
@@ -127,7 +127,7 @@ fn a_program_gets_positions_and_chooses_the_feel_by_osc() {
         let sent = program.send_to(message, format!("127.0.0.1:{listen}"));
         assert_eq!(sent.unwrap(), message.len());
     };
-    // The knob has no detents, so its first position is a whole turn.
+    // The knob has no detents, so each position is a whole turn.
     let first = next("/touchstone/position\0\0\0\0,iif\0\0\0\0");
     assert_eq!(&first[32..36], [0; 4]);
     say(b"/touchstone/position\0\0\0\0,i\0\0\0\0\0\x64");

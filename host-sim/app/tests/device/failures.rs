@@ -47,7 +47,7 @@ fn a_silent_device_is_given_up_soon() {
 
 #[test]
 fn a_command_whose_answer_is_damaged_is_not_given_twice() {
-    // Answer 0 is the answer to `Hello`.
+    // Answer 0 is that to `Hello`, answer 1 that to the command.
     let device = Fake::with(Trouble {
         damages: Some(1),
         ..Trouble::default()
@@ -85,7 +85,7 @@ fn a_damaged_answer_is_asked_for_again() {
 
 #[test]
 fn a_connection_that_is_cut_is_named() {
-    // Answer 0 is the answer to `Hello`.
+    // The device closes the connection at request 0, which is `Hello`, or at request 1 or 2.
     for at in 0..3 {
         let device = Fake::with(Trouble {
             closes_at: Some(at),

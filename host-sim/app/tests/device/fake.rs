@@ -43,7 +43,7 @@ pub struct Trouble {
     pub kit: bool,
     /// Whether the device is a board without current sensors.
     pub no_current: bool,
-    /// The board that the device is, in place of those above.
+    /// The board that the device is, whatever `small`, `kit` and `no_current` say.
     pub board: Option<Board>,
 }
 

@@ -214,7 +214,7 @@ fn what_is_left_on_every_board_is_within_the_conditions_of_the_bound() {
             assert!(law.guard.lag >= own.guard.lag);
             let count = std::f64::consts::TAU / f64::from(shipped.encoder.counts_per_rev);
             assert!(law.position.count.to_num::<f64>() >= count, "{board:?}");
-            // `board_window` of proofs/coq/Boards.v.
+            // At most 45.145 mJ, by `any_accepted_window` of proofs/coq/AcceptedWindow.v.
             let bound = bound(left, board).unwrap();
             assert!(bound.at_once_j <= 0.045_145, "{board:?}: {bound:?}");
         }

@@ -78,7 +78,7 @@ fn a_command_that_arms_and_ends_says_what_comes_and_it_comes() {
     );
     std::thread::sleep(SILENT);
     assert!(demo.run(&["device", "fault"]).contains("22 host-silent"));
-    // A user who needs no desktop can switch this check off.
+    // With a limit of 0 the device stays on without a computer.
     demo.run(&["device", "stop"]);
     demo.run(&["config", "set", "limits.host_silence_s", "0"]);
     demo.run(&["device", "calibrate"]);

@@ -232,7 +232,8 @@ fn a_setup_keeps_it_where_it_is_asked_to() {
     assert_eq!(status(&device)["start"]["alignment_is_usable"], true);
 }
 
-/// Checks that other requests do not lose the alignment saved for the next start.
+/// Checks that `alignment keep` saves what the calibration found, and that its own stop and check do not change the saved
+/// alignment.
 #[test]
 fn what_is_kept_is_what_the_calibration_found() {
     let device = spun(16);

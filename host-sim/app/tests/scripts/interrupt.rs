@@ -97,7 +97,7 @@ fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     // A hidden folder without its locked file may be in use. The program prints its name and does not remove it.
     std::fs::create_dir(here.join("new/.touchstone-report-1.0")).unwrap();
     assert!(next().contains("may be the remainder of an interrupted run"));
-    // Other names, and links, are not the program's.
+    // Folders with other names, and links, are not the program's and must stay.
     let others = [".touchstone-report-1", ".touchstone-report-mine"];
     for other in others {
         std::fs::create_dir_all(here.join("new").join(other).join("kept")).unwrap();

@@ -11,7 +11,7 @@ fn a_spring_beyond_its_own_bound_is_refused_and_one_within_it_is_not() {
             &["k_de = 5", "2 c_i/T = 1.0000", "give at most 1"][..],
         ),
         (
-            // 2 (5e-4 - 2e-4)/T
+            // The bound is 2 (5e-4 - 2e-4)/T = 0.6 N·m/rad.
             &[
                 "--law",
                 "spring-damper",

@@ -16,7 +16,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Longest wait for an answer. An answer takes some milliseconds, the erase of a flash page 25.
+/// Longest wait for an answer. An answer takes some milliseconds, the erase of a flash page 25 ms.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);
 /// Number of attempts for a request whose answer was lost or damaged.
 const TRIES: u32 = 3;

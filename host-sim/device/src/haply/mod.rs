@@ -26,8 +26,8 @@ pub const SERVICE: &str = "localhost:10001";
 const PATIENCE: Duration = Duration::from_millis(300);
 /// Number of device states over which the service's rate is measured.
 const MEASURED: u32 = 100;
-/// Largest force (N) that the program commands. The next constants are radius and half height of the workspace and the position's
-/// resolution (m). All are assumed, not published by the maker.
+/// Largest force that the program commands, N. `REACH_M` is both radius and half height of the workspace, `COUNT_M` the position's
+/// resolution. All three are assumed, not published by the maker.
 const FORCE_N: f64 = 3.0;
 const REACH_M: f64 = 0.1;
 const COUNT_M: f64 = 5e-5;

@@ -28,7 +28,7 @@ pub trait ForceLaw {
     /// A fault after which no force may act.
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
 
-    /// Receives the force that was finally commanded, N. Limits may have made it smaller than that of [`ForceLaw::tick`].
+    /// Receives the force that acts, N. Limits or saturated motors may have made it smaller than that of [`ForceLaw::tick`].
     fn commanded(&mut self, _force_n: [f64; 3]) {}
 }
 
@@ -47,7 +47,8 @@ pub struct ServoLimits {
     pub outside_m: f64,
     /// Largest speed between two measured positions, m/s. A higher one counts as a jump of the position and ends the servo loop.
     pub jump_m_per_s: f64,
-    /// Longest lateness of a control interval (tick) or of a call's return, s. A force that is held for longer ends the servo loop.
+    /// Lateness of a control interval (tick) or of a call's return, s, above which the servo loop ends: the last force acts too
+    /// long.
     pub late_s: f64,
     /// Time without a new position that ends the servo loop, s.
     pub stale_s: f64,
@@ -97,7 +98,7 @@ pub struct ServoReport {
     pub saturated_ticks: u64,
     /// Number of control intervals (ticks) in which the effector was outside the workspace.
     pub outside_ticks: u64,
-    /// Largest commanded force after all limits, N.
+    /// Largest force after all limits, N; under saturated motors the acting force, if the device reports it.
     pub force_max_n: f64,
     /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
@@ -116,7 +117,7 @@ pub struct ServoTick {
     pub due: u64,
     /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// Commanded force after all limits, N.
+    /// Force after all limits, N; under saturated motors the acting force, if the device reports it.
     pub force_n: [f64; 3],
 }
 

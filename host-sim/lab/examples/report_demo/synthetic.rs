@@ -2,7 +2,7 @@
 //!
 //! A knob and a hand are simulated in coarse steps with rough sketches of the control laws. They give data for every type of
 //! picture: a clean press, a growing oscillation, a negative force, a stiffness that climbs. The real laws are in the control
-//! crate, the real plant in the module `plant`.
+//! crate, the real plant in `touchstone_world::plant`.
 
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};

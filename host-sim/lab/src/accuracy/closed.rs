@@ -38,7 +38,7 @@ pub struct ClosedPoint {
     /// Largest difference of the angle from that of the closed-form solution in the same tick, rad.
     pub path_difference_rad: f64,
     /// Largest stiffness at which the sampled loop of wall and bare device is stable when this method simulates the device,
-    /// N·m/rad. `None`: the loop is stable at no stiffness.
+    /// N·m/rad. `None`: the loop is unstable even at a thousandth of `b/(T/2)` (damping `b`, control period `T`).
     pub k_max_n_m_per_rad: Option<f64>,
     /// Largest stable stiffness with this integration method, divided by that with the closed-form solution, minus 1.
     pub k_max_error: Option<f64>,
@@ -86,7 +86,7 @@ impl<S: Stepper> LinearStepper for Linear<S> {}
 /// Largest stiffness, N·m/rad, at which the sampled loop of wall and bare device is stable without delay.
 ///
 /// `by` is the integration method with its substeps per tick (control period); `None` is the closed-form solution. Returns `None`
-/// if no stiffness is stable.
+/// if the loop is unstable even at a thousandth of `b/(T/2)` (damping `b`, control period `T`).
 ///
 /// # Errors
 /// The plant's parameters are not valid.
@@ -112,7 +112,7 @@ pub fn k_max(
         if !stable(1e-3 * expected) {
             return Ok(None);
         }
-        // The stiffness rises in steps of a tenth until the loop is unstable. Bisection then refines the limit.
+        // The stiffness rises by a tenth in each step until the loop is unstable. Bisection then refines the limit.
         let mut low = 1e-3 * expected;
         while stable(1.1 * low) && low < 1e6 * expected {
             low *= 1.1;

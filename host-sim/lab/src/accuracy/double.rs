@@ -113,7 +113,7 @@ mod tests {
         let third = Double::from(3.0).reciprocal();
         let rest = third * Double::from(3.0) - Double::from(1.0);
         assert!(rest.to_f64().abs() < 1e-31, "{rest:?}");
-        // Ten tenths, each with its second half.
+        // Ten tenths, each with high and low part.
         let tenth = Double::from(10.0).reciprocal();
         let sum = (0..10).fold(Double::ZERO, |sum, _| sum + tenth);
         assert!((sum - Double::from(1.0)).to_f64().abs() < 1e-31);

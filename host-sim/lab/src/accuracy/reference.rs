@@ -3,7 +3,7 @@
 //!
 //! The code is independent of the plant model. Its equations use absolute angles, and its numbers are of the type `Double`. Its
 //! method is Gragg's modified midpoint rule with extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary
-//! Differential Equations I, II.9). A second solution with twice as many steps gives the error.
+//! Differential Equations I, II.9). The difference from a second solution with half as many steps is taken as the error.
 
 use super::double::Double;
 use touchstone_world::plant::{Device, Hand};

@@ -86,7 +86,7 @@ fn a_quick_run_says_what_is_known() {
         .find(|point| point.method == "exact")
         .unwrap();
     assert_eq!(exact.path_difference_rad, 0.0);
-    // b/(T/2), which is exact to b T/J for this device.
+    // The largest stable stiffness is b/(T/2), up to a relative error of b T/J for this device.
     assert!(
         (exact.k_max_n_m_per_rad.unwrap() / 0.8 - 1.0).abs() < 4e-3,
         "{exact:?}"

@@ -40,10 +40,10 @@ const VALUES: [(&str, Change); 3] = [
 
 /// Largest factor on a property; the smallest is its reciprocal. A larger deviation would mean another knob.
 const WIDEST: f64 = 2.0;
-/// Number of steps to either side of the grid of factors, equally spaced on a logarithmic scale, that is tried before the search is
-/// refined.
+/// Number of steps in the grid of factors from the smallest to the largest, equal on a logarithmic scale. The grid is tried
+/// before the search is refined.
 const GRID: i32 = 12;
-/// Number of times that the step of the factors is halved around the best factor; the last step is 0.4 %.
+/// Number of times that the step of the factors is halved around the best factor; the last step is 0.7 %.
 const CLOSER: u32 = 4;
 
 /// Finds the best factor of each property; the property that matches best comes first.

@@ -155,8 +155,8 @@ fn difference(
     }
 }
 
-/// Finds the argument with the least cost; returns argument and cost. The search tries a grid of `steps` steps to either side of 0,
-/// then halves the step around the best argument.
+/// Finds the argument with the least cost; returns argument and cost. The search tries a grid of `steps` steps to either side of
+/// 0, then halves the step around the best argument `halvings` times.
 fn closest(
     mut step: f64,
     steps: i32,

@@ -110,8 +110,9 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Simulates `scene`, the replay's scene or a slight variation of it, over the compared ticks. For a released knob, the start
-    /// speed with the least difference is used, within the uncertainty that one encoder count causes.
+    /// Simulates `scene`, the replay's scene or a slight variation of it, over the compared ticks. A released knob gets the start
+    /// speed with which simulated and recorded penetration differ least, rms. The search stays near the recorded speed, about
+    /// within the uncertainty that one encoder count causes.
     pub fn run(&self, scene: &Scene) -> Result<Simulated> {
         if self.unsure_rad_per_s == 0.0 {
             return self.run_from(scene, 0.0);

@@ -43,7 +43,7 @@ struct Row {
 }
 
 impl Told {
-    /// Reads the part of a recording between two times in seconds.
+    /// Reads, between two times in seconds, the longest part of a recording in which the wall was on and no tick is missing.
     ///
     /// # Errors
     /// The file cannot be read, was not written by `monitor`, or has no tenth of a second in which the wall was on without a lost

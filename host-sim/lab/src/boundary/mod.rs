@@ -127,11 +127,11 @@ pub struct BoundaryCell {
     /// How the tuned wall behaves in the worst of three simulated grips (light, medium, firm).
     pub ended: TunedEnding,
     /// Largest relative deviation of the stiffness at rest from the requested one; `NaN` in the file if a press does not come to
-    /// rest.
+    /// rest or the law has no settings.
     #[serde(with = "crate::journal::or_nan")]
     pub displayed_error: Option<f64>,
     /// Relative deviation of force over penetration from the requested stiffness for a moving hand; `NaN` in the file if the knob
-    /// left the wall.
+    /// left the wall or the law has no settings.
     #[serde(with = "crate::journal::or_nan")]
     pub modulus_error: Option<f64>,
     /// Phase of force over penetration for a moving hand, degrees.
@@ -141,9 +141,9 @@ pub struct BoundaryCell {
     pub certificate: Option<certify::Verdict>,
     /// Reasons that the certificate gives for its verdict.
     pub certificate_causes: String,
-    /// Cause why a press does not rest at the requested stiffness; empty if it does.
+    /// Cause why a press does not rest at the requested stiffness; empty if it does, or if the law has no settings.
     pub rest_cause: Option<FailureCause>,
-    /// Number of settings that were simulated. It is 1 if the settings with the best eigenvalues were sufficient.
+    /// Number of settings that were simulated: 1 if the wall holds with the settings of the best eigenvalues.
     pub looks: u64,
 }
 
@@ -336,7 +336,7 @@ impl BoundaryPlan {
             cells.extend(done);
             told(before + (index * CELLS_A_WRITE + piece.len()) as u64);
         }
-        // Returns the cells of this map in its own order, because the file may hold a finer map.
+        // Returns only the cells of this map, in its order; the file may also hold those of a finer map.
         Ok(places
             .iter()
             .filter_map(|place| cells.iter().find(|cell| is_at(cell, place)).cloned())

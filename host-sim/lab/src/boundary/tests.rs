@@ -52,8 +52,8 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
         let cells = computed(&plan);
         let limits = limits(&plan, &cells);
         println!("{:?}", words(&plan, &cells));
-        // With the matrices alone two of the tuned walls at 1.9 would be called stable. Matrices do not describe a device that
-        // leaves the wall.
+        // The matrices alone would call two of the tuned walls at a stiffness of 1.9 rad per period stable. They do not describe
+        // a device that leaves the wall.
         let wrong = |cell: &&BoundaryCell| cell.is_certified() && cell.ended > TunedEnding::Rests;
         assert_eq!(cells.iter().find(wrong), None);
         let slope = slope(&limits, 0.0, 1.0);
@@ -61,8 +61,8 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
     };
     let (spring, of_spring) = narrow("spring");
     let (tuned, of_tuned) = narrow("spring-damper-estimated");
-    // The slope of a spring is nearer to 0.5 than to 0, that of a tuned wall nearer to 0. One row of the map over this decade of
-    // damping is a slope of 0.21.
+    // The slope of a spring is nearer to 0.5 than to 0, that of a tuned wall nearer to 0. If the limit differs by one row of the
+    // map over this decade of damping, the slope is 0.21.
     assert!((0.25..0.75).contains(&spring), "{spring} {of_spring:?}");
     assert!(tuned.abs() < 0.25, "{tuned} {of_tuned:?}");
     for (spring, tuned) in of_spring.iter().zip(&of_tuned) {

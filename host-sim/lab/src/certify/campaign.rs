@@ -33,8 +33,9 @@ use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scen
 /// stiffness.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// Makes a random scene from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ in
-/// the grip. With estimated states, the device that the estimator assumes is random too: half to twice the true values.
+/// Makes a random scene from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ
+/// in the grip. With estimated states, the device that the estimator assumes is random too: half to twice the true values, where
+/// the estimator accepts these.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -168,8 +169,8 @@ pub struct Row {
     pub index: u64,
     /// Name of the control law.
     pub law: String,
-    /// Whether the coupling spring of the enhanced law, between the hand's point and the law's virtual mass, is stiffer than the
-    /// largest stiffness that sampling allows.
+    /// Whether the coupling spring of the enhanced law, between the hand's point and the law's virtual mass, is at least 5 %
+    /// stiffer than the largest plain spring that sampling allows.
     pub stiff_coupling: bool,
     /// Name of the grip.
     pub grip: String,
@@ -189,14 +190,15 @@ pub struct Row {
     pub radius: f64,
     /// Rate at which the slowest motion of the loop decays, 1/s.
     pub decay_per_s: f64,
-    /// Rate of decay of the slowest motion with dry friction counted as damping, 1/s.
+    /// Rate of decay of the slowest motion with dry friction counted as damping, 1/s; `None` without dry friction, or if the
+    /// motion does not oscillate.
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
     /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
-    /// lend.
+    /// lend; `None` without a loan or a press.
     pub loan_used: Option<f64>,
     /// Largest magnitude of an eigenvalue of the loop while measured penetrations are multiplied by the largest gain that rounding
     /// to encoder counts can have.

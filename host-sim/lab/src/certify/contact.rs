@@ -15,8 +15,8 @@ use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
 
-/// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. A press that comes as
-/// a step oscillates by 1.
+/// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. A press that comes
+/// as a step oscillates by once its depth.
 pub const SWING: f64 = 1.25;
 
 /// A control law on a device, in the form that the certificate examines.
@@ -36,7 +36,8 @@ pub struct Contact {
     pub count_rad: Option<f64>,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Torque of the scene's press, N·m; absent if the hand's motion in the scene has no press.
+    /// Torque of the scene's press, with the amplitude of an oscillation around it, N·m; absent if the hand's motion in the scene
+    /// has no press.
     pub press_n_m: Option<f64>,
     /// Torque of the press that is simulated, N·m: the scene's press, or else a torque that the wall can give.
     pub played_press_n_m: f64,

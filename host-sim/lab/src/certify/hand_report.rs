@@ -15,7 +15,7 @@ pub struct Played {
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
     /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
-    /// lend.
+    /// lend; `None` without a loan or a press.
     pub loan_used: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     let decay_with_friction_per_s = damped
         .as_ref()
         .map(|damped| damped.worst(hand).0.decay_per_s(rate_hz));
-    // Rounding and gains between phases act against dry friction too.
+    // The phases, the rounding gain and the gains between phases are examined with dry friction counted as damping.
     let undamped = contact;
     let contact = damped.as_ref().unwrap_or(contact);
     let mut phases: Vec<_> = contact
@@ -99,7 +99,8 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
 
 /// Replaces the dry friction of a contact by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
 /// times the press' depth. The damping is the describing function `4 F/(π ω A)` of a friction torque `F`, frequency `ω` and
-/// amplitude `A`; friction damps a smaller oscillation more.
+/// amplitude `A`; friction damps a smaller oscillation more. `None` without dry friction or a press, or if the motion of `mode`
+/// does not oscillate.
 fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     let friction = contact.device.friction?;
     let swing = SWING * contact.press_n_m? / contact.k_desired;
@@ -111,7 +112,8 @@ fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
 
 /// Amplitude in rad below which dry friction stops the growing oscillation `mode`. At that amplitude the describing function of
 /// friction, `4 F/(π ω A)`, equals the additional damping that just makes the loop stable. `F` is the friction torque, `ω` the
-/// frequency and `A` the amplitude.
+/// frequency and `A` the amplitude. 0 if the motion does not grow or does not oscillate, or if no tried damping makes the loop
+/// stable.
 fn friction_holds(contact: &Contact, hand: Option<&Hand>, mode: &Mode) -> f64 {
     let Some(friction) = contact.device.friction.filter(|_| mode.radius >= 1.0) else {
         return 0.0;

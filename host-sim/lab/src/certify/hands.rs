@@ -88,7 +88,7 @@ fn at(place: [f64; 5]) -> Hand {
 }
 
 /// Searches the ranges for the hand with the greatest `badness`. The search tries all corners and the middle, then goes from the
-/// worst of them along each coordinate with steps that are halved.
+/// worst of them along each coordinate with steps that are halved. Returns the hand and its `badness`.
 pub fn worst(badness: impl Fn(&Hand) -> f64) -> (Hand, f64) {
     let corner = |bits: usize| std::array::from_fn(|index| f64::from((bits >> index & 1) as u8));
     let mut place = [0.5; 5];

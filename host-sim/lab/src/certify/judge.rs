@@ -69,24 +69,29 @@ pub struct HandReport {
     pub verdict: Verdict,
     /// Reasons why the verdict is not "stable", and which of them the simulations decided.
     pub causes: Vec<String>,
-    /// Results of every linear phase of the control law. The phase of the first contact, in which the law is a spring, comes last.
+    /// Results of every linear phase of the control law, with dry friction counted as damping where
+    /// [`Self::decay_with_friction_per_s`] has a value. The phase of the first contact, in which the law is a spring, comes last.
     pub phases: Vec<PhaseReport>,
-    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay; the loop is stable below 1.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay, without dry friction; the
+    /// loop is stable below 1.
     pub radius: f64,
-    /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
+    /// Rate at which the loop's slowest motion decays without dry friction, 1/s; negative if it grows.
     pub decay_per_s: f64,
     /// Rate at which the loop's slowest motion decays, 1/s, with dry friction counted as damping for an oscillation of
-    /// [`SWING`](super::contact::SWING) times the press' depth. `None` without dry friction or a press.
+    /// [`SWING`](super::contact::SWING) times the press' depth. `None` without dry friction or a press, or if the motion does not
+    /// oscillate.
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
-    /// Largest magnitude of an eigenvalue while measured penetrations are multiplied by 1 to [`ROUNDING_GAIN`].
+    /// Largest magnitude of an eigenvalue with measured penetrations multiplied by 1 or by [`ROUNDING_GAIN`]. Dry friction counts
+    /// as in `phases`. Without an encoder it is `radius`.
     pub radius_rounded: f64,
     /// Motion that rounding to counts causes at rest, root mean square, counts; absent without an encoder or a stable loop.
     pub rounding_rms_counts: Option<f64>,
     /// Largest possible motion at rest that rounding to encoder counts causes, counts.
     pub rounding_most_counts: Option<f64>,
-    /// Largest magnitude of an eigenvalue over the gains between the control law's linear phases.
+    /// Largest magnitude of an eigenvalue over the gains between the control law's linear phases, with dry friction as in
+    /// `phases`; 0 for a law without such gains.
     pub radius_between: f64,
     /// Smallest cosine in the circle criterion, equation (16) in `sector.rs`. Above 0 the loop is stable for any sequence of gains
     /// between two phases. Absent if the law has no such gain, or an end of its range is unstable.
@@ -103,7 +108,8 @@ pub struct HandReport {
     /// counts). Presses are simulated if an offset of the law decays too slowly, or if a press uses more than the energy that the
     /// law may lend.
     pub presses: Option<[f64; 2]>,
-    /// Amplitude below which dry friction stops a motion that would grow without friction, rad; 0 without friction.
+    /// Amplitude below which dry friction stops a motion that would grow without friction, rad; 0 without friction, or if no
+    /// motion grows.
     pub friction_holds_rad: f64,
     /// Whether the slowest motion is that of the law's offset (shift of the wall's surface), which decays too slowly. A slow press
     /// excites it more than a touch.
@@ -115,7 +121,7 @@ pub struct HandReport {
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    // In a known hold the motion has to decay below the threshold for rest.
+    // In a known hold the motion has to decay below `LEFT_COUNTS`.
     let dies = |decay_per_s: f64| match (contact.swing_counts(), contact.hold_s) {
         (Some(swing), Some(hold_s)) => {
             decay_per_s > 0.0 && swing * (-decay_per_s * DECAYS_WITHIN * hold_s).exp() < LEFT_COUNTS
@@ -131,7 +137,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     } else if report.decay_per_s < -FASTEST_GROWTH_PER_S {
         let what = format!("{phase}: grows at {:.3} Hz", report.frequency_hz);
         let held = report.friction_holds_rad;
-        // If there is no press, an amplitude of two counts.
+        // Amplitude up to which friction must stop the motion: four fifths of the press' depth, or two counts without a press.
         let enough = contact.press_n_m.map_or_else(
             || 2.0 * contact.count_rad.unwrap_or(0.0),
             |press| 0.8 * press / contact.k_desired,

@@ -26,9 +26,10 @@
 //! three bounds on a step of the offset. While another bound is smaller, so is `κ`. Near rest the ideal step is always the
 //! smallest, because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
-//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1` and
-//! the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12).
-//! This is a stiffness times the displacement; the stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//! **Original and continuous augmentation**: `f = k_v (e + O)`. While the motion goes inward, `O` changes per tick by `±g m`, with
+//! `g = k_c/k_v - 1` and the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by
+//! `k_v m` outward (12). This is a stiffness times the displacement; the stiffness changes from tick to tick within
+//! `[k_v (1 - g), k_v (1 + g)]`.
 //!
 //! In the first contact every law is the spring `k_de` until the motion turns.
 

@@ -8,21 +8,22 @@
 //!
 //! - Every phase in which the law can stay decays faster than [`judge::SLOWEST_PER_S`], or within the hold if the scene has one.
 //!   Dry friction counts as damping for an oscillation as large as the press.
-//! - The loop is also stable while readings are multiplied by a gain of up to [`judge::ROUNDING_GAIN`]. Rounding to counts can act
-//!   like such a gain.
+//! - The loop is also stable while readings are multiplied by [`judge::ROUNDING_GAIN`]. Rounding to counts can act like such a
+//!   gain.
 //! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
 //! - Every gain between the phases is stable. Gains that depend on the amplitude are tried one by one; if a gain depends on the
 //!   direction of the motion, the circle criterion (16) must hold.
 //! - Bounces decay, and the press uses no more energy than the enhanced law's loan.
 //!
-//! The loop is called **unstable** if bounces grow, or if the motion grows in a phase in which the law stays. The growth counts if
-//! it is faster than [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
+//! The loop is called **unstable** if a bounce returns with more than [`judge::BOUNCE_GROWS`] times its speed, or if the motion
+//! grows in a phase in which the law stays. The growth counts if it is faster than [`judge::FASTEST_GROWTH_PER_S`] and dry
+//! friction could not stop it within most of the press' depth.
 //!
 //! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. Therefore touches are
-//! simulated to their end unless the matrices say unstable. The verdict is **stable** if all simulations come to rest, **unstable**
-//! if none does, **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, the law's energy
-//! loan and touches are simulated by [`touch`]. The limits of [`judge`] were chosen by experience with the random runs of
-//! [`campaign`].
+//! simulated to their end, unless the matrices say unstable, or the law reduces its force by energy or changes a gain by
+//! direction. The verdict is **stable** if all simulations come to rest, **unstable** if none does, **undecided** if only some
+//! do. The certificate gives the cause. The matrices are exact. Bounces, the law's energy loan and touches are simulated by
+//! [`touch`]. The limits of [`judge`] were chosen by experience with the random runs of [`campaign`].
 
 pub mod campaign;
 pub mod contact;
@@ -119,7 +120,8 @@ pub struct Certificate {
     pub hands: Vec<HandReport>,
     /// Index in `hands` of the hand that determines `verdict`.
     pub worst: usize,
-    /// Stability margins over the scene's hand and the three simulated grips (light, medium, firm).
+    /// Stability margins over the scene's hand and the three simulated grips (light, medium, firm); `None` if they were not
+    /// requested.
     pub margins: Option<Margins>,
     /// Effects that the certificate does not cover, one sentence each.
     pub not_covered: Vec<String>,

@@ -14,8 +14,8 @@ use touchstone_world::plant::Hand;
 /// presses in 0.3 s.
 pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
-/// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of a
-/// limit cycle's threshold (four encoder counts), and infinite if the verdict on a press is unstable.
+/// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of
+/// a limit cycle's threshold (four encoder counts). A press with the verdict unstable counts as infinite.
 ///
 /// The simulation includes encoder counts, dry friction and the law's energy loan, but not the energy guard.
 ///

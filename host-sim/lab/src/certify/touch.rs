@@ -178,8 +178,8 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
 /// Largest ratio, over all simulated touches, of a bounce's return speed to the speed of the touch before. For each touch it is
 /// the geometric mean over `RETURNS` returns.
 ///
-/// It is 0 if the device returns fewer times, and infinite if a simulation diverges. Without a hand, the speed at which the
-/// device first leaves the wall counts.
+/// A touch with fewer returns counts as 0, one whose simulation diverges as infinite. Without a hand, the return speed is the
+/// speed at which the device first leaves the wall.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -253,8 +253,8 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the control law gives out in the scene's press beyond what it took, divided by the scene's limit of the loan. It
-/// is simulated with a loan without limit. `None` without a loan, a press or a hand.
+/// Energy that the control law gives out in the scene's press beyond what it took, divided by the scene's limit of the loan. The
+/// press is simulated with a loan without limit. `None` without a loan, a press or a hand.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.

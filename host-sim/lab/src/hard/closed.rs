@@ -165,7 +165,7 @@ fn critical(scene: &Scene) -> f64 {
 }
 
 fn wall(_: Effort) -> Result<Vec<Finding>> {
-    // Held long enough for a motion that decays by a third per second.
+    // The hold is long enough for a motion to die out that decays by a third per second.
     let scene = Scene::load("press-hold")?
         .with_preset(Preset::Thesis)?
         .with_overrides(&["operator.motion.hold_s=40", "timing.duration_s=45"])?;

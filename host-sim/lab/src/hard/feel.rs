@@ -178,8 +178,8 @@ fn overlapping_walls(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Findings for a feel in three grips: energy over the guard's allowance, and number of positions that were lost or counted
-/// twice.
+/// Findings for a feel in three grips: energy that the hand got out, divided by what the guard allows, and number of positions
+/// that were lost or counted twice.
 fn played(name: &str, sets: &[&str]) -> Result<Vec<Finding>> {
     let scene = Scene::load(name)?.with_overrides(sets)?;
     let card = feel_card(&scene, 300)?;

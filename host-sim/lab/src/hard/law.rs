@@ -289,7 +289,7 @@ fn windup(_: Effort) -> Result<Vec<Finding>> {
                 ..Settings::thesis()
             };
             let mut finding = subject::<Fixed32>("", &settings, more::<Fixed32>);
-            // Ten counts for the step of the way out, and as much again for the position of the surface.
+            // Ten counts for the knob's step per tick on the way out, and ten for the position of the surface.
             finding.bound = 20.0 * std::f64::consts::TAU / 40_000.0;
             finding.value = finding.value.max(0.0);
             finding

@@ -125,7 +125,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
         };
         let grown = semi_implicit_growth(ratio);
         let name = format!("semi-implicit Euler, m = 1e{decade} k T²");
-        // The bound is the ratio of the axes of the motion's ellipse.
+        // The bound is a multiple of the ratio of the axes of the motion's ellipse.
         let bound = 4.0 / (1.0 - half * half).abs().sqrt().max(1e-3);
         let finding = Finding::new(name, grown, bound);
         found.push(if radius > 1.0 {

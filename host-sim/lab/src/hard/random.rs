@@ -5,7 +5,7 @@
 pub struct Random(u64);
 
 impl Random {
-    /// Makes the generator of a seed above 0. Each seed gives an independent sequence of random numbers.
+    /// Makes the generator of a seed; the same seed gives the same random numbers.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }

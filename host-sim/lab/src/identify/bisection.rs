@@ -49,7 +49,7 @@ impl Trial {
     }
 }
 
-/// Peak-to-peak motion below which the knob counts as at rest, rad: a tenth of an encoder count of a good encoder.
+/// Peak-to-peak motion below which the knob counts as at rest, rad: a sixteenth of an encoder count at 40,000 counts per turn.
 const REST_RAD: f64 = 1e-5;
 
 /// Recorder of the knob's range of motion in two windows of ticks.
@@ -60,7 +60,7 @@ struct Windows {
 
 impl Windows {
     fn new(scene: &Scene) -> Self {
-        // The second half of the hold as the scene gives it, and the quarter before.
+        // `middle` to `end` is the second half of the hold. The windows are the second and the last quarter of the hold.
         let (middle, end) = scene
             .hold_window_s()
             .unwrap_or((0.0, scene.timing.duration_s));
@@ -91,15 +91,15 @@ impl Recorder for Windows {
     }
 }
 
-/// Position of the limit of damping relative to the searched interval.
+/// Whether the searched interval contains the limit: the largest assumed damping with which a press comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// The press comes to rest with the least damping that was tried, and grows with the largest, so the limit lies between.
+    /// The press comes to rest with the least assumed damping, but not with the largest. The limit lies between.
     Holds,
-    /// The press comes to rest even with the largest damping that was tried: the device has more damping than the search allows.
+    /// The press comes to rest even with the largest assumed damping: the device has more damping than the search allows.
     TooLow,
-    /// The press grows even with the least damping that was tried: the device has less damping than the search allows, or the press
-    /// never rests.
+    /// The press does not come to rest even with the least assumed damping: the device has less damping than the search allows,
+    /// or the press never rests.
     TooHigh,
 }
 
@@ -113,7 +113,8 @@ pub struct Identified {
     /// damping that dry friction adds.
     pub uncertainty: f64,
     /// Damping that dry friction adds at the amplitude of the last trial, N·m·s/rad. By its describing function it is `4 F_k/(π A
-    /// ω)`, with the friction torque `F_k`, the amplitude `A` and the frequency `ω`.
+    /// ω)`, with the friction torque `F_k`, the amplitude `A` and the frequency `ω`. 0 if the friction is not known, or if the
+    /// last trial came to rest.
     pub friction_share: f64,
     /// Resolution of the bisection, N·m·s/rad: half the width of the last interval of damping.
     pub resolution: f64,

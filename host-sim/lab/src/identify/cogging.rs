@@ -68,7 +68,8 @@ pub struct MeasuredCogging {
     pub rms_n_m: f64,
     /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
-    /// Root mean square difference between turns, as a fraction of the map's torque.
+    /// How far the two pairs of turns differ: rms, over the map's harmonics, of half their difference, as a fraction of the map's
+    /// rms.
     pub unrepeated: f64,
 }
 
@@ -90,7 +91,7 @@ pub enum NoMap {
     /// The turns differ too much from each other.
     #[error("the turns disagree by {percent:.0} % of what they have in common")]
     DoesNotRepeat {
-        /// Difference between the turns, % of the map.
+        /// Half the difference between the two pairs of turns in a slow harmonic, rms over these harmonics, % of the map's rms.
         percent: f64,
     },
     /// The cogging needs more current than a map may contain.

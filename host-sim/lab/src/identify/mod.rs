@@ -1,4 +1,5 @@
-//! Identifies a device's properties from commanded torques and encoder counts alone, as is possible on a real device.
+//! Identifies a device's properties from what a real device can record: encoder counts and commanded torques, or the motor's
+//! currents and voltages.
 //!
 //! - [`swing`] pushes the free device at several speeds in both directions, lets it coast to rest, and fits inertia, viscous
 //!   damping and dry friction at once;

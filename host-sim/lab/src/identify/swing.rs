@@ -49,7 +49,8 @@ impl Default for Swings {
 pub struct Estimate {
     /// The estimated value.
     pub value: f64,
-    /// Standard uncertainty: the larger of the fit's own uncertainty and the spread between swings.
+    /// Standard uncertainty. In [`Mechanics`] it is the largest of the fit's own uncertainty, the spread between pushes of
+    /// different length, and the uncertainty of the mean torque.
     pub uncertainty: f64,
 }
 
@@ -196,9 +197,9 @@ struct Fit {
     torques_apart: f64,
 }
 
-/// Fits inertia, damping and friction. If the torques are uncertain, it also fits a factor on each swing's torque; the mean of the
-/// factors is 1. The mean of the pushes thus sets the scale of the inertia. Differences between the pushes do not distort the
-/// coasts, which alone separate damping from friction.
+/// Fits inertia, damping and friction. If the torques are uncertain, it also fits a factor on each swing's torque; the mean of
+/// the factors is 1. The mean torque of the pushes thus sets the scale of the inertia. Differences between the pushes do not
+/// distort the coasts, which alone separate damping from friction.
 fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -> Option<Fit> {
     let measured: Vec<Vec<f64>> = swings
         .iter()

@@ -46,8 +46,8 @@ impl Ladder {
             .or_else(|| self.beyond_bare(&format!("with:{b}+{a}")))
     }
 
-    /// Predicted instructions per tick (control period): bare loop, law and each effect alone, plus what each pair of effects adds
-    /// beyond its sum. `None` if a count is missing.
+    /// Predicted instructions per tick (control period): bare loop, law and each effect alone, plus what each pair of effects
+    /// adds beyond the sum of the two. `None` if a count is missing.
     pub fn predicted(&self, scene: &Scene, names: &[&str]) -> Option<f64> {
         let mut sum = *self.counted.get("bare")?;
         if scene.law.kind != LawKind::Spring {
@@ -73,7 +73,8 @@ impl Ladder {
     }
 }
 
-/// Measures the computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
+/// Measures the computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns. `None` for an
+/// effect without which the scene cannot run.
 ///
 /// # Errors
 /// The scene cannot be run.

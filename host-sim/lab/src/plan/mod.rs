@@ -25,7 +25,7 @@ pub use omitted::{Moved, Omitted};
 /// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
-    /// Relative change of a result above which an omitted effect is listed.
+    /// Relative change above which a result counts as changed by an omitted effect.
     pub tolerance: f64,
     /// Whether the computing time of a tick (control period) is measured.
     pub times: bool,
@@ -79,13 +79,13 @@ pub struct Planned {
     /// Effects that the scene has, with their computing cost.
     pub effects: Vec<Named>,
     /// Predicted instructions per tick from counts at typical magnitudes: bare loop, law and each effect, plus what each pair of
-    /// effects adds beyond its sum.
+    /// effects adds beyond the sum of the two; `None` if a count is missing.
     pub predicted_instructions: Option<f64>,
     /// Measured computing time per tick (control period) of a run without a recorder.
     pub measured: Option<Spread>,
     /// Effects that the scene does not have, each tried alone.
     pub omitted: Vec<Omitted>,
-    /// Relative change of a result above which an omitted effect is listed.
+    /// Relative change above which a result counts as changed by an omitted effect.
     pub tolerance: f64,
 }
 

@@ -100,7 +100,8 @@ const OUTPUTS: &[Output] = &[
     },
 ];
 
-/// Change of the start angle by which the sensitivity of the loop itself is measured, rad.
+/// Change of the start angle, or of the wall's angle where the scene sets no start angle, that measures the loop's own
+/// sensitivity, rad.
 const NUDGE_RAD: f64 = 1e-9;
 
 /// Simulated effects that the scene does not have.
@@ -174,8 +175,8 @@ pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<
         .collect())
 }
 
-/// Returns the result if the effect changes it significantly. The change must exceed the tolerance, a negligible change, and three
-/// times the change that a start angle moved by [`NUDGE_RAD`] causes.
+/// Returns the result if the effect changes it significantly. The change must exceed the tolerance, a negligible change, and
+/// three times the change that a move by [`NUDGE_RAD`] causes. A result that appears or disappears is returned too.
 fn moved(
     output: &Output,
     [plain, nudged, with]: [&Summary; 3],

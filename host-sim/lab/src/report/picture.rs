@@ -148,8 +148,8 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// Chooses two runs of the first table to draw over each other: the best and the worst run at the highest stiffness at which more
-/// than one run has a trace.
+/// Chooses two runs of a table to draw over each other, at the highest stiffness at which more than one run has a trace. Returns
+/// the indices of the worst and the best run; `None` without such a stiffness.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {
         let members = table.row(row);

@@ -42,7 +42,7 @@ pub fn scale_for(largest: f64, unit: &str) -> Scale {
     }
 }
 
-/// Formats `value` with `digits` significant digits, without an exponent between 1e-6 and 1e9.
+/// Formats `value` with `digits` significant digits, without an exponent between 1e-6 and 1e9; `–` if it is not finite.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();

@@ -98,7 +98,7 @@ impl<'a> View<'a> {
         self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
     }
 
-    /// Displayed stiffness of a sample (magnitude of force over penetration), N·m/rad; NaN if the penetration is too small.
+    /// Displayed stiffness of a sample (magnitude of force over penetration), N·m/rad; NaN if the penetration is below `shallow`.
     pub fn displayed(&self, index: usize) -> f64 {
         let e = self.penetration(index);
         // A small tolerance, because exactly two counts may come out slightly below in `f64`.

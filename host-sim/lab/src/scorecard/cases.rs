@@ -158,14 +158,14 @@ impl Programme {
         }
     }
 
-    /// Keeps only the slowest and the fastest oscillation.
+    /// Keeps only the oscillations at 1 and 4 Hz.
     #[must_use]
     pub fn with_fewer_motions(mut self) -> Self {
         self.frequencies_hz = vec![1.0, 4.0];
         self
     }
 
-    /// Shortens the touch and the hold of every action.
+    /// Shortens touch and hold of the press, and keeps only the oscillations at 1 and 4 Hz.
     #[must_use]
     pub fn shortened(mut self) -> Self {
         self.press.touch_s = self.press.touch_s.min(0.3);

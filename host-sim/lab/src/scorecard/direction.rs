@@ -35,7 +35,7 @@ const RELEASE_S: f64 = 0.4;
 /// Amplitude of an oscillating hand's force, as a fraction of the press.
 const MOVE_SHARE: f64 = 0.3;
 /// Tolerance for a settled press: the depth stays within this fraction of the ideal depth (force of the press over requested
-/// stiffness), plus one position count.
+/// stiffness), plus [`Approach::unsure_m`].
 const SETTLED: f64 = 0.05;
 
 /// A smooth rise from 0 to 1 as `t` goes from 0 to 1, without jumps of speed or acceleration, as hands move.

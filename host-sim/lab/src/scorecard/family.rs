@@ -155,8 +155,8 @@ impl Member {
     }
 }
 
-/// Largest stiffness of a wall that a tuned law handles at this delay, interpolated linearly from [`MAP`]. Stiffness is the angle
-/// in rad by which the oscillation advances per control period.
+/// Largest stiffness of a wall that a tuned law handles at this delay, interpolated linearly from [`MAP`]; beyond the map's
+/// longest delay, its last value. Stiffness is the angle in rad by which the oscillation advances per control period.
 fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     let between = MAP.windows(2).find(|pair| delay_ticks <= pair[1].0);
     let Some([(from, start), (to, end)]) = between else {
@@ -235,15 +235,17 @@ pub struct Nominal {
     /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: f64,
     /// Deepest penetration of the light touch, divided by the ideal penetration of the press (force over requested stiffness).
-    /// `None` if the run diverged, as for the next fields.
+    /// `None` if the run diverged.
     pub touch_penetration_ratio: Option<f64>,
-    /// Measures of the light touch, divided by those of a touch of the ideal damped wall.
+    /// Measures of the light touch, divided by those of a touch of the ideal damped wall; `None` if they were not computed.
     pub touch: Option<TouchRatios>,
-    /// Deepest penetration of the press, divided by the ideal penetration (force over requested stiffness).
+    /// Deepest penetration of the press, divided by the ideal penetration (force over requested stiffness). `None` if the run
+    /// diverged.
     pub peak_penetration_ratio: Option<f64>,
-    /// Root mean square change of the torque from tick to tick while the hand oscillates, N·m.
+    /// Root mean square change of the torque from tick to tick while the hand oscillates, N·m. `None` if the run diverged or no
+    /// force acted.
     pub ripple_rms_n_m: Option<f64>,
-    /// Motion of the knob at the end of the hold, peak to peak, rad.
+    /// Motion of the knob at the end of the hold, peak to peak, rad. `None` if the run diverged or there is no encoder.
     pub motion_at_rest_rad: Option<f64>,
 }
 

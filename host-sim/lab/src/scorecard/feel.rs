@@ -192,7 +192,8 @@ impl Hand {
     }
 }
 
-/// Judges a feel in three grips. Each grip spins the knob until `crossings` positions were counted, or until it crosses none.
+/// Judges a feel in three grips. If the feel has positions, each grip also spins the knob in rounds, until `crossings` positions
+/// were counted or a round counts none.
 ///
 /// # Errors
 /// The scene cannot be run.

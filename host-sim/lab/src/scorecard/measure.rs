@@ -14,8 +14,8 @@ pub enum Measure {
     /// Largest deviation of the force from that of an ideal spring of the requested stiffness, during ramp and hold, divided by the
     /// ideal force. Depths below ten encoder counts are left out, and an error of half a count is allowed for.
     StiffnessError,
-    /// Largest deviation of the force from that of an ideal spring of the requested stiffness, divided by the ideal force. Measured
-    /// from 50 ms after the ramp to the end of the hold.
+    /// Largest deviation of the force from that of an ideal spring of the requested stiffness, divided by the ideal force.
+    /// Measured from 50 ms after the ramp to the end of the hold; infinite if the depth falls below ten encoder counts there.
     StiffnessErrorHeld,
     /// Largest deviation of the force from that of an ideal spring of the requested stiffness, divided by the ideal force, while
     /// the hand lets go.

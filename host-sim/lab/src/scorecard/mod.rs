@@ -122,7 +122,8 @@ pub struct Scorecard {
     pub not_asked: Vec<&'static str>,
     /// Results of each control law.
     pub rows: Vec<Row>,
-    /// Sentences that say where a spring with damping does better than other laws, and where it does not.
+    /// Sentences that say which limits each spring with damping exceeds, and in which measures it is better or worse than each
+    /// other law.
     pub damped_spring: Vec<String>,
 }
 

@@ -26,8 +26,8 @@ pub struct DeviceRun<'a> {
     pub turn: Option<DeedsInTurn>,
 }
 
-/// Response of the wall at one frequency of the hand. Of several stretches of time, the values that deviate most count: the modulus
-/// furthest from the requested stiffness, and the largest phase.
+/// Response of the wall at one frequency of the hand. Of several stretches of time, the values that deviate most count: the
+/// modulus furthest from the requested stiffness, and the phase of largest magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
     /// Frequency of the hand's motion, Hz.

@@ -118,7 +118,8 @@ pub struct FigureBeside {
 }
 
 impl FigureBeside {
-    /// Difference of the board's value from the simulator's, as a fraction of the simulator's.
+    /// Difference of the board's value from the simulator's, as a fraction of the simulator's; `None` if one of the values is
+    /// missing.
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         let (desktop, board) = self.desktop.zip(self.board)?;
@@ -134,7 +135,8 @@ impl FigureBeside {
         self.scatter.map(|(low, high)| high - low)
     }
 
-    /// Whether the values of simulator and board are both smaller than the resolution of the measure.
+    /// Whether the values of simulator and board are both at most [`Self::resolution`] in magnitude; false if one of the three is
+    /// missing.
     #[must_use]
     pub fn is_unresolved(&self) -> bool {
         let both = [self.desktop, self.board].into_iter();
@@ -151,8 +153,8 @@ impl FigureBeside {
         both.is_some_and(|(board, desktop)| board.0 <= desktop.1 && desktop.0 <= board.1)
     }
 
-    /// Whether the values of board and simulator differ by at most the fraction `share`, or are both below the resolution. Two
-    /// missing values count as equal.
+    /// Whether the values of board and simulator differ by at most the fraction `share`, or are both at most
+    /// [`Self::resolution`]. Two missing values count as equal.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         match self.apart() {

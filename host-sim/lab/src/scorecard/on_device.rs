@@ -208,6 +208,7 @@ fn scored(turn: &DeedsInTurn, series: &TouchedSeries) -> Scored {
             let (Some(middle), Some(out)) = (series.middle.get(at), series.out.get(at)) else {
                 // The run ended before the action was complete.
                 worst.figures = Figures::LOST;
+                worst.settle_s = None;
                 break;
             };
             watch.take(index, *middle, *out);

@@ -2,7 +2,7 @@
 
 use touchstone_sim::run::measure::Wiggle;
 
-/// Length of the examined window, s. The next constant is the distance between the starts of two windows.
+/// Length of the examined window, s. The starts of two windows are `HOP_S` apart.
 const WINDOW_S: f64 = 3.0;
 const HOP_S: f64 = 1.5;
 /// Lowest and highest frequency of an oscillation that is searched, Hz: two periods in a window, and the limit of hands.

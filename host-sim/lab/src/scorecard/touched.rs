@@ -24,7 +24,8 @@ pub struct TouchedTick {
 pub const RESTING_COUNTS: f64 = 4.0;
 const RESTING_SHARE: f64 = 0.02;
 
-/// Depth and force of a run, one value per control period. Missed ticks are interpolated; the force is constant over them.
+/// Depth and force of a run, one value per control period. The depth of a missed tick is interpolated; its force is that of the
+/// recorded tick before.
 pub struct TouchedSeries {
     first: u64,
     /// Depth below the surface at each tick, m.

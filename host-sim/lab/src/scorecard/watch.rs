@@ -184,8 +184,9 @@ impl Recorder for Watch {
     }
 }
 
-/// Simulates a scene of a [`super::cases::Programme`]; returns the measures with and without limits. Some of those without a
-/// limit are only computed if `fully` is set; the run then takes half as long again.
+/// Simulates a scene of a [`super::cases::Programme`]; returns the measures with and without limits. Settling time, speed and
+/// distance after the release, and the energy in any window of time are only computed if `fully` is set; otherwise they are
+/// absent or 0. The run then takes half as long again.
 ///
 /// # Errors
 /// The control law does not accept its settings.

@@ -48,7 +48,8 @@ pub fn fails(cells: &[Cell]) -> Vec<String> {
     fails.into_iter().map(|(_, text)| text).collect()
 }
 
-/// Sentences that say where a spring with damping does better than each other law, and where it fails itself.
+/// Sentences that say which limits each spring with damping exceeds, and in which measures it is better or worse than each other
+/// law.
 #[must_use]
 pub fn damped_spring(rows: &[Row]) -> Vec<String> {
     let mut said = Vec::new();

@@ -24,7 +24,7 @@ impl Grid {
     /// Makes the grid from a scene and two axes.
     ///
     /// # Errors
-    /// Both axes have the same field, or the scene cannot have a field with any value of the axes.
+    /// Both axes have the same field, one axis removes the other's field, or the scene accepts none of the values that are tried.
     pub fn of(base: &Scene, x: Axis, y: Axis) -> Result<Self> {
         if x.field == y.field {
             return Err(Error::Option {

@@ -59,7 +59,8 @@ const BOUNDS: [Bound; 3] = [
 /// Function that is called with the number of computed certificates and their total number.
 pub type Progress<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
-/// All predicted lines that cross the plane. With `certificate` they include the boundary of the stability certificate.
+/// All predicted lines that cross the plane; none if an axis has words. With `certificate` they include the boundary of the
+/// stability certificate.
 #[must_use]
 pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     if grid.x.numbers().is_none() || grid.y.numbers().is_none() {

@@ -65,7 +65,8 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the folder of a sweep and reads its finished cells. `force` removes the files of another sweep.
+    /// Opens the folder of a sweep and reads its finished cells. With `force`, the cells of another sweep in the folder are
+    /// removed.
     ///
     /// # Errors
     /// The folder holds another sweep, another program is writing it, or it cannot be written.

@@ -226,8 +226,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
             "§5.1.3, Fig. 5.7",
             "Enhanced SFA shows k_de on the first contact.",
             at_high(LawKind::EnhancedSfa),
-            // An error of the force by 1.5 counts in all tilts the slope over 7 mrad, the least depth of these presses, by this
-            // fraction.
+            // Allowed relative error of the slope: 1.5 encoder counts, divided by 7 mrad, the least depth of these presses.
             |run| {
                 let counts = run.encoder_counts_per_rev.unwrap_or(f64::INFINITY);
                 let share = 1.5 * std::f64::consts::TAU / counts / 0.007;

@@ -169,7 +169,8 @@ impl Row {
     }
 
     /// Rank of the result; the greatest is best. The best walls are hard from the touch, the next come to rest and have the
-    /// requested stiffness for a moving hand. Walls that only come to rest are third.
+    /// requested stiffness for a moving hand. Walls that only come to rest are third, those that only have the requested
+    /// stiffness for a moving hand fourth.
     fn rank(&self) -> (bool, bool, bool, bool) {
         let hard = self.is_hard_from_the_touch();
         (hard, self.rests && self.moves, self.rests, self.moves)

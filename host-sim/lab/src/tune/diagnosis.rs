@@ -25,7 +25,8 @@ pub enum FailureCause {
     UnstableLoop,
     /// The energy guard: the wall passes without it.
     Guard,
-    /// The torque limit: the wall passes with a hundred times the torque.
+    /// The torque limit: the wall passes with a hundred times the law's force limit, without the motor's limit and the energy
+    /// guard.
     TorqueLimit,
     /// Rounding in the control law: the wall passes if the law computes in `f64`.
     LawRounding,

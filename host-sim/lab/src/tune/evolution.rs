@@ -7,7 +7,8 @@
 use crate::random_device::Random;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Range within which the least costs of the last generations must lie for the search to end.
+/// The search ends if the costs of this generation and the least costs of the last generations differ by less than this. It also
+/// ends if the largest standard deviation of the points is at most this.
 const FLAT: f64 = 1e-12;
 /// Largest squared ratio of the search distribution's axes. Above it the covariance matrix is not numerically reliable, and the
 /// search ends.
@@ -82,7 +83,7 @@ pub struct Evolution {
     mean: DVector<f64>,
     step: f64,
     covariance: DMatrix<f64>,
-    /// Principal axes of the covariance matrix as columns. The next field has the standard deviations along them.
+    /// Principal axes of the covariance matrix as columns. `deviations` has the standard deviations along them.
     axes: DMatrix<f64>,
     deviations: DVector<f64>,
     path_sigma: DVector<f64>,

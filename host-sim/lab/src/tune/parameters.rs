@@ -88,8 +88,8 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 0.01 * unit,
                 10.0 * unit,
             );
-            // Three times the wall's own frequency: low enough for little ripple, and high enough not to excite what it should
-            // damp.
+            // The velocity filter starts at three times the device's frequency on the wall: low enough for little ripple, and
+            // high enough that its lag does not excite the oscillation that the damping should end.
             let own_hz = (k / j).sqrt() / TAU;
             let velocity = match scene.law.velocity.from {
                 VelocityKind::Told => None,

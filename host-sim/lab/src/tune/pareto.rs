@@ -11,7 +11,8 @@ use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// Settings that pass the scorecard on every device, with their stiffness, ripple and delay margin.
+/// Settings that are within the scorecard's limits on every simulated device, apart from the ripple's. With their stiffness,
+/// ripple and delay margin.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
     /// Requested stiffness `k_de`, N·m/rad.
@@ -131,7 +132,8 @@ fn dominates(one: &Point, other: &Point) -> bool {
     as_good && better
 }
 
-/// Longest delay in ticks (control periods) at which the nominal device is within the limits for delayed devices.
+/// Longest delay in ticks (control periods) at which the nominal device is within the limits for delayed devices, apart from the
+/// ripple's.
 fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     let holds = |ticks: f64| {
         let case = Case {

@@ -35,11 +35,11 @@ const LOOK_MS: f64 = 2000.0;
 enum Stage {
     /// No port is open.
     Closed,
-    /// The request for the device's identity was sent; no answer yet.
+    /// The connection begins: identity, settings and the start of the telemetry are requested one after the other.
     Asking,
     /// The device sends telemetry records.
     There,
-    /// The device does not answer. Holds the time of the next attempt, ms.
+    /// The device does not answer, or not as it should. Holds the time of the next attempt, ms.
     Gone(f64),
 }
 

@@ -90,7 +90,8 @@ impl Questions {
         Some(self.under_way.remove(at).purpose)
     }
 
-    /// Sends a request again if its answer is overdue. If all attempts of a request failed, removes it and returns its purpose.
+    /// Sends each request again whose answer is overdue. If all attempts of a request failed, removes it and returns its purpose;
+    /// `None` if there is no such request.
     pub fn overdue(&mut self, now_ms: f64) -> Option<Purpose> {
         let late = |asked: &Question| asked.until_ms <= now_ms;
         while let Some(at) = self.under_way.iter().position(late) {

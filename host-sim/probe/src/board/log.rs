@@ -27,7 +27,7 @@ pub enum Event {
     Line(Line),
     /// A damaged message: the ring buffer overflowed before the message was read, or reading began in its middle.
     Damaged,
-    /// The program on the board restarted.
+    /// Reading goes on after an interruption, mostly because the program on the board restarted.
     Restarted,
 }
 

@@ -9,8 +9,8 @@ use super::fault::{Fault, chain};
 /// Number of the only processor core of an STM32G4.
 pub(super) const CORE: usize = 0;
 
-/// Address of the register `DBGMCU_IDCODE` (reference manual RM0440). The next lines have the mask of the device number in it and
-/// the device numbers of the supported chips.
+/// Address of the register `DBGMCU_IDCODE` (reference manual RM0440). `DEVICE` is the mask of the device number in it, `DEVICES`
+/// lists the device numbers of the supported chips.
 const IDCODE: u64 = 0xe004_2000;
 const DEVICE: u32 = 0xfff;
 const DEVICES: [(u32, &str, &[&str]); 3] = [
@@ -28,8 +28,8 @@ const DEVICES: [(u32, &str, &[&str]); 3] = [
     ),
     (0x479, "STM32G491 or G4A1", &["STM32G491", "STM32G4A1"]),
 ];
-/// Address of the register `FLASH_OPTR` (reference manual RM0440). The next lines have the mask of the read protection in it and
-/// the value for no protection (level 0).
+/// Address of the register `FLASH_OPTR` (reference manual RM0440). `PROTECTION` is the mask of the read protection in it,
+/// `UNPROTECTED` the value for no protection (level 0).
 const OPTIONS: u64 = 0x4002_2020;
 const PROTECTION: u32 = 0xff;
 const UNPROTECTED: u32 = 0xaa;

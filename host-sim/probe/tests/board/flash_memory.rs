@@ -16,8 +16,8 @@ const LOCK: u32 = 1 << 31;
 const START: u32 = 1 << 16;
 const PROGRAM: u32 = 1;
 const PAGE_ERASE: u32 = 1 << 1;
-/// Error bits of the flash controller. This one: a word was programmed that is not erased. The next lines: a wrong size; a wrong
-/// page or order of steps.
+/// Error bits of the flash controller. `PROGERR`: a word was programmed that is not erased. `SIZERR`: a wrong size. `PGSERR`: a
+/// wrong page or order of steps.
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;

@@ -13,11 +13,11 @@ use crate::machine::Played;
 use crate::memory::{Memory, RAM};
 
 const CHIP: &str = "STM32G474RETx";
-/// RAM address of the text that names the log's ring buffer; the next lines have address and size of the buffer itself.
+/// RAM address of the text that names the log's ring buffer; `RING` and `RING_BYTES` are address and size of the buffer itself.
 const NAME: u32 = CONTROL_BLOCK + 0x100;
 const RING: u32 = CONTROL_BLOCK + 0x200;
 const RING_BYTES: u32 = 64;
-/// RAM address of the ring buffer's write position; the next line has the address of its read position.
+/// RAM address of the ring buffer's write position; `READ` is the address of its read position.
 const WRITE: u32 = CONTROL_BLOCK + 24 + 12;
 const READ: u32 = WRITE + 4;
 

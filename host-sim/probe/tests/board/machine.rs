@@ -22,7 +22,7 @@ const DEBUG_ENABLED: u32 = 1;
 const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const CATCH_RESET: u32 = 1;
-/// Bits of the debug register that says why the processor halted. This one: a halt request. The next lines: a breakpoint, a reset.
+/// Bits of the debug register that says why the processor halted: a halt request; `BREAKPOINT`: a breakpoint; `CAUGHT`: a reset.
 const HALTED: u32 = 1;
 const BREAKPOINT: u32 = 1 << 1;
 const CAUGHT: u32 = 1 << 3;

@@ -4,7 +4,7 @@ use crate::flash_memory::{CONTROLLER, FLASH, FlashMemory};
 
 /// First address of the RAM.
 pub const RAM: u32 = 0x2000_0000;
-/// Address of the register `DBGMCU_IDCODE` with the device number; the next line has its control register.
+/// Address of the register `DBGMCU_IDCODE` with the device number; `DEBUG_CONTROL` is the address of its control register.
 const IDCODE: u32 = 0xe004_2000;
 const DEBUG_CONTROL: u32 = 0xe004_2004;
 /// Address of the word that holds the size of the flash in KiB.

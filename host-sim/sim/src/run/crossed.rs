@@ -117,7 +117,7 @@ where
     Ok(Box::new(Moving { crossing, state }))
 }
 
-/// Largest number of plant steps into which delay or jitter splits one tick (control period).
+/// Largest number of plant steps into which delay or jitter splits one tick (control period), if the command changes once in it.
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
         // Before and after the command changes.

@@ -21,7 +21,8 @@ pub struct Judge {
     energy_true_min: f64,
     energy_user_min: f64,
     energy_observed_min: f64,
-    /// Sums of force in N·m and penetration in rad over the second half of the press. Their quotient is the displayed stiffness.
+    /// Sums of force in N·m and penetration in rad over the second half of the last hold. Force over penetration is the displayed
+    /// stiffness.
     shown: (f64, f64),
     felt: Felt,
     guard: Option<GuardWatch>,
@@ -70,7 +71,7 @@ struct Felt {
     release: Option<Release>,
     hardness: RateHardness,
     rise: ContactRise,
-    /// Kinetic energy of the device in the first tick, J.
+    /// Kinetic energy of the device at the start of the first tick, J; `None` before it.
     kinetic_start_j: Option<f64>,
     /// Energy stored since the start in the device's springs, gravity and magnets, J.
     stored_j: f64,
@@ -139,9 +140,10 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
-    /// Displayed stiffness: mean force over mean penetration at the end of the press, N·m/rad.
+    /// Displayed stiffness: mean force over mean penetration in the second half of the last hold, N·m/rad. `None` without a hold or
+    /// the main wall, or if the verdict is unstable or no-contact.
     pub k_displayed: Option<f64>,
-    /// Rate-hardness of the first contact, N·m/rad: slope of the force after contact over the speed of the touch.
+    /// Rate-hardness of the first contact, N·m/rad: slope of the force over the penetration, fitted to at most 20 ms.
     pub rate_hardness: Option<f64>,
     /// Extended rate-hardness of the first contact, N·m/rad: largest rise of the force within 1 ms, divided by that time and by the
     /// largest speed.
@@ -161,7 +163,7 @@ pub struct Judgement {
     pub release_speed_rad_per_s: Option<f64>,
     /// Largest distance of the device outside the wall's surface after the hand begins to let go, rad.
     pub release_excursion_rad: Option<f64>,
-    /// Largest peak-to-peak motion of the device at the end of a hold, rad.
+    /// Largest peak-to-peak motion of the device in the last quarter of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
     /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative where the wall
     /// gave energy to the device.
@@ -180,13 +182,13 @@ pub struct Judgement {
     pub guard: Option<GuardWatch>,
     /// First tick in which a wall was off, because the device was deeper inside it than the number format of positions reaches.
     pub beyond_reach_tick: Option<u64>,
-    /// Time until the press had settled, in ticks.
+    /// Time until the press had settled, in ticks; `None` if it did not, or if the verdict is neither passive nor active.
     pub settled: Option<Settled>,
     /// Largest penetration of the device into the wall, rad.
     pub penetration_max: f64,
-    /// Largest absolute force, N·m.
+    /// Largest absolute force of the control law, N·m.
     pub force_max: f64,
-    /// Number of ticks (control periods) in which the wall exerted a force.
+    /// Number of ticks (control periods) in which the control law gave a force.
     pub contact_ticks: u64,
 }
 

@@ -9,7 +9,7 @@ use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
 /// Runs the control loop of a scene tick by tick (per control period). It computes the same loop as [`super::simulate`]: a replay
-/// of the recorded rest points gives the same forces bit for bit.
+/// of the recorded rest points gives the same forces bit for bit, unless [`Live::changed`] started the loop.
 pub struct Live {
     scene: Scene,
     control: Box<dyn Control>,

@@ -11,7 +11,8 @@ use touchstone_control::{LawKind, StatesKind};
 /// A spring of stiffness `k` under a zero-order hold is passive if the device damping that the law assumes is at least `k (T/2 +
 /// t_d)`. With virtual damping `B`, the device damping must exceed `k (T/2 + t_d) + B` (Colgate and Schenkel). `T` is the control
 /// period, `t_d` the computational delay. Enhanced successive force augmentation counts as such a spring if its settings need no
-/// augmentation. The bounds of the other laws are those of [`warnings`].
+/// augmentation. The bounds of the other laws are those of [`warnings`]. A law on estimated states is an error, too, because no
+/// bound is known for it.
 ///
 /// # Errors
 /// A setting that the control crate cannot represent.
@@ -105,7 +106,7 @@ mod tests {
             );
             refused(&["law.kind=spring", &k, &delay])
         };
-        // c_i = 5e-4 at 1 kHz: 1 N·m/rad, a third of it with a tick of delay.
+        // With c_i = 5e-4 at 1 kHz the bound is 1 N·m/rad; with a tick of delay it is a third of that.
         assert!(!spring("1", "0") && spring("1.001", "0"));
         assert!(!spring("0.333", "1e-3") && spring("0.334", "1e-3"));
     }
@@ -119,7 +120,7 @@ mod tests {
             );
             refused(&["law.kind=spring-damper", &k, &damping])
         };
-        // 2 (5e-4 - 2e-4)/T = 0.6; strictly below.
+        // The stiffness must be strictly below 2 (5e-4 - 2e-4)/T = 0.6 N·m/rad.
         assert!(!damped("0.59", "2e-4") && damped("0.601", "2e-4"));
         assert!(damped("0.1", "5e-4"));
     }

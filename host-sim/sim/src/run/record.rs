@@ -33,7 +33,7 @@ pub struct Summary {
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<String>,
-    /// Stiffness displayed at the end of the hold, N·m/rad: mean force divided by mean penetration.
+    /// Stiffness displayed in the second half of the last hold, N·m/rad: mean force divided by mean penetration.
     pub k_displayed: Option<f64>,
     /// Rate-hardness of the first contact (thesis, equation 1.5), computed from true force and true motion, N·m/rad.
     pub rate_hardness: Option<f64>,
@@ -56,7 +56,7 @@ pub struct Summary {
     pub release_speed_rad_per_s: Option<f64>,
     /// Largest distance of the device outside the wall's surface after the hand begins to let go, rad.
     pub release_excursion_rad: Option<f64>,
-    /// Largest peak-to-peak motion of the device at the end of the hold, rad.
+    /// Largest peak-to-peak motion of the device in the last quarter of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
     /// Lowest energy that the wall has absorbed since the start, J; negative where the wall gave energy to the device.
     pub energy_true_min: f64,
@@ -90,11 +90,11 @@ pub struct Summary {
     pub settle_from_ramp_end_s: Option<f64>,
     /// Deepest true penetration of the wall, rad; 0 if the wall was never reached, infinite if the simulation diverged.
     pub penetration_max: f64,
-    /// Largest commanded force, N·m.
+    /// Largest absolute force of the control law, N·m.
     pub force_max: f64,
     /// Number of ticks (control periods) that were simulated.
     pub ticks: u64,
-    /// Number of ticks (control periods) in which the wall exerted a force.
+    /// Number of ticks (control periods) in which the control law gave a force.
     pub contact_ticks: u64,
 }
 

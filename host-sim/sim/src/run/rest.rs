@@ -1,7 +1,8 @@
 //! Decides whether the device rests while the hand holds still. The last quarter of every hold is examined.
 //!
-//! The motion of a press defines its holds. In a recording, a hold is a span in which the hand's rest point moves less than the
-//! amplitude threshold of a limit cycle. If the hand never holds still, the device's motion is not attributed to the wall.
+//! The motion of a press defines its holds. In a recording, a hold is a span of at least `LEAST_STILL_S` in which the hand's rest
+//! point stays within the threshold of a limit cycle. Without a hold, the end of the run is examined. If the hand moves then, only
+//! a motion of the device beyond `BEYOND_HAND` times that of the hand is attributed to the wall.
 
 use super::terms::Terms;
 use super::tick::Tick;
@@ -11,7 +12,7 @@ use super::verdict::{LEAST_REST_S, NotJudged};
 const LEAST_STILL_S: f64 = 0.8;
 /// Length of the pieces into which a span of a still hand is divided, s.
 const PIECE_S: f64 = 0.05;
-/// Factor times the hand's motion above which the device's motion is attributed to the wall.
+/// A motion of the device beyond this factor times that of the hand is attributed to the wall.
 const BEYOND_HAND: f64 = 2.0;
 
 /// Smallest and largest value of a series of numbers.
@@ -51,7 +52,8 @@ struct Seen {
     hand: Span,
     exits: u32,
     at_limit: bool,
-    /// Whether the device touched the wall. A device that coasts outside the wall is not judged by its motion.
+    /// Whether the device touched the wall; always true in a hold of the scene's motion. Elsewhere, a device that coasts outside
+    /// the wall is not judged by its motion.
     touched: bool,
     ticks: u64,
 }
@@ -133,11 +135,12 @@ pub(super) struct Rest {
 /// Whether the device rested in the holds of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rested {
-    /// Largest peak-to-peak motion of the device while in contact, rad.
+    /// Largest peak-to-peak motion of the device in an examined time with contact, rad; `None` without such a time.
     pub peak_to_peak: Option<f64>,
     /// Whether the device keeps moving by more than the motion of its hand explains.
     pub oscillates: bool,
-    /// Whether the device has lost the wall: it keeps moving, and also leaves the wall, is at its torque limit or moves far.
+    /// Whether the device has lost the wall: it keeps moving, and also leaves the wall twice, reaches its torque limit, or moves
+    /// farther than a limit cycle.
     pub lost: bool,
     /// Reason why the run does not show whether the device rests; `None` if it does.
     pub not_judged: Option<NotJudged>,

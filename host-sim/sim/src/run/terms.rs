@@ -63,7 +63,8 @@ pub struct Press {
 
 impl Terms {
     /// Whether the wall is touched in a tick: the device is inside the wall, or the wall pushes already. A law that predicts the
-    /// position pushes up to a control period before the device is inside. Detents before the wall do not count.
+    /// position pushes up to a control period before the device is inside. In a scene with an environment only the angle counts,
+    /// because detents push, too.
     #[must_use]
     pub fn touches(&self, tick: &Tick) -> bool {
         tick.angle_rad > self.surface_rad || (tick.force_n_m > 0.0 && !self.has_more)
@@ -149,8 +150,8 @@ fn push(motion: &MotionSpec) -> Option<(f64, f64)> {
 /// Frequency of the rhythmic motion, Hz, with start and end of its measurement, s. The measurement covers the last whole periods at
 /// full amplitude.
 ///
-/// It starts after the first period, or after half a second if that is later, and ends before the half period over which the motion
-/// fades. `None` if no whole period is left.
+/// It starts at the earliest after the first period, or after half a second if that is later. It ends before the half period over
+/// which the motion fades. `None` if no whole period is left.
 fn rhythm_s(motion: &MotionSpec) -> Option<(f64, (f64, f64))> {
     let MotionSpec::PressWiggleRelease(m) = motion else {
         return None;

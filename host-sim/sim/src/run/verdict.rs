@@ -12,11 +12,12 @@ pub enum Verdict {
     Active,
     /// The device keeps oscillating near the wall's surface.
     LimitCycle,
-    /// The device leaves the wall repeatedly, hits the torque limit, or its motion grows without bound.
+    /// The device diverges, moves farther than a limit cycle, or keeps moving and also leaves the wall twice or reaches the torque
+    /// limit.
     Unstable,
-    /// The hand's motion hides whether the device would come to rest at the wall; [`NotJudged`] gives the reason.
+    /// The run does not show whether the device would come to rest at the wall; [`NotJudged`] gives the reason.
     NotJudged,
-    /// The device never touched the wall, so the run says nothing about it. This verdict is the last in the order, so that it never
+    /// The wall never pushed, so the run says nothing about the wall. This verdict is the last in the order, so that it never
     /// counts as good.
     NoContact,
 }
@@ -93,7 +94,7 @@ pub enum NotJudged {
         /// Motion of the device in the same time as that of the hand, peak to peak, rad.
         device_rad: f64,
     },
-    /// The run ended before the hand had held still for long enough.
+    /// The last hold of the hand within the run was too short.
     TooShort {
         /// Time for which the device was examined, s.
         seen_s: f64,

@@ -253,7 +253,7 @@ mod tests {
         Work::of(&scene).check(&scene).unwrap();
         let error = run(&scene, true).unwrap_err().to_string();
         assert!(
-            error.contains("86400000 ticks") && error.contains("--out"),
+            error.contains("86400000 control periods") && error.contains("--out"),
             "{error}"
         );
     }

@@ -215,7 +215,8 @@ impl Environment {
             || self.feel() != FeelSettings::default()
     }
 
-    /// The torque profile, or that of the listed detents; `None` if the scene has none of them or its strength is 0.
+    /// The torque profile of the listed detents if they have torque, else that of the scene. `None` if there is none or its
+    /// strength is 0.
     #[must_use]
     pub fn acting_profile(&self) -> Option<Cow<'_, TorqueProfile>> {
         match self.acting_list() {
@@ -226,7 +227,7 @@ impl Environment {
         .filter(|it| it.strength_n_m > 0.0)
     }
 
-    /// The list of detents; `None` if the scene has none or it has no torque.
+    /// The list of detents; `None` if the scene has no list or no detent in it has torque.
     #[must_use]
     pub fn acting_list(&self) -> Option<&DetentList> {
         self.detent_list.as_ref().filter(|it| it.acts())

@@ -20,9 +20,9 @@ impl Scene {
     /// once, after all changes.
     ///
     /// A key is a dotted path as in the scene file (`device.inertia_kg_m2`), or the end of a path (`k_soft_n_m_per_rad`,
-    /// `filter.mass_kg_m2`) if no other field's path ends so. Text needs no quotes. The value `none` removes an optional field or
-    /// table. A new grip replaces `[operator.hand]`. A single value of `operator.hand` changes the present grip into a custom one.
-    /// A new motion keeps the fields that the old motion has too.
+    /// `filter.mass_kg_m2`) if no other path of a field or of an optional table ends so. Text needs no quotes. The value `none`
+    /// removes an optional field or table. A new grip replaces `[operator.hand]`. A single value of `operator.hand` changes the
+    /// present grip into a custom one. A new motion keeps the fields that the old motion has too.
     ///
     /// # Errors
     /// [`Error::Option`] for an unknown or ambiguous key, and for a value that the scene's check refuses.
@@ -127,7 +127,7 @@ fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v
     }
 }
 
-/// Full path of the field or table that a key of `--set` names; `None` if there is no such field.
+/// Full path of the field or table that a key of `--set` names; `None` if it names none, or if it is the end of several paths.
 pub fn path_of(key: &str) -> Option<String> {
     candidates(key).ok()
 }

@@ -112,7 +112,8 @@ pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {
     (!stem.ends_with("per_")).then_some(unit)
 }
 
-/// Whether every word at the end of a name could belong to a unit, even to one that is not in the list (`lb_in2`, `n_per_mm`).
+/// Whether every word of `end`, the end of a name, could belong to a unit, even to one that is not in the list (`lb_in2`,
+/// `n_per_mm`).
 pub(crate) fn looks_like_unit(end: &str) -> bool {
     const WORDS: &[&str] = &[
         "n", "mn", "un", "kn", "nm", "mnm", "ncm", "nms", "kgf", "lb", "lbf", "oz", "ozf", "in",

@@ -135,8 +135,9 @@ fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     }
 }
 
-/// Guesses which of `names` the user meant by `name`. It is the only one that begins with all words of `name`, or one that differs
-/// in at most a quarter of its letters. Capital letters, and underscores in place of hyphens, make no difference.
+/// Guesses which of `names` the user meant by `name`. It is the only one that begins with all words of `name`, else the most
+/// similar one, if at most a quarter of the letters of `name` (at least one) differ. Capital letters, and underscores in place of
+/// hyphens, make no difference.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     // No field has such a long name, and the time to compare grows with the product of the lengths.
     if name.len() > 200 {

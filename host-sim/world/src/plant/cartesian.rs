@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(OMEGA3.counts([1.04e-5, -1.06e-5, 0.02]), [1, -1, 2000]);
     }
 
-    /// Checks that each axis moves like a device with one axis, bit for bit, and that the energy balance of all three closes.
+    /// Checks that an axis moves like a device with one axis, bit for bit, and that the energy balance of all three closes.
     #[test]
     fn the_axes_are_those_of_one_device_each_and_the_books_close() {
         let plant = Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, 2.5e-4).unwrap();

@@ -77,7 +77,7 @@ fn a_train_of_nothing_is_the_plant_without_one() {
     };
     assert!(far(&states.0.to_array(), &states.1.to_array()) < 1e-12);
     assert!(far(&held_states.0.to_array(), &held_states.1.to_array()) < 1e-12);
-    // After adding a thousand turns to all angles, the motion is the same except for the rounding of the angles.
+    // After adding 1024 rad to all angles, the motion is the same except for the rounding of the angles.
     let mut near = TrainState::<4>::at_rest(0.3);
     let mut turned = TrainState::<4>::at_rest(0.3 + 1024.0);
     for tick in 0..400 {

@@ -8,7 +8,8 @@ pub enum Instruction {
     Branch(i32),
     /// The instruction `BLX` through a register: a call whose target is not fixed.
     CallRegister,
-    /// The instruction `BX` through a register other than the link register: a jump whose target is not fixed.
+    /// A jump whose target is not fixed: `BX` through a register other than the link register, `MOV PC`, or an `LDR` of the program
+    /// counter from elsewhere than the stack.
     JumpRegister,
     /// An instruction of the float unit (coprocessors 10 and 11).
     FloatUnit,
@@ -178,7 +179,7 @@ mod tests {
             (0xed2d, 0x8b02, Some(8)),
             (0xebad, 0x0d04, None),
             (0x46a5, 0, None),
-            // add sp, #180; sub.w r4, sp, #8 (an aligned frame's beginning): not by themselves
+            // add sp, #180; sub.w r4, sp, #8 (address of an aligned frame): neither lowers the stack pointer
             (0xb02d, 0, Some(0)),
             (0xf1ad, 0x0408, Some(0)),
         ] {

@@ -27,7 +27,8 @@ pub struct Reach {
 }
 
 impl ProgramCode {
-    /// Follows all calls from the function whose name contains the given text; `None` if there is no such function.
+    /// Follows all calls from the first function whose name contains the given text. `None` if there is no such function, or if
+    /// code that it reaches cannot be read.
     pub fn reach(&self, name: &str) -> Option<Reach> {
         let mut starts = self.starts();
         self.reach_from(starts.find(|start| {
@@ -36,7 +37,8 @@ impl ProgramCode {
         })?)
     }
 
-    /// Follows all calls from the function at an address.
+    /// Follows all calls from the function at an address. `None` if no function begins there, or if code that it reaches cannot be
+    /// read.
     pub fn reach_from(&self, address: u32) -> Option<Reach> {
         let mut reach = Reach::default();
         let mut waiting = vec![address];
@@ -54,7 +56,8 @@ impl ProgramCode {
         Some(reach)
     }
 
-    /// Reads one function and adds it to `reach`. Returns the addresses of the functions that it calls or jumps to.
+    /// Reads one function and adds it to `reach`. Returns the addresses of the functions that it calls or jumps to; `None` if its
+    /// code cannot be read.
     fn goals(&self, start: u32, name: &str, size: u32, reach: &mut Reach) -> Option<Vec<u32>> {
         if let Some(goal) = self.bridge(start) {
             reach.instructions += 3;

@@ -5,7 +5,7 @@
 //! and frames whose size is only known at run time, have no bound and are reported.
 //!
 //! A call through a register may lead to any function whose address occurs in the program's data or is computed in the program's
-//! code. [`Depths::nested`] takes the largest number of such calls inside each other.
+//! code. The caller of [`Depths::nested`] gives the largest number of such calls that are nested in each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -111,7 +111,8 @@ impl<'p> Depths<'p> {
         }
     }
 
-    /// Bytes of stack below a function, including its own frame. At most `nested` calls through registers are inside each other.
+    /// Bytes of stack that a function needs together with all that it calls, if at most `nested` calls through registers are nested
+    /// in each other.
     pub fn nested(&mut self, start: u32, nested: u32) -> u32 {
         self.below(start, nested, &mut Vec::new())
     }
@@ -127,7 +128,8 @@ impl<'p> Depths<'p> {
         self.known.clear();
     }
 
-    /// The deepest path of calls below a function: for each function on it, the bytes of its own frame and its name.
+    /// The deepest path of calls from a function: the name of each function on the path, and the bytes of its own frame. Call
+    /// [`Depths::nested`] with the same arguments first.
     pub fn path(&self, start: u32, nested: u32) -> Vec<(u32, String)> {
         let mut path = Vec::new();
         let mut next = Some((start, nested));

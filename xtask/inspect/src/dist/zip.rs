@@ -7,7 +7,7 @@ use flate2::{Compression, Crc};
 
 /// Date of every file, 1 January 1980 in the format of zip.
 const DATE: u16 = 0x21;
-/// Version of the zip format that a reader needs, 2.0, and the method of compression, Deflate.
+/// Version of the zip format that a reader needs: 2.0. [`DEFLATE`] is the method of compression.
 const NEEDS: u16 = 20;
 const DEFLATE: u16 = 8;
 

@@ -130,7 +130,7 @@ fn is_float(literal: &str) -> bool {
     is_number && !prefixed && (literal.contains('.') || exponent || named)
 }
 
-/// Whether a token is a field name, from the tokens before it: a single dot, not the two dots of a range.
+/// Whether the token after `before` is a field name: a single dot precedes it, not the two dots of a range.
 fn is_field(before: &[TokenTree]) -> bool {
     let is_dot = |token: Option<&TokenTree>| matches!(token, Some(TokenTree::Punct(sign)) if sign.as_char() == '.');
     is_dot(before.last()) && !is_dot(before.iter().nth_back(1))

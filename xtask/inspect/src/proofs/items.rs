@@ -62,7 +62,7 @@ pub enum How {
     Dot,
     /// Macro call: `name!`.
     Bang,
-    /// `before::name`, with the word before the name. Empty if that is a type with arguments in angle brackets; `$` if it is a
+    /// `before::name`. The text is the word before the name. It is empty for a type with arguments in angle brackets, and `$` for a
     /// macro's argument.
     After(String),
 }

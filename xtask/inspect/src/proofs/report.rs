@@ -4,7 +4,7 @@
 //! cover is a statement that the checker must be able to reach.) So the checker's own verdict is only one of the conditions here.
 //!
 //! The checker's own test whether each assertion can be reached is switched off. It would also test the assertions in the code,
-//! which takes a quarter of the time. Instead each assertion of a property needs a cover, in one of two ways:
+//! which takes a quarter of the checker's time. Instead each assertion of a property needs a cover, in one of two ways:
 //! - A cover comes after the assertion in the same block and can only be reached through it ([`super::shown`] checks this in the
 //!   sources).
 //! - The assertion contains a cover (`assert_reached!` in `proofs/src/lib.rs`).
@@ -184,7 +184,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
     {
         return Answer::Empty("no cover".into());
     }
-    // Several assertions in one macro may have the same place; it must then have at least as many covers as assertions.
+    // Several assertions in one macro may have the same place. That place must then have at least as many covers as assertions.
     let line = |check: &Value| {
         let line = &check["location"]["line"];
         line.as_u64()

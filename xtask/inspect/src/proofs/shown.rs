@@ -66,7 +66,7 @@ fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     })
 }
 
-/// Whether an argument after the first `before` ones is a string, which is the assertion's message.
+/// Whether the argument after the first `before` ones is a string, which is the assertion's message.
 fn has_words(arguments: &TokenStream, before: usize) -> bool {
     let parser = Punctuated::<Expr, Token![,]>::parse_terminated;
     let Ok(all) = parser.parse2(plain(arguments.clone())) else {

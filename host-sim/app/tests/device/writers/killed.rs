@@ -17,11 +17,11 @@ fn begun(output: &Output, here: &Path, board: &Fake) -> Child {
         .unwrap()
 }
 
-/// Whether the file is complete: a page, a table or settings with the expected last line.
+/// Whether the file looks complete: it ends like a page or a JUnit file, or it has more than three lines, each with its line end.
 fn is_whole(output: &Output, file: &Path) -> bool {
     let text = std::fs::read_to_string(file).unwrap();
     if output.0 == "monitor --csv" {
-        // This file is written during the recording, so it may contain only complete rows.
+        // This file is written during the recording. It may end early, but only after a complete row.
         return text.is_empty()
             || text.ends_with('\n') && text.lines().all(|row| row.split(',').count() == 13);
     }

@@ -139,7 +139,7 @@ pub(super) fn statics(around: &Environment) -> std::result::Result<Vec<Static>, 
 }
 
 /// The cell in which the sum of all parts is most restoring; `None` for fewer than two parts. If the parts have no common period,
-/// too many cells or no angles, the sum of their steepest slopes is returned. These slopes may not meet at one angle.
+/// too many cells or no angles, the sum of their steepest restoring slopes is returned. These slopes may not meet at one angle.
 pub(super) fn together(parts: &[Static]) -> Option<Cell> {
     if parts.len() < 2 {
         return None;

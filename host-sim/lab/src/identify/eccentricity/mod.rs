@@ -21,8 +21,9 @@
 //!   motion falls with the square of the speed `ω`, while the encoder's error is the same at any speed. A coast from fast to slow
 //!   therefore distinguishes the two, but is short and less accurate.
 //!
-//! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If
-//! the field's value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
+//! The result combines both motions, order by order. It is the coast's value if the two differ by more than twice the coast's
+//! uncertainty and by more than a quarter of an encoder count. Otherwise it is the field's value. Its uncertainty is then at
+//! least the smaller of that difference and the coast's uncertainty.
 //!
 //! **Neither motion shows** orders above two, such as a magnetic encoder's own fourth order; they stay in the residual. A rotor
 //! with unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy

@@ -24,9 +24,9 @@ use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION};
 
 /// Number of random walls in a check.
 pub const DRAWS: usize = 200;
-/// Reciprocal of the fraction of walls that are a ball: one of this many.
+/// One of this many walls is a ball.
 const BALL_EACH: usize = 5;
-/// Largest distance of a plane's pressed point from the centre of the workspace, m.
+/// Largest distance along each axis of a plane's random point from the centre of the workspace, m.
 const FURTHEST_M: f64 = 0.03;
 const PUSHES_N: (f64, f64) = (4.0, 9.0);
 const DELAYS_TICKS: [f64; 3] = [0.0, 0.1, 0.5];
@@ -65,8 +65,8 @@ fn across(hand: &Hand) -> f64 {
     1.0 / (1.0 / hand.stiffness + 1.0 / hand.pad_stiffness)
 }
 
-/// Largest push with which the simulated hand presses a ball, N. The hand slides off above the ball's radius times its stiffness
-/// across the push.
+/// Largest push with which the simulated hand presses a ball, N. The hand slides off above the ball's radius times the hand's
+/// stiffness across the push.
 fn most_on_ball_n(hand: &Hand) -> f64 {
     BALL_SHARE * 1e-3 * RADIUS_MM * across(hand)
 }
@@ -145,7 +145,8 @@ pub struct HeldOutCell {
     pub found: DirectionFigures,
     /// Magnitude of the largest force vector that the law requested of the motors, N.
     pub longest_n: f64,
-    /// Cause of a wall beyond a limit: the first single change with which all its measures are within their limits.
+    /// Cause of a wall beyond a limit: the first single change with which all its measures are within their limits. `None` if no
+    /// measure is beyond its limit.
     pub cause: Option<HeldOutCause>,
     limits: Limits,
 }
@@ -424,8 +425,8 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// Checks that the causes of three walls beyond their limits are found. The causes are a push beyond the motors' force, a delay
-    /// with which a hand gets energy out, and one that no single change explains.
+    /// Checks that the causes of three walls beyond their limits are found. The first wall has a push beyond the motors' force,
+    /// the second a delay with which a hand gets energy out. No single change explains the third.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
         // With the pulse at the touch no wall gives energy to the hand.

@@ -170,8 +170,8 @@ impl PressedWall {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// Simulates an action of the hand; returns the scorecard's measures and the largest force that was requested of the motors, N.
-    /// If the mechanism cannot reach a position, all measures are infinite.
+    /// Simulates an action of the hand; returns the scorecard's measures and the largest force that was requested of the motors,
+    /// N. If the mechanism cannot reach a position, all measures are infinite and the force is 0.
     ///
     /// # Errors
     /// Control law or energy guard do not accept their settings.

@@ -45,8 +45,8 @@ pub struct SpaceLaw {
     /// Approach (way in which the force is computed): a control law, and the rule for the direction of its force.
     #[serde(default)]
     pub approach: Approach,
-    /// Requested stiffness, N/mm. If left out, it is five times the largest stable stiffness of a plain spring on the mechanism, or
-    /// that of the shipped wall.
+    /// Requested stiffness, N/mm. If left out, it is five times the largest stable stiffness of a plain spring on the mechanism,
+    /// or, with the approach [`Approach::Shipped`], that of the shipped wall.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
 }
@@ -68,7 +68,7 @@ fn unnamed() -> String {
 pub const STIFFEST_N_PER_MM: f64 = 50.0;
 
 impl SpaceScene {
-    /// Fills in the default values of fields that the file leaves out.
+    /// Checks the values, and fills in the default stiffness if the file gives none.
     ///
     /// # Errors
     /// The field whose value is out of range, and its range.

@@ -30,8 +30,8 @@ impl CellWall {
         })
     }
 
-    /// Runs one tick (control period): takes the measured position, m, and returns the force on the hand, N. The force is 0 above the
-    /// guard's over-speed limit.
+    /// Runs one tick (control period): takes the measured position in m, returns the force on the hand in N. The force is 0 above
+    /// the guard's over-speed limit.
     pub fn tick(&mut self, measured_m: [f64; 3]) -> [f64; 3] {
         let force = self.wall.tick(place(measured_m.map(|x| x * 1e3)));
         self.is_too_fast = force.is_err();

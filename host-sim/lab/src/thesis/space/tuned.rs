@@ -109,7 +109,7 @@ impl DirectionCard {
             })
     }
 
-    /// Every device and measure beyond a limit.
+    /// Every measure beyond its limit, with the name of the device.
     #[must_use]
     pub fn fails(&self) -> Vec<(&'static str, Measure)> {
         let mut fails = Vec::new();

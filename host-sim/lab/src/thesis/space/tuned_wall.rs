@@ -102,9 +102,9 @@ pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
 /// The wall for the delta mechanism's lighter, sideways axes: 0.095 kg and 0.933 N·s/m as `touchstone device identify` measures
 /// them, on a lever of 32.45 mm (`touchstone tune --quick`, seed 1). The upward axis has 0.132 kg and 2.65 N·s/m.
 ///
-/// Bandwidth and pulse at the touch were changed manually. With the 74.43 Hz from the search, one measure in nine directions is beyond its limit. A wall
-/// with 0.41 of the position counts then has a stiffness error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis
-/// give out energy in ±x on the mechanism. Those for 3 N/mm have a stiffness error of 6.4 % with 0.41 of the counts.
+/// Bandwidth and pulse at the touch were changed by hand. With the 74.43 Hz from the search, one measure is beyond its limit:
+/// with 0.41 of the position counts the stiffness error in a hold is 5.0 %. Settings for 5 N/mm hold the single axis, but on the
+/// mechanism they give out energy in ±x. With settings for 3 N/mm and 0.41 of the counts the stiffness error is 6.4 %.
 pub const DELTA_WALL: TunedWall = TunedWall {
     name: "a delta of a Falcon's lengths",
     k_desired_n_per_m: 2500.0,

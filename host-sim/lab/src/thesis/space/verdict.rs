@@ -1,5 +1,5 @@
 //! The verdict on a run in three axes, by the criteria of a run on one axis. The device must come to rest while the hand holds
-//! still, and must not give the hand more energy than it took.
+//! still, and the hand must not get more energy out than it put in.
 //!
 //! The hand of such a run always holds still for `HOLD_S`. A run can therefore only be not judged if the mechanism ended it
 //! before the end of the hold.

@@ -127,8 +127,8 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// Records the angle at which a command of this tick begins to act. If only a fraction of a tick passes first, it is the angle
-    /// within the tick, else the angle at the tick's end.
+    /// Records the angle at which the torque command changed. With a delay below one tick, that is the angle at the change within
+    /// this tick; with a longer delay, the angle at the tick's end is taken.
     #[inline(always)]
     fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
         if let Some(changed) = &mut self.changed_at_rad {

@@ -37,8 +37,8 @@ impl<S: Stage + 'static> Staged<S> {
 }
 
 impl<S: Stage> Staged<S> {
-    /// Torque after this effect, N·m. If it differs from the requested torque `wanted_n_m`, the inner effects and the control law
-    /// are informed.
+    /// Torque after this effect, N·m. If it differs from the requested torque `wanted_n_m` and [`Stage::TOLD`] is true, the inner
+    /// effects and the control law are informed.
     #[inline(always)]
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);

@@ -34,7 +34,7 @@ fn damped(scene: &mut Scene, from: VelocityKind) {
     if scene.law.kind != LawKind::SpringDamper {
         scene.law.kind = LawKind::SpringDamper;
         scene.law.states = StatesKind::Measured;
-        // Half of the damping of the thesis' knob or less. The default damping is 0, with which the velocity has no effect.
+        // Virtual damping of at most half the thesis' device damping. With the default of 0 the velocity would have no effect.
         scene.law.virtual_damping_n_m_s_per_rad = 2e-4;
     }
     scene.law.velocity.from = from;

@@ -17,7 +17,7 @@ pub struct RateHardness {
     f: f64,
     xx: f64,
     xf: f64,
-    /// Angle at the first contact, rad. Sums use angles relative to it, to avoid cancellation.
+    /// Penetration at the first contact, rad. Sums use penetrations relative to it, to avoid cancellation.
     origin_rad: f64,
 }
 

@@ -106,8 +106,8 @@ impl Response {
         )
     }
 
-    /// Dynamic stiffness at the frequency of the motion. `None` if the hand left the wall or did not move, or if the window has no
-    /// whole period.
+    /// Dynamic stiffness at the frequency of the motion. `None` if the device left the wall or the force did not push outward
+    /// throughout the window, if the penetration did not vary, or if the window is too short for the fit.
     #[must_use]
     pub fn stiffness(&self) -> Option<DynamicStiffness> {
         let (force, penetration) = (self.fitted(&self.force), self.fitted(&self.penetration));

@@ -27,8 +27,8 @@ const FINEST_S: f64 = 1e-4;
 /// Largest number of stored steps in a curve with a time step shorter than [`STEP_S`].
 const MOST_FINE_STEPS: f64 = 6e5;
 
-/// Time step of the smoothed curve for a recording, s: the mean sample interval, limited to a range. The mean is used because
-/// samples may come in bursts.
+/// Time step of the smoothed curve for a recording, s: the mean sample interval, from [`FINEST_S`] to [`STEP_S`], and longer than
+/// the mean where [`MOST_FINE_STEPS`] requires it. The mean is used because samples may come in bursts.
 pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
     let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
     mean_s

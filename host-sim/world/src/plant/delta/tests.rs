@@ -198,7 +198,7 @@ fn the_books_close_in_a_hand() {
     assert!(worst < 1e-12 && worked > 0.01, "{worst} {worked}");
 }
 
-/// Checks that the integration method is of fourth order: half the substep gives a sixteenth of the error.
+/// Checks that the integration method is of fourth order: half the substep gives about a sixteenth of the error.
 #[test]
 fn the_method_is_of_fourth_order() {
     let end = |substeps: u32| {

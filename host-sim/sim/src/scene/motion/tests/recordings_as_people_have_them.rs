@@ -108,7 +108,7 @@ fn rows_of_another_length_are_refused_by_their_line() {
         ),
         (
             "t_ms,angle_rad\n65534,0\n65535,1\n0,1\n",
-            "m.csv:4: t_ms: 0 comes after 65535, but times must rise; where a counter wrapped, add its range",
+            "m.csv:4: t_ms: 0 comes after 65535, but times must rise; if a counter wrapped, add its range",
         ),
         (
             "time_s,angle_rad\n-1e308,1\n1e308,2\n",
