@@ -264,7 +264,7 @@ impl Bench {
         HeldLinear::new(shaft, hand, factor * PERIOD_S / 2.0).expect("a plant")
     }
 
-    /// Most energy in J that the guard lets a hand get in one run with [`STAYS_S`].
+    /// Most energy in J that the guard lets a hand get in one run with `STAYS_S`.
     #[must_use]
     pub fn promise_j(&self) -> f64 {
         let law = touchstone_drive::change::law_settings(&self.settings, hardware(self.board));
