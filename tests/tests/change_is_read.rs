@@ -100,9 +100,7 @@ fn a_board_that_cannot_measure_says_so() {
     ] {
         let said = change(refused).unwrap_err();
         assert!(
-            said.starts_with(
-                "law.guard.change: the board's current loop must complete a change of force"
-            ),
+            said.starts_with("law.guard.change: the board's current loop has to be done"),
             "{said}"
         );
     }

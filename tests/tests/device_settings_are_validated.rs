@@ -194,7 +194,7 @@ fn settings_are_checked_against_each_other_and_the_board() {
     );
     assert_eq!(
         refusal(big, |s| s.timing.rate_hz = 3000),
-        "timing.rate_hz = 3000 Hz is not a whole fraction of 20000 Hz"
+        "timing.rate_hz = 3000 Hz is no whole fraction of 20000 Hz"
     );
     assert_eq!(
         refusal(big, |s| s.encoder.counts_per_rev = 4000),

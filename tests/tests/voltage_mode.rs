@@ -309,7 +309,7 @@ fn it_measures_no_motor() {
     let refused = checked(&settings, BOARD).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "calibration.measures: this board has no current sensors, so it cannot measure a motor"
+        "calibration.measures: this board does not measure its currents, and can measure no motor"
     );
 }
 

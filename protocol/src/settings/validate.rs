@@ -96,12 +96,12 @@ impl SettingsError {
             }
             Reason::OutOfFormat => write!(
                 f,
-                "{path}: the coefficient {value} computed from it does not fit its number format"
+                "{path}: the coefficient {value} that is made of it does not fit its number format"
             ),
             Reason::NoFractionOf(rate) => {
                 write!(
                     f,
-                    "{path} = {value}{space}{unit} is not a whole fraction of {rate} Hz"
+                    "{path} = {value}{space}{unit} is no whole fraction of {rate} Hz"
                 )
             }
             Reason::NotOnThisBoard => {
@@ -110,13 +110,13 @@ impl SettingsError {
             Reason::NoCurrentSensors => {
                 write!(
                     f,
-                    "{path}: this board has no current sensors, so it cannot measure a motor"
+                    "{path}: this board does not measure its currents, and can measure no motor"
                 )
             }
             Reason::NotMeasured => {
                 write!(
                     f,
-                    "{path}: the board's current loop must complete a change of force within a control period; choose another value, lower timing.rate_hz, or raise motor.current_bandwidth_hz"
+                    "{path}: the board's current loop has to be done with a change of force within a tick, give another word, a lower timing.rate_hz or more motor.current_bandwidth_hz"
                 )
             }
         }

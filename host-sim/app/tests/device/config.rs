@@ -107,11 +107,7 @@ fn what_is_no_value_is_refused_with_its_range_and_nothing_changes() {
         ("wall.law", "tdpa", &["did you mean law.kind?"]),
         ("control.rate_hz", "1000", &["did you mean timing.rate_hz?"]),
         ("motor.pole_pair", "7", &["did you mean motor.pole_pairs?"]),
-        (
-            "timing.rate_hz",
-            "3000",
-            &["not a whole fraction of 20000 Hz"],
-        ),
+        ("timing.rate_hz", "3000", &["no whole fraction of 20000 Hz"]),
         (
             "law.force_limit_n_m",
             "0.6",

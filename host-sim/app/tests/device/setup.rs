@@ -355,5 +355,5 @@ fn a_board_without_current_sensors_is_not_set_up() {
     assert!(!out.join("before.toml").exists());
     // The setting that requests a motor measurement is refused, too.
     let failed = device.run(&["config", "set", "calibration.measures", "true"]);
-    failed.failed(2, &["cannot measure a motor"]);
+    failed.failed(2, &["can measure no motor"]);
 }
