@@ -1,5 +1,5 @@
-//! Tests that boards without a broken part raise no fault in hard use: fast hands, motors and knobs 30 % off their settings, noise,
-//! a bad reading in a thousand, dead time, and cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40
+//! Tests that boards without a broken part raise no fault in hard use. Hands are fast, motors and knobs are 30 % off their settings.
+//! Sensors are noisy, and one reading in a thousand is bad. The bridge has dead time, the motor cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40
 //! cases; 900,000 are ten hours a board.
 
 use rayon::prelude::*;

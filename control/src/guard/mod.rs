@@ -10,8 +10,8 @@
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick, `f` the force,
-//! `g = f(n-1) - f(n-2)` its last change, and `s` the fraction of a tick after which a force begins to act. `c` is the trusted
+//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick. `f` is the force, and
+//! `g = f(n-1) - f(n-2)` its last change. `s` is the fraction of a tick after which a force begins to act. `c` is the trusted
 //! damping over the tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples
 //! without being seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a
 //! force that still acts after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.

@@ -226,3 +226,54 @@ fn from_file(file: &std::path::Path, lever_mm: f64, rate_hz: u32) -> Result<Chos
         caution: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::WallOptions;
+    use clap::Parser;
+    use touchstone_device::haptic::{DataSheet, Workspace};
+
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        wall: WallOptions,
+    }
+
+    /// What `device run` says of a wall on a device with this least damping, if anything.
+    fn caution(words: &[&str], least_damping_n_s_per_m: Option<f64>) -> String {
+        let sheet = DataSheet {
+            name: "arm".into(),
+            degrees: 3,
+            force_n: 8.0,
+            workspace: Workspace {
+                radius_m: 0.1,
+                half_height_m: 0.1,
+            },
+            count_m: 1e-5,
+            rates_hz: (500, 4000),
+            delay_s: 0.0,
+            axes: None,
+            least_damping_n_s_per_m,
+            sets_the_pace: false,
+        };
+        let words = Words::parse_from([&["device"], words].concat());
+        words
+            .wall
+            .chosen(&sheet)
+            .unwrap()
+            .caution
+            .unwrap_or_default()
+    }
+
+    #[test]
+    fn damping_that_the_guard_only_assumes_is_named() {
+        let assumed = "assumes that arm has at least 2.5 N·s/m of damping";
+        let said = caution(&[], None);
+        assert!(
+            said.contains(assumed) && said.contains("; no wall was tuned"),
+            "{said}"
+        );
+        assert!(!caution(&[], Some(1.0)).contains("assumes"));
+        assert!(!caution(&["--no-guard"], None).contains("assumes"));
+    }
+}

@@ -306,7 +306,13 @@ mod tests {
         }
         // A run that ends in the middle of the programme fails.
         let cut = led(3000, 5000.0, |due| turn.rest_depth_m(due));
-        assert!(run(&cut, Some(turn)).beyond().count() >= 5);
+        let cut = run(&cut, Some(turn));
+        assert!(cut.beyond().count() >= 5);
+        let mut figures = cut.figures.iter();
+        let settle = figures
+            .find(|it| it.key == "settle_from_ramp_end_s")
+            .unwrap();
+        assert_ne!(settle.value, Some(0.0));
     }
 
     #[test]
