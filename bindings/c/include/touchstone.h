@@ -485,7 +485,8 @@ ts_status ts_feel_account(ts_feel *feel,
 
 /*
  Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. Sets the
- properties of your own device to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ properties of your own device to 0 (rate, force limit, count, damping and lag), and `delay` to -1 s. `ts_guard_init` refuses this
+ rate and this delay: the energy bound fails with a wrong delay, so set the measured one.
  */
 ts_status ts_guard_defaults(ts_guard_config *config);
 

@@ -105,7 +105,8 @@ impl ts_guard_config {
 }
 
 /// Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. Sets the
-/// properties of your own device to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// properties of your own device to 0 (rate, force limit, count, damping and lag), and `delay` to -1 s. `ts_guard_init` refuses this
+/// rate and this delay: the energy bound fails with a wrong delay, so set the measured one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
@@ -121,7 +122,8 @@ pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
             capacity: shipped.capacity.to_bits(),
             refill: shipped.refill.to_bits(),
             overspeed: shipped.overspeed.to_bits(),
-            delay: 0,
+            // Every delay that is assumed instead of measured can be wrong, 0 as well: the guard refuses this one.
+            delay: Si::lit("-1").to_bits(),
             lag: 0,
             change_is_measured: 0,
         },

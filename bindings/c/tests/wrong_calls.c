@@ -47,6 +47,9 @@ int main(void) {
   IS(ts_guard_defaults(&config), TS_OK);
   IS(ts_guard_init(&guard, &config), TS_OUT_OF_RANGE);
   IS(ts_guard_check(&config, words, sizeof words), TS_OUT_OF_RANGE);
+  IS(strstr(words, "delay_s") != NULL, 1);
+  config.delay = 0;
+  IS(ts_guard_check(&config, words, sizeof words), TS_OUT_OF_RANGE);
   IS(strstr(words, "rate_hz") != NULL, 1);
   IS(ts_guard_check(&config, words, 5), TS_OUT_OF_RANGE);
   IS(strlen(words), 4u);

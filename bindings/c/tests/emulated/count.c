@@ -104,6 +104,7 @@ int main(void) {
   config.force_limit = TS_SI(0.5);
   config.count = TS_SI(0.000157079633);
   config.damping = TS_SI(0.0004);
+  config.delay = 0;
   if (ts_guard_init(&guard, &config) != TS_OK) return 1;
   ts_settings_init(&settings);
   if (ts_estimator_init(&estimator, &settings) != TS_OK) return 2;

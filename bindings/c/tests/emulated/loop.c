@@ -27,7 +27,8 @@ int main(void) {
 #if PART == GUARD
   ts_guard_config config;
   ts_guard_defaults(&config);
-  config.rate_hz = 1000, config.force_limit = TS_SI(0.5), config.count = TS_SI(0.0001), config.damping = TS_SI(0.0004);
+  config.rate_hz = 1000, config.force_limit = TS_SI(0.5), config.count = TS_SI(0.0001), config.damping = TS_SI(0.0004),
+  config.delay = 0;
   if (ts_guard_init(&guard, &config) != TS_OK) return 1;
   int32_t last = encoder;
 #else

@@ -53,6 +53,10 @@ pub struct WallOptions {
     /// Largest force, N; default and largest value: the device's largest force.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(100.0, "of newtons"))]
     force_limit_n: Option<f64>,
+    /// Damping of the device's least damped axis, as `device identify` measures it, N·s/m. The energy guard relies on a fraction of it;
+    /// default: the data sheet's, or an omega.3's for a device of unknown damping.
+    #[arg(long, value_name = "N_S_PER_M", conflicts_with = "no_guard", allow_negative_numbers = true, value_parser = number::within(0.0, 50.0, "of N·s/m"))]
+    damping: Option<f64>,
     /// Runs without the energy guard.
     #[arg(long)]
     pub no_guard: bool,
@@ -109,12 +113,13 @@ impl WallOptions {
             force_limit: Si::saturating_from_num(force_n),
             ..chosen.law
         };
-        let damping = sheet.least_damping_n_s_per_m.unwrap_or(OMEGA3_AXIS.damping);
+        let known = self.damping.or(sheet.least_damping_n_s_per_m);
+        let damping = known.unwrap_or(OMEGA3_AXIS.damping);
         let guard = guard_settings(damping, sheet.delay_s, rate_hz);
-        let is_assumed = sheet.least_damping_n_s_per_m.is_none() && !self.no_guard;
+        let is_assumed = known.is_none() && !self.no_guard;
         let assumed = is_assumed.then(|| {
             format!(
-                "the energy guard assumes that {} has at least {damping} N·s/m of damping, as an omega.3 has; with less its energy bound does not hold",
+                "the energy guard assumes that {} has at least {damping} N·s/m of damping, as an omega.3 has; with less its energy bound does not hold. Measure it by `touchstone device identify` and give --damping",
                 sheet.name
             )
         });
@@ -274,6 +279,7 @@ mod tests {
             "{said}"
         );
         assert!(!caution(&[], Some(1.0)).contains("assumes"));
+        assert!(!caution(&["--damping", "0.3"], None).contains("assumes"));
         assert!(!caution(&["--no-guard"], None).contains("assumes"));
     }
 }

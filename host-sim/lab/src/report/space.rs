@@ -258,7 +258,7 @@ fn runs_section(page: &mut String, runs: &[Record]) {
         &[
             "Object",
             "Approach",
-            "k_de (N/mm)",
+            "desired stiffness k_de (N/mm)",
             "Verdict",
             "At rest (N/mm)",
             "Ripple (mm)",
