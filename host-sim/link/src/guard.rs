@@ -1,5 +1,5 @@
-//! Checks the settings of a board's energy guard against the conditions of the guard's energy bound on this board. The program uses
-//! it to warn if a settings file weakens the guard.
+//! Checks the settings of a board's energy guard against the conditions of the guard's energy bound on this board. The program
+//! warns if a settings file weakens the guard.
 
 use crate::value;
 use touchstone_control::{ChangeOfForce, Fixed32, Guard, Si};
@@ -20,8 +20,8 @@ pub struct Weaker {
 
 /// Lists the settings in `after` that weaken the energy guard's bound. With the board's own current loop the change of force must
 /// stay measured; with the same external amplifier, delay plus lag must not fall below that in `before`. The trusted damping must
-/// not exceed that in `before`, nor the encoder's error fall below it. Capacity and refilling power must not exceed the shipped
-/// ones. A setting with the same value in `before` is not listed, unless the guard was off there.
+/// not exceed that in `before`. The encoder's error must not be below that in `before`. Capacity and refilling power must not
+/// exceed the shipped ones. A setting with the same value in `before` is not listed, unless the guard was off there.
 #[must_use]
 pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
     const ON: &str = "law.guard.on";
@@ -110,8 +110,9 @@ fn trusted(guard: &GuardSettings) -> Si {
 /// Energy that the energy guard of a board lets the motor give to a hand, with the board's present settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// Most energy that a hand can get out at once beyond what it put in, J. It is the capacity of the energy guard's account, plus
-    /// half an encoder count times the largest force that a full account allows.
+    /// Most energy that a hand can get out at once beyond what it put in, J. It is the capacity of the energy guard's account,
+    /// plus the encoder's largest error (half a count and `law.position_error_rad`) times the largest force that a full account
+    /// allows.
     pub at_once_j: f64,
     /// Power that a hand can get out continuously in addition, W: the power that refills the energy guard's account.
     pub refill_w: f64,
@@ -175,7 +176,7 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
 /// Speed for which the kinetic energy of a knob is printed, rad/s: a brisk turn by hand.
 const SHOWN_RAD_PER_S: f64 = 10.0;
 
-/// Kinetic energy of the knob at that speed, J, with the inertia that the estimator assumes.
+/// Kinetic energy of the knob at [`SHOWN_RAD_PER_S`], J, with the inertia that the estimator assumes.
 fn kinetic_j(settings: &DeviceSettings) -> f64 {
     let inertia: f64 = settings.law.estimator.inertia_kg_m2.to_num();
     0.5 * inertia * SHOWN_RAD_PER_S * SHOWN_RAD_PER_S
@@ -192,8 +193,9 @@ pub fn by_torque_constant(error: f64) -> String {
 }
 
 /// Limits the energy guard's settings, from whichever file they come, to values that are certain on this board. The guard is
-/// switched on and uses the position measured when the force changes. Its assumed damping becomes at most `sure_damping`, its
-/// capacity and refilling power at most the shipped ones.
+/// switched on. With the board's own current loop, the guard uses the position measured when the force changes. The assumed
+/// damping becomes at most `sure_damping`; its trusted share, the capacity and the refilling power become at most the shipped
+/// ones.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;
@@ -260,7 +262,7 @@ mod tests {
                 assert!(paths(&before, &after, board).is_empty(), "{board:?} {path}");
                 change(&mut after, true);
                 if path.ends_with("damping_n_m_s_per_rad") {
-                    // Compared with the full damping, not with the half of it set before.
+                    // `change` has halved the damping above. The weaker value must exceed that in `before`.
                     after.law.guard.damping_n_m_s_per_rad =
                         before.law.guard.damping_n_m_s_per_rad + Si::DELTA * 8;
                 }

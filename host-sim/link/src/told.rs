@@ -7,6 +7,9 @@ use serde_json::{Value, json};
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Limit, Phase, Status};
 
+/// Beginning of an error message if it is unknown whether the device is off.
+pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
+
 /// The JSON message with the device's identity and all its settings.
 #[must_use]
 pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value {

@@ -2,7 +2,7 @@
 //! requests, is silent or sends damaged data.
 
 use serde_json::Value;
-use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};
+use touchstone_link::talk::{ANSWER_LIMIT_MS, OFF_LIMIT_MS, OFF_TRIES, TRIES, Talk};
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::{
     Board, DeviceCommand, DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Phase, Refusal,
@@ -74,6 +74,9 @@ impl Device {
                 return Err(Refusal::NotNow(self.phase));
             }
             Request::Command(DeviceCommand::Arm) => self.phase = Phase::Armed,
+            Request::Command(DeviceCommand::Disarm) if self.phase != Phase::Armed => {
+                return Err(Refusal::NotNow(self.phase));
+            }
             Request::Command(DeviceCommand::Disarm) => self.phase = Phase::Ready,
             Request::Command(DeviceCommand::Stop) => self.phase = Phase::Stopped,
             _ => {}
@@ -123,6 +126,9 @@ fn framed(message: &FromDevice) -> Vec<u8> {
 struct Wire {
     talk: Talk,
     device: Device,
+    /// Percentage of the transfers that are lost, in each direction, and the state of the random numbers that choose them.
+    lost: u64,
+    chance: u64,
     now_ms: f64,
     said: Vec<Value>,
 }
@@ -132,6 +138,8 @@ impl Wire {
         let mut wire = Self {
             talk: Talk::new("here"),
             device: Device::new(),
+            lost: 0,
+            chance: 1,
             now_ms: 0.0,
             said: Vec::new(),
         };
@@ -151,9 +159,15 @@ impl Wire {
         let until = self.now_ms + ms;
         while self.now_ms < until {
             self.now_ms += 1.0;
-            let out = self.talk.out();
+            let mut out = self.talk.out();
+            if self.loses() {
+                out.clear();
+            }
             if power {
                 let mut answer = self.device.hears(&out);
+                if self.loses() {
+                    answer.clear();
+                }
                 if self.device.telemetry {
                     answer.extend(self.device.record());
                 }
@@ -164,6 +178,20 @@ impl Wire {
                 self.said.push(serde_json::from_str(&text).unwrap());
             }
         }
+    }
+
+    /// Whether the next transfer is lost.
+    fn loses(&mut self) -> bool {
+        self.chance ^= self.chance << 13;
+        self.chance ^= self.chance >> 7;
+        self.chance ^= self.chance << 17;
+        self.chance % 100 < self.lost
+    }
+
+    /// Answers to the command `what`: the error of each, if it failed.
+    fn answers(&self, what: &str) -> Vec<Option<&str>> {
+        let ours = self.said.iter().filter(|said| said["do"] == what);
+        ours.map(|said| said["error"].as_str()).collect()
     }
 
     fn order(&mut self, text: &str) {
@@ -244,6 +272,70 @@ fn the_stop_overtakes_what_waits_and_a_command_is_sent_once() {
         "{:?}",
         wire.said
     );
+}
+
+/// Over a link that loses up to nine of ten transfers in each direction, the commands that switch off are repeated until the device
+/// is off, in each state of the conversation. The page never reads that it is off while it is armed.
+#[test]
+fn the_commands_that_switch_off_are_repeated_until_they_are_confirmed() {
+    let mut unconfirmed = 0;
+    for seed in 1..=1000_u64 {
+        let mut wire = Wire::connected();
+        wire.chance = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        wire.device.phase = Phase::Armed;
+        match seed % 3 {
+            0 => {}
+            // The device was out of sight: the page asks for its identity, or waits to do so.
+            1 => wire.pass(2500.0, false),
+            _ => {
+                wire.talk.closed("the cable was pulled");
+                wire.talk.opened(wire.now_ms);
+            }
+        }
+        wire.lost = [30, 60, 90][(seed / 3 % 3) as usize];
+        let what = if seed % 2 == 0 { "stop" } else { "disarm" };
+        wire.order(&format!(r#"{{"do":"{what}"}}"#));
+        wire.pass(f64::from(OFF_TRIES + 1) * OFF_LIMIT_MS, true);
+        let answers = wire.answers(what);
+        assert_eq!(answers.len(), 1, "seed {seed}: {:?}", wire.said);
+        match answers[0] {
+            None => assert_ne!(wire.device.phase, Phase::Armed, "seed {seed}"),
+            Some(error) => {
+                assert!(
+                    error.contains("THE DEVICE MAY STILL BE ON"),
+                    "seed {seed}: {error}"
+                );
+                unconfirmed += 1;
+            }
+        }
+    }
+    assert!(unconfirmed < 500, "{unconfirmed}");
+}
+
+#[test]
+fn a_stop_that_nothing_confirms_says_that_the_device_may_be_on() {
+    let mut wire = Wire::connected();
+    wire.device.phase = Phase::Armed;
+    wire.order(r#"{"do":"stop"}"#);
+    wire.pass(f64::from(OFF_TRIES + 1) * OFF_LIMIT_MS, false);
+    let error = wire.answers("stop")[0].expect("not confirmed").to_owned();
+    assert!(error.contains("THE DEVICE MAY STILL BE ON"), "{error}");
+    // The same if the cable is pulled meanwhile.
+    let mut wire = Wire::connected();
+    wire.device.phase = Phase::Armed;
+    wire.order(r#"{"do":"disarm"}"#);
+    wire.talk.closed("the cable was pulled");
+    wire.pass(1.0, false);
+    let error = wire.answers("disarm")[0].expect("not confirmed").to_owned();
+    assert!(
+        error.contains("MAY STILL BE ON: the cable was pulled"),
+        "{error}"
+    );
+    // A device that is off already, and refuses to disarm, is off.
+    let mut wire = Wire::connected();
+    wire.order(r#"{"do":"disarm"}"#);
+    wire.pass(20.0, true);
+    assert_eq!(wire.answers("disarm"), [None]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::device_side::{DeviceSide, News};
 use super::door::Socket;
 use crate::stream::SIGN_OF_LIFE;
 use serde_json::{Value, json};
+use std::collections::VecDeque;
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 use touchstone_link::told;
@@ -113,23 +114,25 @@ impl Visitor {
         self.send(Message::binary(rows))
     }
 
-    /// Reads all commands that the page has sent and carries them out. Commands that switch the device off come first, so that they
-    /// do not wait behind settings.
+    /// Carries out all commands that the page has sent. Before each one it reads what has arrived meanwhile: a command that switches
+    /// the device off does not wait behind settings.
     fn listen(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
-        let mut orders = Vec::new();
-        self.read_into(&mut orders)?;
-        orders.sort_by_key(|order| !switches_off(order));
-        for order in orders {
+        let mut orders = VecDeque::new();
+        loop {
+            self.read_into(&mut orders)?;
+            let off = orders.iter().position(switches_off).unwrap_or(0);
+            let Some(order) = orders.remove(off) else {
+                return Ok(());
+            };
             self.order(&order, link)?;
         }
-        Ok(())
     }
 
-    fn read_into(&mut self, orders: &mut Vec<Value>) -> std::result::Result<(), Gone> {
+    fn read_into(&mut self, orders: &mut VecDeque<Value>) -> std::result::Result<(), Gone> {
         loop {
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
-                    orders.push(serde_json::from_str(text.as_str()).unwrap_or_default());
+                    orders.push_back(serde_json::from_str(text.as_str()).unwrap_or_default());
                 }
                 Ok(Message::Close(_)) => return Err("the page was closed"),
                 Ok(_) => {}

@@ -7,7 +7,7 @@ use crate::setup::spin;
 use clap::Subcommand;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use touchstone_device::Client;
+use touchstone_device::{Client, MAY_BE_ON};
 use touchstone_drive::cogging::SHARE;
 use touchstone_drive::sweep::{QUARTERS_PER_S, TURNS};
 use touchstone_drive::wire::hardware;
@@ -310,8 +310,15 @@ fn guarded<T>(
         .tell(&Request::Command(DeviceCommand::Stop))
         .and_then(|()| client.tell(&Request::SetAll(settings.clone())))
         .and_then(|()| client.tell(&Request::Telemetry { decimation }));
-    let done = done?;
-    back.map(|()| done)
+    match (done, back) {
+        // That the device may still be on is more urgent than why the work failed.
+        (Err(failure), Err(off)) => Err(if off.to_string().contains(MAY_BE_ON) {
+            off
+        } else {
+            failure
+        }),
+        (done, back) => done.and_then(|done| back.map(|()| done)),
+    }
 }
 
 /// Runs one calibration with a cogging sweep; takes the device from stopped to ready.

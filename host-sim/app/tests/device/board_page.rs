@@ -302,6 +302,31 @@ fn a_page_that_is_gone_or_hangs_disarms_the_device() {
 }
 
 #[cfg(unix)]
+/// A stop that is pressed while the program still carries out earlier commands does not wait for them.
+#[test]
+fn a_stop_overtakes_commands_that_wait() {
+    const SETTINGS: usize = 1000;
+    let device = Fake::new();
+    let served = Served::new(&device);
+    let mut page = served.page();
+    page.until_phase("boot");
+    let set = json!({ "do": "set", "path": "wall.k_desired_n_m_per_rad", "value": "1.5" });
+    for _ in 0..SETTINGS {
+        page.say(set.clone());
+    }
+    page.until(|words| words["do"] == "set");
+    page.say(json!({ "do": "stop" }));
+    let mut done = 1;
+    for what in std::iter::repeat_with(|| page.until(|words| words["type"] == "done")) {
+        if what["do"] == "stop" {
+            break;
+        }
+        done += 1;
+    }
+    assert!(done < SETTINGS / 2, "after {done} of {SETTINGS}");
+    stands(&device, Phase::Stopped);
+}
+
 #[test]
 fn ctrl_c_disarms_the_device() {
     let device = Fake::new();

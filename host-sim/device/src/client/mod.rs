@@ -11,8 +11,8 @@ use touchstone_link::words;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::reply::version_of_hello;
 use touchstone_protocol::{
-    DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Refusal, Reply, Request, Telemetry,
-    ToDevice,
+    DeviceCommand, DeviceSettings, FromDevice, Identity, PROTOCOL_VERSION, Refusal, Reply, Request,
+    Telemetry, ToDevice,
 };
 use touchstone_sim::error::{Error, Result};
 
@@ -117,11 +117,15 @@ impl Client {
         Ok(id)
     }
 
-    /// Same as [`Self::ask`], for a request whose answer is `Done`.
+    /// Same as [`Self::ask`], for a request whose answer is `Done`. A command that switches the device off is sent as
+    /// [`Self::stop_by`] does, until the device confirms that it is off.
     ///
     /// # Errors
-    /// Same as [`Self::ask`].
+    /// Same as [`Self::ask`]; the device may still be on.
     pub fn tell(&mut self, request: &Request<'_>) -> Result<()> {
+        if let Request::Command(command @ (DeviceCommand::Stop | DeviceCommand::Disarm)) = request {
+            return self.stop_by(*command);
+        }
         match self.ask(request)? {
             Reply::Done => Ok(()),
             other => Err(self.odd(&other)),

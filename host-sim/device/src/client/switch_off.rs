@@ -2,13 +2,12 @@
 
 use super::Client;
 use touchstone_link::told;
+pub use touchstone_link::told::MAY_BE_ON;
 use touchstone_protocol::{DeviceCommand, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 
 /// Number of attempts to switch the device off before it counts as out of reach: some ten seconds if no answer arrives.
 const ROUNDS: u32 = 20;
-/// Beginning of an error message if it is unknown whether the device is off.
-pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
 
 impl Client {
     /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns a description of what was
@@ -29,8 +28,8 @@ impl Client {
                         self.post(&Request::Command(command))?;
                     }
                 },
-                // `Stop` switches the device off in every state. If the device was off, it needs a calibration before the next
-                // arming.
+                // `Stop` switches the device off in every state. A device that was off already then needs a calibration before
+                // the next arming.
                 Ok(_) => {
                     self.post(&Request::Command(DeviceCommand::Stop))?;
                 }
@@ -78,7 +77,8 @@ impl Client {
     }
 }
 
-/// The error that a device may still be on, after a failure whose remedy may come once it is off.
+/// The error that a device may still be on after a failure. `problem` describes the failure; `fix` is its remedy, once the device
+/// is off.
 #[must_use]
 pub fn may_be_on(place: String, problem: &str, fix: &str) -> Error {
     Error::Device {
@@ -101,11 +101,12 @@ mod tests {
     };
     use touchstone_sim::error::Result;
 
-    /// A simulated device behind a link that loses, damages or doubles frames at random. A seed gives the random numbers.
+    /// A simulated device behind a link that loses or damages frames at random. A seed gives the random numbers.
     struct Link {
         phase: Arc<Mutex<Phase>>,
         chance: u64,
-        /// Percentage of frames that are lost, in each direction.
+        /// Percentage of frames that do not arrive, of requests and of answers. Half of these requests are lost, the others
+        /// damaged; these answers are all lost.
         lost: [u64; 2],
         decoder: Decoder,
         answers: VecDeque<u8>,
@@ -227,8 +228,9 @@ mod tests {
                 Phase::Armed
             };
             let (mut client, phase) = client(seed, lost, begun);
-            let ended = match seed % 2 {
-                0 => client.switch_off().map(|_| ()),
+            let ended = match seed % 4 {
+                0 | 2 => client.switch_off().map(|_| ()),
+                1 => client.tell(&Request::Command(DeviceCommand::Stop)),
                 _ => client.stop_by(DeviceCommand::Stop),
             };
             match ended {

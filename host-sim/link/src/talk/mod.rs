@@ -5,9 +5,10 @@
 
 mod questions;
 
-pub use questions::{ANSWER_LIMIT_MS, TRIES};
+pub use questions::{ANSWER_LIMIT_MS, OFF_LIMIT_MS, OFF_TRIES, TRIES};
 
 use crate::rows::RecordRows;
+use crate::told::MAY_BE_ON;
 use crate::{setting, told, words};
 use questions::{Purpose, Questions};
 use serde_json::{Value, json};
@@ -175,7 +176,14 @@ impl Talk {
     }
 
     fn carry_out(&mut self, what: &str, path: &str, value: &str, now_ms: f64) -> Result<()> {
-        if self.stage != Stage::There {
+        let is_off = is_off(what);
+        // A device that does not answer may still hear, so a command that switches it off is sent nevertheless.
+        let is_possible = match self.stage {
+            Stage::There => true,
+            Stage::Asking | Stage::Gone(_) => is_off,
+            Stage::Closed => false,
+        };
+        if !is_possible {
             return Err(self.wrong("there is no connection", "connect the board"));
         }
         let command = |command| Request::Command(command);
@@ -204,8 +212,8 @@ impl Talk {
         };
         let path = (what == "set").then(|| path.to_owned());
         let purpose = Purpose::Order(what.to_owned(), path);
-        if what == "stop" {
-            // The command to stop is sent before all others.
+        if is_off {
+            // The commands that switch the device off are sent before all others.
             self.questions.overtake(&request, purpose, now_ms);
         } else {
             self.questions.ask(&request, purpose);
@@ -222,14 +230,18 @@ impl Talk {
         while let Some(purpose) = self.questions.overdue(now_ms) {
             match purpose {
                 Purpose::Order(what, path) => {
-                    let error = self.wrong(
-                        "no answer: the device may or may not have carried out the command",
-                        "check the device's state on this page",
-                    );
+                    let error = if is_off(&what) {
+                        self.may_be_on("no answer")
+                    } else {
+                        self.wrong(
+                            "no answer: the device may or may not have carried out the command",
+                            "check the device's state on this page",
+                        )
+                    };
                     self.done(&what, path.as_deref(), Some(&error.to_string()));
                 }
                 Purpose::Off(_) => {
-                    self.connection(Some("THE DEVICE MAY STILL BE ON: no answer"));
+                    self.connection(Some(&format!("{MAY_BE_ON}: no answer")));
                 }
                 Purpose::Hello => self.gone(
                     "no answer; check that the firmware is flashed and that this is the board's port",
@@ -245,12 +257,25 @@ impl Talk {
         self.lost(why);
     }
 
+    fn may_be_on(&self, why: &str) -> Error {
+        self.wrong(
+            format!("{MAY_BE_ON}: {why}"),
+            "switch its power off, or pull its plug",
+        )
+    }
+
     fn lost(&mut self, why: &str) {
         self.state = None;
-        // Each order without an answer is reported as failed.
-        for purpose in self.questions.forget() {
+        // Each order without an answer is reported as failed. While the port is open, a command that switches the device off is
+        // repeated further.
+        let is_open = self.stage != Stage::Closed;
+        for purpose in self.questions.forget(is_open) {
             if let Purpose::Order(what, path) = purpose {
-                self.done(&what, path.as_deref(), Some(why));
+                let why = match is_off(&what) {
+                    true => self.may_be_on(why).to_string(),
+                    false => why.to_owned(),
+                };
+                self.done(&what, path.as_deref(), Some(&why));
             }
         }
         self.said.push_back(told::connection(Some(why), None));
@@ -267,8 +292,15 @@ impl Talk {
 
     fn answered(&mut self, id: u8, answer: std::result::Result<Reply, Refusal>, now_ms: f64) {
         // Answers that came too late are dropped.
-        let Some(purpose) = self.questions.answered(id) else {
+        let Some((purpose, is_off)) = self.questions.answered(id) else {
             return;
+        };
+        // A device that refuses to be switched off because it is off has done what was wanted, perhaps by an earlier attempt.
+        let answer = match answer {
+            Err(Refusal::NotNow(phase)) if is_off && told::switched_off(phase).is_none() => {
+                Ok(Reply::Done)
+            }
+            answer => answer,
         };
         match (purpose, answer) {
             (Purpose::Order(what, path), answer) => self.order_answered(&what, path, answer),
@@ -276,9 +308,7 @@ impl Talk {
                 let (problem, fix) = words::refused(&refusal);
                 match purpose {
                     Purpose::Off(_) => {
-                        self.connection(Some(&format!(
-                            "THE DEVICE MAY STILL BE ON: {problem}; {fix}"
-                        )));
+                        self.connection(Some(&format!("{MAY_BE_ON}: {problem}; {fix}")));
                     }
                     _ => self.gone(&format!("{problem}; {fix}"), now_ms),
                 }
@@ -400,4 +430,9 @@ impl Talk {
             self.questions.ask(&Request::Status, Purpose::State);
         }
     }
+}
+
+/// Whether a command of the page switches the device off.
+fn is_off(what: &str) -> bool {
+    matches!(what, "stop" | "disarm")
 }

@@ -2,12 +2,16 @@
 
 use std::collections::VecDeque;
 use touchstone_protocol::frame::{self, FRAME_MAX};
-use touchstone_protocol::{Request, ToDevice};
+use touchstone_protocol::{DeviceCommand, Request, ToDevice};
 
 /// Longest wait for the device's answer, ms. An answer takes some milliseconds; erasing a flash page delays it by 25 ms.
 pub const ANSWER_LIMIT_MS: f64 = 500.0;
 /// Number of times that a request is sent before it counts as unanswered.
 pub const TRIES: u32 = 3;
+/// Longest wait for the answer to a command that switches the device off, ms. Carrying it out twice does no harm.
+pub const OFF_LIMIT_MS: f64 = 100.0;
+/// Number of times that a command that switches the device off is sent before it counts as unanswered.
+pub const OFF_TRIES: u32 = 50;
 
 /// The purpose of a request to the device, which decides what is done with the answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +40,8 @@ struct Question {
     id: u8,
     frame: Vec<u8>,
     purpose: Purpose,
+    /// Whether the request is a command that switches the device off.
+    is_off: bool,
     tries_left: u32,
     until_ms: f64,
 }
@@ -50,9 +56,9 @@ pub(super) struct Questions {
 }
 
 impl Questions {
-    /// Starts a conversation on a newly opened port: drops all earlier requests.
+    /// Starts a conversation: drops all earlier requests, except commands that switch the device off.
     pub fn begin(&mut self) {
-        self.under_way.clear();
+        self.under_way.retain(|question| question.is_off);
         self.waiting.clear();
         self.out.clear();
         // A zero byte ends noise or half a frame that came before.
@@ -72,9 +78,10 @@ impl Questions {
         self.send_first(now_ms);
     }
 
-    /// Sends the next request of the queue if no earlier request still waits for its answer.
+    /// Sends the next request of the queue if no earlier request still waits for its answer. A command that switches the device off
+    /// holds no request up.
     pub fn send(&mut self, now_ms: f64) {
-        if self.under_way.is_empty() {
+        if self.under_way.iter().all(|question| question.is_off) {
             self.send_first(now_ms);
         }
     }
@@ -84,10 +91,12 @@ impl Questions {
         !self.waiting.is_empty()
     }
 
-    /// Call when an answer with the number `id` arrived. Returns the purpose of its request; `None` if the answer came too late.
-    pub fn answered(&mut self, id: u8) -> Option<Purpose> {
+    /// Call when an answer with the number `id` arrived. Returns the purpose of its request, and whether the request was to switch the
+    /// device off; `None` if the answer came too late.
+    pub fn answered(&mut self, id: u8) -> Option<(Purpose, bool)> {
         let at = self.under_way.iter().position(|asked| asked.id == id)?;
-        Some(self.under_way.remove(at).purpose)
+        let question = self.under_way.remove(at);
+        Some((question.purpose, question.is_off))
     }
 
     /// Sends each request again whose answer is overdue. If all attempts of a request failed, removes it and returns its purpose;
@@ -105,11 +114,18 @@ impl Questions {
         None
     }
 
-    /// Drops all requests and returns their purposes, so that the page can report them as failed.
-    pub fn forget(&mut self) -> Vec<Purpose> {
-        let under_way = self.under_way.drain(..);
-        let all = under_way.chain(self.waiting.drain(..));
-        all.map(|question| question.purpose).collect()
+    /// Drops all requests and returns their purposes, so that the page can report them as failed. `keep_off` keeps the commands that
+    /// switch the device off and are still repeated.
+    pub fn forget(&mut self, keep_off: bool) -> Vec<Purpose> {
+        let under_way = std::mem::take(&mut self.under_way);
+        let all = under_way.into_iter().chain(self.waiting.drain(..));
+        let (kept, dropped): (Vec<_>, Vec<_>) =
+            all.partition(|question| keep_off && question.is_off);
+        self.under_way = kept;
+        dropped
+            .into_iter()
+            .map(|question| question.purpose)
+            .collect()
     }
 
     /// Returns the bytes to send to the device and removes them.
@@ -127,12 +143,18 @@ impl Questions {
         };
         // The longest request fits into the buffer; a test of the protocol checks it.
         let frame = frame::encode(&message, &mut buffer).unwrap_or_default();
+        let is_off = matches!(
+            request,
+            Request::Command(DeviceCommand::Stop | DeviceCommand::Disarm)
+        );
         Question {
             id,
             frame: frame.to_vec(),
             purpose,
-            // A command that is carried out twice may have another effect; a second `Save` wears the flash.
+            is_off,
+            // Another command that is carried out twice may have another effect; a second `Save` wears the flash.
             tries_left: match request {
+                _ if is_off => OFF_TRIES,
                 Request::Command(_) | Request::Save => 1,
                 _ => TRIES,
             },
@@ -143,7 +165,12 @@ impl Questions {
     fn send_first(&mut self, now_ms: f64) {
         if let Some(mut question) = self.waiting.pop_front() {
             question.tries_left -= 1;
-            question.until_ms = now_ms + ANSWER_LIMIT_MS;
+            let limit_ms = if question.is_off {
+                OFF_LIMIT_MS
+            } else {
+                ANSWER_LIMIT_MS
+            };
+            question.until_ms = now_ms + limit_ms;
             self.out.extend_from_slice(&question.frame);
             self.under_way.push(question);
         }
