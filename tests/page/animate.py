@@ -84,7 +84,8 @@ def animation(width, height, taken):
     number = 0
     for i, now in enumerate(taken):
         left, top, w, h, pixels = (0, 0, width, height, now) if i == 0 else changed(width, height, taken[i - 1], now)
-        # This frame stays when the next one comes, and is drawn over the one before it.
+        # The last two numbers: this frame stays when the next frame comes (dispose 0), and is drawn over the frame before it
+        # (blend 1).
         parts.append(chunk(b"fcTL", struct.pack(">IIIIIHHBB", number, w, h, left, top, round(FRAME_S * 1000), 1000, 0, 1)))
         number += 1
         data = packed(w, h, pixels)

@@ -171,7 +171,7 @@ def board(browser, program, pictures, check):
         for width in (400, 800, 1600):
             page.size(width, 900)
             page.wait(0.4)
-            over = page.run("document.documentElement.scrollWidth - innerWidth")
+            over = page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             page.run("scrollTo(0, document.body.scrollHeight)")
             page.wait(0.1)
             reach = page.run("(() => { const b = document.getElementById('stop').getBoundingClientRect(); return b.top >= 0 && b.bottom <= innerHeight && b.left >= 0 && b.right <= innerWidth; })()")

@@ -17,7 +17,8 @@ def find():
 
 class Chromium(Page):
     name = "Chromium"
-    # Its protocol can simulate touch and the user's wish for reduced motion, and sound starts without a sound device.
+    # The protocol can simulate touch, a user who asks for reduced motion, and keys that press buttons. Sound starts without a
+    # sound device.
     touches = hears = stills = presses = True
 
     def __init__(self, url, width=1280, height=1000, downloads=None, before=None):

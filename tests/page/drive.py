@@ -132,6 +132,7 @@ def drawing(page, folder):
     last = page.run("runs[0].last.angle_rad")
     clicks = round(last / pitch)
     check(clicks >= 1 and abs(last - clicks * pitch) < 0.15 * pitch, f"arrow keys turn it over {clicks} clicks; it rests {1e3 * (last - clicks * pitch):.1f} mrad beside the last, {time.monotonic() - began:.0f} s after it was begun")
+    check(time.monotonic() - began < 120, "within two minutes")
     page.run("document.getElementById('profile').focus()")
     before = page.run("runs[0].profile.shape")
     page.key("ArrowRight")
@@ -430,7 +431,7 @@ def looks(page, pictures):
     for width in (400, 800, 1600):
         page.size(width, 900)
         page.wait(0.4)
-        over = page.run("document.documentElement.scrollWidth - innerWidth")
+        over = page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
         check(over <= 0, f"{width} px wide: nothing sticks out ({over})")
         if pictures:
             page.picture(os.path.join(pictures, f"width-{width}.png"), whole=True)

@@ -3,7 +3,8 @@
 import os
 import subprocess
 
-# Every part of the editor: its checkbox, one field of it with another value, that field's path and what it becomes, and what the picture has of it.
+# For every part of the editor: its checkbox, one of its fields, a text to type there, the path of this field in the scene, its
+# value afterwards, and a JavaScript condition that holds while the part is drawn.
 PARTS = (
     ("wall2", "at_rad", "35", "environment.wall2.at_rad", 0.610865, "walls(runs[0].facts).length > 0"),
     ("endstops", "upper_rad", "90", "environment.endstops.upper_rad", 1.570796, "walls(runs[0].facts).length === 2"),
@@ -65,7 +66,7 @@ def editor(browser, program, pictures, folder, check):
         for width in (400, 1280):
             page.size(width, 900)
             page.wait(0.4)
-            over = page.run("document.documentElement.scrollWidth - innerWidth")
+            over = page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             check(over <= 0, f"the editor at {width} px: nothing sticks out ({over})")
             if pictures and width == 400:
                 page.picture(os.path.join(pictures, "editor-400.png"), whole=True)

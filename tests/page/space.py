@@ -41,11 +41,14 @@ def presses(page, pictures, check):
         if pictures:
             page.picture(os.path.join(pictures, f"space-{thing}.png"))
     choose(page, "object", "sphere")
+    check(page.run("run.facts.states === 'estimated' && document.getElementById('law').value === 'shipped'"), "three axes: it begins with the shipped wall")
     for law in page.run("run.facts.laws"):
         choose(page, "law", law)
         check(page.run("run.facts.law") == law and page.run("document.getElementById('error').hidden"), f"law {law}")
     page.until("run.last && run.last.clock % 7 > 1.6 && run.last.clock % 7 < 2.0", 15)
-    choose(page, "law", "enhanced-sfa")
+    check(page.run("run.facts.states") == "measured", "a law by its name has the thesis' settings")
+    choose(page, "law", "shipped")
+    check(page.run("run.facts.states") == "estimated", "and back to the shipped wall")
 
 
 def controls(page, check):
@@ -147,7 +150,7 @@ def space(browser, program, pictures, folder, seconds, asked_for, check):
         for width in (400, 800, 1600):
             page.size(width, 900)
             page.wait(0.4)
-            over = page.run("document.documentElement.scrollWidth - innerWidth")
+            over = page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             check(over <= 0, f"three axes, {width} px wide: nothing sticks out ({over})")
             if pictures:
                 page.picture(os.path.join(pictures, f"space-{width}.png"), whole=True)

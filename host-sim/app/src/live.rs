@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use touchstone_control::LawKind;
 use touchstone_device::{Address, guard_settings};
 use touchstone_lab::thesis::space as three_axes;
+use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_link::rows::COLUMNS;
 use touchstone_live::board_page as board;
 use touchstone_live::page::{self, Content};
@@ -20,7 +21,7 @@ use touchstone_live::space_page;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 use touchstone_sim::scene::{MotionSpec, Scene};
-use touchstone_world::plant::OMEGA3_AXIS;
+use touchstone_world::plant::{OMEGA3, OMEGA3_AXIS};
 
 /// Options of `touchstone live`.
 #[derive(Debug, Clone, clap::Args)]
@@ -112,10 +113,9 @@ fn knob(name: &str, changes: &SceneOptions, word: &str) -> Result<String> {
     }))
 }
 
-/// Text of the page for three axes, with the objects and control laws of the thesis (§5.2). The page starts with the enhanced
-/// control law at five times the critical stiffness.
+/// Text of the page for three axes, with the objects of the thesis (§5.2). The page starts with the wall that `device run` plays on
+/// an omega.3. The control laws of the thesis can be chosen, at five times the critical stiffness.
 fn space(object: &str) -> Result<String> {
-    let thesis = three_axes::settings(LawKind::EnhancedSfa, 25.0);
     let object = match object {
         // `thesis-knob` is the default value of the scene argument if the user gives none.
         "thesis-knob" | "sphere" => SpaceObject::Sphere(three_axes::RADIUS_MM),
@@ -129,17 +129,21 @@ fn space(object: &str) -> Result<String> {
             });
         }
     };
-    let choice = SpaceChoice {
+    let of = |law| SpaceChoice {
         object,
         guard: Some(guard_settings(
             OMEGA3_AXIS.damping,
             0.0,
             three_axes::RATE_HZ,
         )),
-        law: thesis,
+        law,
         per_axis: false,
     };
-    Ok(space_page::render(&choice, &program_name()))
+    let rate_hz = three_axes::RATE_HZ;
+    let tuned = TunedWall::of(three_axes::Mechanism::Cartesian, rate_hz);
+    let shipped = of(tuned.settings(rate_hz, OMEGA3.force_n));
+    let thesis = of(three_axes::settings(LawKind::EnhancedSfa, 25.0));
+    Ok(space_page::render(&shipped, &thesis, &program_name()))
 }
 
 /// Writes the page, prints its path and opens the page in a browser.

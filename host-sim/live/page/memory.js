@@ -1,4 +1,5 @@
-// Texts and numbers in the memory of the WebAssembly module. The memory's buffer is replaced when it grows, so every access makes a new view of it.
+// Texts and numbers in the memory of the WebAssembly module. When the memory grows, its buffer is replaced, so every access makes
+// a new view of the buffer.
 let wasm;
 
 const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));

@@ -1,5 +1,5 @@
-// Runs the ticks in real time in a worker thread, so that drawing the page never delays a tick. The worker's script defines `tick`,
-// `post` and `rateHz`, which is undefined while there is no loop.
+// Runs the ticks in real time in a worker thread, so that drawing the page never delays a tick. The worker's script defines the
+// functions `tick`, `post` and `rateHz`; `rateHz` returns undefined while no loop is open.
 //
 // A tick is late if it runs more than LATE_MS after its time. Ticks without any time to run (the machine slept, the page was hidden)
 // are skipped and counted separately.

@@ -2,7 +2,9 @@
 const DEG = 180 / Math.PI;
 /** A list of numbers as scenes have it. */
 const asList = (values) => `[${values.map((value) => { const short = Number(value.toPrecision(9)); return Number.isInteger(short) ? short.toFixed(1) : short; }).join(", ")}]`;
-/** Every part: its table, its name, its meaning, the values with which it is added, and its fields: name, label, factor from the scene's unit to the shown one. `here` is the knob's angle in rad, to a whole degree. A part takes the place of another, `instead`. */
+// Every part: its table, its name, its meaning, the values with which it is added, and its fields: name, label, factor from the
+// scene's unit to the shown one. `here` is the knob's angle in rad, rounded to a whole degree. `instead` names the table of the
+// part that this part replaces when it is added.
 const PARTS = [
   { table: "environment.first_wall", name: "Wall", about: "hard, on one side", flag: true, start: () => ({}),
     fields: [["wall.surface_rad", "begins at, °", DEG], ["wall.k_desired_n_m_per_rad", "stiffness, N·m/rad", 1]] },
@@ -55,7 +57,7 @@ function partsOf(printed) {
     inertia: of("environment.inertia.inertia_kg_m2") > 0 || null,
   };
 }
-/** Angles of a ring's marks between two angles; null if these are more than can be told apart. */
+/** Angles of a ring's marks between two angles; null if a regular ring has more than `most` of them, too many to draw apart. */
 function marksOf({ pitch, centre, angles }, from, to, most) {
   if (angles) return angles.filter((at) => from <= at && at <= to);
   if ((to - from) / pitch > most) return null;

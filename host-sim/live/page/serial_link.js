@@ -1,5 +1,5 @@
-// The serial port, in browsers with WebSerial. The WebAssembly module encodes and decodes the protocol with the device; no program
-// stands between page and device.
+// The serial port, in browsers with WebSerial. The WebAssembly module encodes and decodes the protocol with the device, without a
+// program between page and device.
 const content = JSON.parse(document.getElementById("content").textContent);
 const $ = (id) => document.getElementById(id);
 const BAUD = 921600, TURN_MS = 20, AGAIN_MS = 1000, SILENT_MS = 500;

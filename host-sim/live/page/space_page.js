@@ -5,7 +5,7 @@ const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
 const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
 
 /** The user's choices: the settings with which the program made the page, and changes of them. */
-let chosen = { object: content.object, changes: new Map(), automatic: false, speed: 1 };
+let chosen = { object: content.object, base: "shipped", changes: new Map(), automatic: false, speed: 1 };
 let run = null, runs = [], running = true, aim = null, pending = true;
 let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;
 
@@ -17,13 +17,19 @@ function choice() {
   const changes = new Map(chosen.changes);
   changes.set("object", chosen.object === "sphere" ? "sphere" : "plane");
   NORMALS[chosen.object]?.forEach((n, i) => changes.set(`normal_${"xyz"[i]}`, n));
-  return content.choice + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
+  return content[chosen.base] + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
 }
 function open(keep) {
   pending = true;
   tell("open", { choice: choice(), keep });
 }
 let good = null, restoring = false;
+/** Chooses the shipped wall, or a law with the thesis' settings. */
+function choose(law) {
+  chosen.base = law === "shipped" ? "shipped" : "thesis";
+  if (law === "shipped") chosen.changes.delete("law"); else chosen.changes.set("law", law);
+  open(true);
+}
 function set(key, value) {
   chosen.changes.set(key, value);
   open(true);
@@ -35,12 +41,12 @@ function complain(text) {
 
 function opened({ facts, keep }) {
   pending = false;
-  good = new Map(chosen.changes);
+  good = { base: chosen.base, changes: new Map(chosen.changes) };
   const length = Math.max(2000, Math.ceil(facts.rate_hz * WINDOW_S * 1.1));
   run = { facts, second: false, title: "", ring: keep && run ? run.ring : new Ring(COLUMNS, length), last: keep ? run?.last ?? null : null, got: 0 };
   runs = [run];
-  if (!$("law").length) $("law").append(...facts.laws.map((word) => new Option(word, word)));
-  $("law").value = facts.law;
+  if (!$("law").length) $("law").append(new Option("as shipped", "shipped"), ...facts.laws.map((word) => new Option(`${word}, the thesis' settings`, word)));
+  $("law").value = chosen.base === "shipped" ? "shipped" : facts.law;
   $("object").value = chosen.object;
   $("stiffness").value = Math.log10(facts.k_desired_n_per_m / 1e3);
   $("stiffness-n").value = facts.k_desired_n_per_m / 1e3;
@@ -60,7 +66,7 @@ worker.onmessage = ({ data }) => {
   }
   if (data.type === "error") {
     complain(data.text);
-    if (good) { chosen.changes = good; good = null; restoring = true; open(true); }
+    if (good) { Object.assign(chosen, good); good = null; restoring = true; open(true); }
   }
 };
 worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);
@@ -192,7 +198,7 @@ on("reset", "click", restart);
 on("automatic", "click", () => automatic(!chosen.automatic));
 on("speed", "change", () => { chosen.speed = Number($("speed").value); go(running); });
 on("object", "change", () => { chosen.object = $("object").value; restart(); });
-on("law", "change", () => set("law", $("law").value));
+on("law", "change", () => choose($("law").value));
 on("stiffness", "input", () => { $("stiffness-n").value = Number((10 ** $("stiffness").value).toPrecision(3)); });
 for (const id of ["stiffness", "stiffness-n"]) on(id, "change", () => set("k_desired_n_per_m", Number(((id === "stiffness" ? 10 ** $(id).value : Number($(id).value)) * 1e3).toPrecision(6))));
 on("per-axis", "change", () => set("per_axis", $("per-axis").checked));

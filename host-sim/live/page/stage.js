@@ -110,7 +110,7 @@ class Stage {
       g.arc(...at(aim, r * 1.2), 7, 0, 7);
       g.fill();
     }
-    // The force is drawn as an arc from the pointer in the direction in which the motor pushes.
+    // The force is drawn as an arc from the knob's mark in the direction in which the motor pushes.
     const push = Math.min(1.4, Math.abs(row.motor_force_n_m) * 4) * Math.sign(row.motor_force_n_m);
     if (Math.abs(push) > 0.01) {
       const from = row.angle_rad, to = from - push;

@@ -108,7 +108,7 @@ function frame(now) {
   const hand = runs[0].last?.rest_rad ?? null;
   const pointed = aim ?? (hand === null ? null : chosen.automatic ? unmapped(hand) : hand);
   stage.draw(runs, pointed);
-  // Draws the stage in every frame, and of the figures one at a time, only if it is in sight. So drawing leaves time for the ticks.
+  // Each frame draws the stage, and the next figure if it is in sight: one figure per frame leaves time for the ticks.
   const figure = figures[drawn++ % figures.length];
   if (inSight.has(figure.canvas)) figure.act();
   if (now - wordsAt > 120) { wordsAt = now; words(now); }

@@ -1,6 +1,6 @@
 // The simulation loop of one axis: one run, or two runs under the same hand.
 
-// Largest number of recorded ticks. Ten minutes at 1 kHz with 13 columns take 62 MB.
+// Largest number of recorded ticks. Ten minutes at 1 kHz with 14 columns take 67 MB.
 const MOST_RECORDED = 600000;
 // Largest number of ticks that a run can be turned back, and the time in s that is then drawn again. A run can be turned back while all its rest points are kept.
 const MOST_PAST = 600000, DRAWN_S = 5;
@@ -10,7 +10,7 @@ const sides = [null, null];
 let aim = null, strength = 0.3, automatic = false;
 let hand = { x: 0, v: 0 }, ticks = 0, autoTick = 0, dirty = 0;
 let record = null, every = 1;
-/** Rest points of the hand in rad since the start of the run; null after a changed setting, or if there are too many. */
+/** Rest points of the hand in rad, one per tick of the run; null after a changed setting, or if there are more than MOST_PAST. */
 let past = null;
 /** Rest points of an opened file in rad, one per tick from the start of the run. */
 let played = null, playedTick = 0;
@@ -116,7 +116,8 @@ function back(count) {
   postMessage({ type: "back", a: all[0], b: all[1], most, why: `Tick ${to} of the run.` });
 }
 
-/** Rest point of the hand's spring, rad. Outside the wall it is the pointer's angle. Inside, it lies as deep as the push of the pointer needs against a perfectly stiff wall. */
+// Rest point of the hand's spring, rad. Outside the wall it is the mouse pointer's angle. Inside, it lies so deep that the hand's
+// steady torque on a wall of the desired stiffness is `strength` N·m per rad of the pointer's depth.
 function target() {
   const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad, has_wall } = sides[0].facts;
   if (automatic && motion_s > 0) {

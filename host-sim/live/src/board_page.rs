@@ -1,5 +1,6 @@
-//! Builds the browser page for a real board. The page draws with the same JavaScript as the page for the simulated knob. Its data
-//! come through a WebSocket of the program `touchstone`. In a browser with WebSerial, the page can open the serial port itself.
+//! Builds the browser page for a real board. The page draws with the same JavaScript as the page for the simulated knob. The
+//! board's data come through a WebSocket of the program `touchstone`, or through the serial port, which a page can open itself
+//! in a browser with WebSerial.
 
 use crate::page::{
     MARK, MEMORY, STAGE, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,

@@ -2,8 +2,8 @@
 //! shared buffer.
 //!
 //! A handle is a number that names a simulated loop. A row of numbers is returned as its address in the memory of the WebAssembly
-//! module. The address of a row holds until the next call with the same handle. The address of the buffer holds until the next call
-//! that reads or writes a text. A function that returns −1 has left the text of the error in the buffer.
+//! module. The address of a row is valid until the next call with the same handle. The address of the buffer is valid until the
+//! next call that reads or writes a text. A function that returns −1 has left the text of the error in the buffer.
 //!
 //! The attribute `unsafe(no_mangle)` exports a function under its own name. Rust counts the attribute as unsafe because the linker
 //! could confuse two functions of the same name. Every exported name begins with `live_`, and no other crate exports such a name.

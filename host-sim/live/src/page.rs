@@ -6,11 +6,11 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
 
-/// The simulator's loop as a WebAssembly module, built by `cargo xtask live`. A file next to the module records the compiler and
-/// the sources of the build.
+/// The simulator's loop as a WebAssembly module, built by `cargo xtask live`. The file `MADE.txt` next to the module records the
+/// compiler and the profile of the build.
 pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
 
-/// The first bytes of every page. By them the program recognises a page that it wrote itself and may overwrite.
+/// The first bytes of every page. By these bytes the program recognises a page that it wrote itself and may overwrite.
 pub const MARK: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\"";
 
 const PAGE: &str = include_str!("../page/page.html");
@@ -118,7 +118,7 @@ pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     page + rest
 }
 
-/// Writes data as JSON for a script block of the page, with the sequence escaped that would end the block.
+/// Writes data as JSON for a script block of the page, with `<` escaped, so that no text ends the block.
 pub(crate) fn block(data: &serde_json::Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }

@@ -9,7 +9,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{
     AnyLaw, Choice as _, Fixed32, Force, GuardSettings, GuardedDevice, LawKind, Position,
-    PositionSettings, Reported, Settings, Si,
+    PositionSettings, Reported, Settings, Si, StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::list;
@@ -61,7 +61,7 @@ pub enum SpaceObject {
 pub struct SpaceChoice {
     /// The virtual object that the hand touches.
     pub object: SpaceObject,
-    /// Settings of the control law, in SI units.
+    /// Settings of the control law, in SI units. With estimated states its estimator is that of each axis.
     pub law: Settings,
     /// True: one control law for each axis. False: one control law along the normal of the surface.
     pub per_axis: bool,
@@ -70,7 +70,7 @@ pub struct SpaceChoice {
 }
 
 /// Lists the number settings that the page can change, each with its name: all numbers in which the control law of three axes may
-/// differ from [`Settings::thesis`].
+/// differ from [`Settings::thesis`], or with estimated states from the default settings.
 macro_rules! numbers {
     ($settings:expr, $with:ident) => {{
         let settings = $settings;
@@ -91,6 +91,14 @@ macro_rules! numbers {
         $with!(guard_refill_w, settings.guard.refill);
         $with!(guard_damping_n_s_per_m, settings.guard.damping);
         $with!(guard_overspeed_m_per_s, settings.guard.overspeed);
+        $with!(step_of_ideal_per_ms, settings.step_of_ideal);
+        $with!(limit_of_force_per_ms, settings.limit_of_force);
+        $with!(limit_of_penetration_per_ms, settings.limit_of_penetration);
+        $with!(impact_momentum, settings.impact.momentum);
+        $with!(estimator_bandwidth_hz, settings.estimator.bandwidth_hz);
+        $with!(estimator_mass_kg, settings.estimator.inertia);
+        $with!(estimator_damping_n_s_per_m, settings.estimator.damping);
+        $with!(estimator_delay_s, settings.estimator.delay_s);
     }};
 }
 
@@ -105,6 +113,7 @@ impl SpaceChoice {
             }
         };
         // Writing into a string cannot fail.
+        let _ = writeln!(text, "states={}", self.law.states.word());
         let _ = writeln!(text, "law={}", self.law.law.word());
         let _ = writeln!(text, "rate_hz={}", self.law.rate_hz);
         let _ = writeln!(text, "per_axis={}", self.per_axis);
@@ -122,7 +131,8 @@ impl SpaceChoice {
         text
     }
 
-    /// Reads the settings from the page's text (`key=value`, one per line). If a key occurs twice, the last value counts.
+    /// Reads the settings from the page's text (`key=value`, one per line). If a key occurs twice, the last value counts. The key
+    /// `states` sets all settings of the law to their defaults, or with measured states to the thesis', so it comes first.
     ///
     /// # Errors
     /// An unknown key, or a value that its key does not allow.
@@ -169,6 +179,17 @@ impl SpaceChoice {
                 "normal_x" | "normal_y" | "normal_z" => {
                     let axis = usize::from(key.as_bytes()[7] - b'x');
                     normal[axis] = number().ok_or_else(|| wrong("give a number"))?;
+                }
+                "states" => {
+                    let states = StatesKind::of_word(value)
+                        .ok_or_else(|| wrong(&format!("give {}", list(StatesKind::WORDS))))?;
+                    choice.law = Settings {
+                        states,
+                        ..match states {
+                            StatesKind::Estimated => Settings::default(),
+                            StatesKind::Measured => Settings::thesis(),
+                        }
+                    };
                 }
                 "law" => {
                     choice.law.law = LawKind::of_word(value)
@@ -239,8 +260,8 @@ pub struct SpaceLoop {
     ticks: u64,
     force_n: [f64; 3],
     last_mm: Option<[f64; 3]>,
-    last_rest_m: Option<[f64; 3]>,
-    stored_j: f64,
+    /// Energy in the plant's springs at the end of the last tick, J; `None` before the first.
+    stored_j: Option<f64>,
     energy_true_j: f64,
     energy_hand_j: f64,
     loss_j: f64,
@@ -290,6 +311,11 @@ impl SpaceLoop {
         let limit = Force(N::signal_from_f64(choice.law.force_limit.to_num()));
         let point = SurfacePoint::new(Rule::Closest);
         let mut wall = SpaceWall::new(choice.shape()?, point, shell, limit);
+        if choice.law.states == StatesKind::Estimated {
+            let axes = [choice.law.estimator; 3];
+            let estimator = UNIT.estimator(&axes, choice.law.rate_hz, choice.law.force_limit);
+            wall.estimator = Some(estimator.map_err(|why| refused(&why))?);
+        }
         if let Some(guard) = &choice.guard {
             let device = GuardedDevice {
                 rate_hz: choice.law.rate_hz,
@@ -316,8 +342,7 @@ impl SpaceLoop {
             ticks: 0,
             force_n: [0.0; 3],
             last_mm: None,
-            last_rest_m: None,
-            stored_j: 0.0,
+            stored_j: None,
             energy_true_j: 0.0,
             energy_hand_j: 0.0,
             loss_j: 0.0,
@@ -332,7 +357,6 @@ impl SpaceLoop {
     pub fn change(&mut self, choice: SpaceChoice) -> Result<()> {
         let mut changed = Self::new(choice)?;
         changed.state = self.state;
-        changed.last_rest_m = self.last_rest_m;
         *self = changed;
         Ok(())
     }
@@ -349,11 +373,12 @@ impl SpaceLoop {
             SpaceObject::Plane(normal) => (0.0, normal),
         };
         format!(
-            "{{\"rate_hz\":{},\"radius_mm\":{radius_mm},\"normal\":{normal:?},\"start_mm\":{:?},\"k_desired_n_per_m\":{},\"law\":\"{}\",\"laws\":[{}],\"per_axis\":{},\"guard\":{}}}",
+            "{{\"rate_hz\":{},\"radius_mm\":{radius_mm},\"normal\":{normal:?},\"start_mm\":{:?},\"k_desired_n_per_m\":{},\"law\":\"{}\",\"states\":\"{}\",\"laws\":[{}],\"per_axis\":{},\"guard\":{}}}",
             self.choice.law.rate_hz,
             start_mm(self.choice.object),
             self.choice.law.k_desired,
             self.choice.law.law.word(),
+            self.choice.law.states.word(),
             words.join(","),
             self.choice.per_axis,
             self.choice.guard.is_some(),
@@ -378,6 +403,8 @@ impl SpaceLoop {
         // An over-speed switches the force off, as on a device.
         let force = self.wall.tick(at).unwrap_or_default();
         self.force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
+        let commanded = self.force_n.map(|f| Force(N::signal_from_f64(f)));
+        self.wall.commanded(Vector(commanded));
         let nearest = self.wall.surface.nearest(
             at,
             &Direction([<N as touchstone_control::Number>::Signal::default(); 3]),
@@ -388,15 +415,12 @@ impl SpaceLoop {
         let rest_m = rest_mm.map(|x| x * 1e-3);
         // A rest point that jumps does work on the hand's spring.
         let before = self.plant.stored_energy_j(&self.state, rest_m);
-        if self.last_rest_m.is_some() {
-            self.energy_hand_j += before - self.stored_j;
-        }
-        self.last_rest_m = Some(rest_m);
+        self.energy_hand_j += self.stored_j.map_or(0.0, |stored| before - stored);
         self.loss_j += self
             .plant
             .step_with_loss(&mut self.state, self.force_n, rest_m)
             .total_j();
-        self.stored_j = self.plant.stored_energy_j(&self.state, rest_m);
+        self.stored_j = Some(self.plant.stored_energy_j(&self.state, rest_m));
         let rate = f64::from(self.choice.law.rate_hz);
         let time_s = self.ticks as f64 / rate;
         self.ticks += 1;

@@ -25,18 +25,20 @@ const SCRIPT: [&str; 6] = [
     include_str!("../page/space_page.js"),
 ];
 
-/// Returns the page as HTML. The simulation starts with the settings in `choice`; `program` is the name, version and commit shown.
+/// Returns the page as HTML. The simulation starts with the settings in `shipped`. If the user chooses a law by its name, the
+/// settings are those in `thesis`, with that law. `program` is the name, version and commit shown.
 #[must_use]
-pub fn render(choice: &SpaceChoice, program: &str) -> String {
+pub fn render(shipped: &SpaceChoice, thesis: &SpaceChoice, program: &str) -> String {
     let script = SCRIPT.concat();
     let style = format!("{STYLE}{SPACE_STYLE}");
-    let object = match choice.object {
+    let object = match shipped.object {
         SpaceObject::Sphere(_) => "sphere",
         SpaceObject::Plane([x, y, _]) if x == 0.0 && y == 0.0 => "plane",
         SpaceObject::Plane(_) => "inclined",
     };
     let data = serde_json::json!({
-        "choice": choice.to_text(),
+        "shipped": shipped.to_text(),
+        "thesis": thesis.to_text(),
         "object": object,
         "row": SPACE_ROW,
     });
