@@ -252,7 +252,8 @@ fn the_same_seed_gives_the_same_bits_and_another_others() {
 
 #[test]
 fn late_commands_lie_between_the_least_and_the_greatest_delay() {
-    // With almost no spread the delay is fixed, to a part of a period; with a spread of a period it lies between two fixed delays.
+    // With almost no spread the delay is fixed to one of the 1,024 parts of a period. With a spread of half a period the delay
+    // lies between two fixed delays.
     let first_force = |sets: &[&str]| {
         struct First(Option<f64>);
         impl Recorder for First {
@@ -474,5 +475,73 @@ fn a_guard_that_is_told_less_than_noise_and_periodic_error_is_warned_of() {
         assert_eq!(told_too_little(&told(enough)), None, "{sensor:?}");
         let unguarded = with(&told("0"), &["law.guard.on=false"]);
         assert_eq!(told_too_little(&unguarded), None, "{sensor:?}");
+    }
+}
+
+#[test]
+fn a_guard_that_is_told_more_damping_or_another_delay_than_the_device_has_is_warned_of() {
+    let said = |scene: &Scene| {
+        let all = run::spoken_warnings(scene).unwrap().into_iter();
+        let all = all.map(|warning| warning.to_string());
+        all.filter(|text| text.contains("more energy than the guard's bound"))
+            .collect::<Vec<_>>()
+    };
+    for name in touchstone_sim::scene::names() {
+        assert!(said(&Scene::load(name).unwrap()).is_empty(), "{name}");
+    }
+    let knob = Scene::load("thesis-knob").unwrap();
+    for (sets, part) in [
+        (
+            &["device.damping_n_m_s_per_rad=3e-4"][..],
+            "law.guard.damping_n_m_s_per_rad",
+        ),
+        (
+            &[
+                "device.damping_n_m_s_per_rad=5e-4",
+                "law.guard.damping_n_m_s_per_rad=6.3e-4",
+            ],
+            "give 0.0005 or less",
+        ),
+        (&["timing.computational_delay_s=1e-4"], "give 0.0001"),
+        (&["law.guard.delay_s=1e-4"], "law.guard.delay_s"),
+        (
+            &[
+                "timing.computational_delay_s=2e-4",
+                "law.guard.delay_s=3e-4",
+            ],
+            "give 0.0002",
+        ),
+        (
+            &["timing.computational_delay_s=0.0015"],
+            "at most one control period",
+        ),
+    ] {
+        let scene = with(&knob, sets);
+        let texts = said(&scene);
+        assert!(
+            texts.len() == 1 && texts[0].contains(part),
+            "{sets:?}: {texts:?}"
+        );
+        assert!(said(&with(&scene, &["law.guard.on=false"])).is_empty());
+    }
+    for sets in [
+        &["device.damping_n_m_s_per_rad=3.3e-4"][..],
+        &[
+            "timing.computational_delay_s=1e-4",
+            "law.guard.delay_s=1e-4",
+        ],
+        // Told with the lag of the current loop or without it.
+        &["device.current_loop.bandwidth_hz=600"],
+        &[
+            "device.current_loop.bandwidth_hz=600",
+            "law.guard.lag_s=2.6e-4",
+        ],
+        &[
+            "timing.computational_delay_s=1e-4",
+            "law.guard.change=measured",
+        ],
+    ] {
+        let texts = said(&with(&knob, sets));
+        assert!(texts.is_empty(), "{sets:?}: {texts:?}");
     }
 }

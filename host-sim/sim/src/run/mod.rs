@@ -19,6 +19,7 @@ pub mod settings;
 pub mod surroundings;
 pub mod terms;
 pub mod tick;
+mod told_guard;
 mod traced;
 pub mod train;
 pub mod verdict;
@@ -118,7 +119,7 @@ pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     Ok(run_of(scene, &judge, trace))
 }
 
-/// Same as [`run()`], with progress: calls `done` with the number of finished ticks every few thousand ticks.
+/// Same as [`run()`], with progress: calls `done` with the number of finished ticks every 1,024 ticks.
 ///
 /// # Errors
 /// Same as [`run()`].
@@ -178,8 +179,9 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
         .collect())
 }
 
-/// Returns those [`warnings`] that are printed without `--strict-passive`. Left out are bounds that the energy guard covers, and
-/// the warning about the law's energy credit per contact, which is a documented default. Results files contain all warnings.
+/// Returns the warnings that are printed without `--strict-passive`: most of [`warnings`], and one if the energy guard is
+/// configured for a smaller sensor error than the sensor has. Left out are bounds that the energy guard covers, and the warning
+/// about the law's energy credit per contact, which is a documented default. Results files contain all of [`warnings`].
 ///
 /// # Errors
 /// Same as [`warnings`].
@@ -192,39 +194,5 @@ pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
         .into_iter()
         .filter(|(warning, _)| !silent(warning))
         .map(|(_, message)| message);
-    Ok(of_settings.chain(untold_error(scene)).collect())
-}
-
-/// Factor from the rms of a sensor's noise to the error that counts as its largest. One reading in 16,000 has a larger error.
-///
-/// The energy guard charges the configured error for each change of force, so a hand gains only by readings with a larger error.
-/// Suppose a law that knows the noise and changes its force only at such readings. Its mean gain per control period is the change
-/// of force times `2 (φ(4) - 4 Q(4)) = 1.4e-5` rms (`φ`, `Q`: density and tail of the normal distribution). With the default noise
-/// of 0.52 mrad, changes of 0.6 N·m and 1 kHz, this is 4.5 µW: 1 % of the guard's refill power. With 3 rms it would be half of that
-/// power.
-const NOISE_LARGEST: f64 = 4.0;
-
-/// Returns a warning if the energy guard is configured for a smaller sensor error than the scene's sensor has.
-fn untold_error(scene: &Scene) -> Option<Error> {
-    let periodic = scene.sensor.periodic.as_ref();
-    let periodic = periodic.map_or(0.0, |it| it.amplitude_rad + it.second_amplitude_rad);
-    let noise = scene.sensor.noise.as_ref();
-    let noise = noise.map_or(0.0, |it| NOISE_LARGEST * it.rms_rad);
-    let largest = periodic + noise;
-    let told = scene.law.position_error_rad;
-    (scene.law.guard.on && told < largest).then(|| {
-        let by_noise = match noise > 0.0 {
-            true => format!(", {NOISE_LARGEST} times the rms of its noise included"),
-            false => String::new(),
-        };
-        // Rounded up, so that the advice is enough.
-        let enough = (1e4 * largest).ceil() / 1e4;
-        scene.error(
-            "law.position_error_rad",
-            format!(
-                "the energy guard is configured for an encoder error of {told} rad, but the sensor's error reaches {enough:.4} rad{by_noise}: a hand may get out more energy than the guard's bound"
-            ),
-            format!("give {enough:.4} or more"),
-        )
-    })
+    Ok(of_settings.chain(told_guard::warnings(scene)).collect())
 }

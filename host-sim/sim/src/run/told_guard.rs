@@ -1,0 +1,92 @@
+//! Warnings if the energy guard is configured for another device than the scene's. Its energy bound does not hold then.
+
+use crate::error::Error;
+use crate::scene::Scene;
+use std::f64::consts::TAU;
+use touchstone_control::ChangeOfForce;
+
+/// The warnings of a scene with an energy guard.
+pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Error> {
+    let all = [encoder(scene), damping(scene), delay(scene)];
+    let is_on = scene.law.guard.on;
+    all.into_iter().flatten().filter(move |_| is_on)
+}
+
+/// Factor from the rms of a sensor's noise to the error that counts as its largest. One reading in 16,000 has a larger error.
+///
+/// The energy guard charges the configured error for each change of force, so a hand gains only by readings with a larger error.
+/// Suppose a law that knows the noise and changes its force only at such readings. The hand's mean gain per control period is
+/// the change of force times `2 (φ(4) - 4 Q(4)) = 1.4e-5` times the rms (`φ`, `Q`: density and tail of the normal distribution).
+/// With the default noise of 0.52 mrad, changes of 0.6 N·m and 1 kHz, the gain is 4.5 µW: 1 % of the guard's refill power. With a
+/// factor of 3 the gain would be half of that power.
+const NOISE_LARGEST: f64 = 4.0;
+
+/// A warning if the energy guard is configured for a smaller sensor error than the scene's sensor has.
+fn encoder(scene: &Scene) -> Option<Error> {
+    let periodic = scene.sensor.periodic.as_ref();
+    let periodic = periodic.map_or(0.0, |it| it.amplitude_rad + it.second_amplitude_rad);
+    let noise = scene.sensor.noise.as_ref();
+    let noise = noise.map_or(0.0, |it| NOISE_LARGEST * it.rms_rad);
+    let largest = periodic + noise;
+    let told = scene.law.position_error_rad;
+    (told < largest).then(|| {
+        let by_noise = match noise > 0.0 {
+            true => format!(", {NOISE_LARGEST} times the rms of its noise included"),
+            false => String::new(),
+        };
+        // Rounded up to 0.1 mrad, so that the advised value covers the error.
+        let enough = (1e4 * largest).ceil() / 1e4;
+        scene.error(
+            "law.position_error_rad",
+            format!(
+                "the energy guard is configured for an encoder error of {told} rad, but the sensor's error reaches {enough:.4} rad{by_noise}: a hand may get out more energy than the guard's bound"
+            ),
+            format!("give {enough:.4} or more"),
+        )
+    })
+}
+
+/// A warning if the energy guard relies on more damping than the scene's device has.
+fn damping(scene: &Scene) -> Option<Error> {
+    let guard = &scene.law.guard;
+    let relied = guard.damping_n_m_s_per_rad * guard.share_of_damping;
+    let device = scene.device.damping_n_m_s_per_rad;
+    (relied > device).then(|| {
+        scene.error(
+            "law.guard.damping_n_m_s_per_rad",
+            format!(
+                "the energy guard relies on {relied} N·m·s/rad of damping, and the device has {device}: a hand may get out more energy than the guard's bound"
+            ),
+            format!("give {device} or less"),
+        )
+    })
+}
+
+/// A warning if the energy guard is configured for another delay than the scene's. The lag of a current loop may be told or not.
+fn delay(scene: &Scene) -> Option<Error> {
+    /// Rounding of a delay that was told in the settings' number format, s.
+    const ROUNDING_S: f64 = 1e-9;
+    let guard = &scene.law.guard;
+    if guard.change == ChangeOfForce::Measured {
+        return None;
+    }
+    let told = guard.delay_s + guard.lag_s;
+    let delay = scene.timing.computational_delay_s;
+    let lag = scene.device.current_loop.as_ref();
+    let lag = lag.map_or(0.0, |current| 1.0 / (TAU * current.bandwidth_hz));
+    let is_true = (delay - ROUNDING_S..=delay + lag + ROUNDING_S).contains(&told);
+    (!is_true).then(|| {
+        let fix = if delay <= scene.timing.period_s() {
+            format!("give {delay}")
+        } else {
+            "the guard covers at most one control period: give a shorter timing.computational_delay_s".to_owned()
+        };
+        scene.error(
+            "law.guard.delay_s",
+            format!(
+                "the energy guard is configured for a force that acts {told} s after the sample, and here it acts after {delay} s: a hand may get out more energy than the guard's bound"
+            ),
+            fix,
+        )
+    })
+}
