@@ -8,7 +8,7 @@ use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
 use crate::board::{Board, Encoder, FaultLink};
-use crate::budgets::{CONTROL, CURRENT, LAW, PROCESSOR_PERCENT};
+use crate::budgets::{CONTROL, CURRENT, FEEL, LAW, PROCESSOR_PERCENT};
 use crate::cpu::core::{Cost, WAIT_STATES};
 use crate::cpu::decode::EXCEPTION;
 use crate::cpu::elf::Program;
@@ -296,8 +296,11 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         let free =
             |current: u64| CORE_HZ * PROCESSOR_PERCENT / 100 - (current + 2 * EXCEPTION) * PWM_HZ;
         let fastest = |control: u64, current: u64| free(current) / (control + 2 * EXCEPTION);
+        if control.instructions > FEEL {
+            over.push("largest feel");
+        }
         println!(
-            "largest feel: control interrupt at most {} instructions; with {PROCESSOR_PERCENT} % of the processor up to {} Hz without wait states, {} Hz waiting",
+            "largest feel: control interrupt at most {} of {FEEL} instructions; with {PROCESSOR_PERCENT} % of the processor up to {} Hz without wait states, {} Hz waiting",
             control.instructions,
             fastest(control.cycles, current.cycles),
             fastest(control.waiting(), current.waiting())

@@ -8,11 +8,12 @@ use embassy_stm32::pac::{DAC1, GPIOC};
 use embassy_stm32::{Peri, peripherals, rcc};
 use touchstone_drive::DacCode;
 
-/// Bit mask of the pin of port C that enables the amplifier; 0 where the board has no such output.
+/// Bit mask of the pin of port C that enables the amplifier; 0 before [`start`], and on boards without this output.
 static ENABLE: AtomicU32 = AtomicU32::new(0);
 
-/// Sets the converter up with its output at half scale, which means no torque. The DAC's pin is analogue after a reset and is not
-/// driven before the first command. A shield that is used without a servo amplifier has a potentiometer at this pin.
+/// Sets the converter up with its output at half scale, which means no torque. The DAC's pin is analogue after a reset and stays
+/// undriven until the first command. So it does not drive the shield's potentiometer, which is connected to this pin if no servo
+/// amplifier is used.
 pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();

@@ -4,17 +4,16 @@
 use core::sync::atomic::Ordering::Relaxed;
 
 use touchstone_drive::ResetReason;
-use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
+use touchstone_drive::autostart::{Autostart, AutostartInput, STEP_MS};
 use touchstone_protocol::SelfStart;
 use touchstone_protocol::session::Session;
 
 use crate::board;
-use crate::control::Control;
+use crate::control::{Control, control};
 use crate::exchange::{HEARD, SPOKEN};
-use crate::requests::control;
 use crate::shared::InThread;
 
-const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
+const _: () = assert!(STEP_MS as u64 == crate::watchdog::SUPERVISION.as_millis());
 
 /// Hands the stored encoder alignment to the control interrupt, if it fits the settings in use.
 pub fn give(control: &mut Control, session: &Session) {
@@ -39,7 +38,7 @@ pub fn step(here: InThread) {
     let is_stop_pressed = board::is_stop_pressed();
     let steps = control(here, |control| {
         let before = control.autostart.told();
-        let now = Glance {
+        let now = AutostartInput {
             state: control.state,
             is_supplied: control.device.is_supplied(),
             count: control.device.record().count,

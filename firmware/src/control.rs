@@ -15,7 +15,7 @@ use touchstone_protocol::{Command, FaultCode, MeasuringPart, Outputs, State, Tel
 
 use crate::board::magnetic;
 use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
-use crate::shared::Guarded;
+use crate::shared::{InThread, SharedWithInterrupt};
 use crate::{analogue, board, pwm};
 
 /// Largest number of telemetry records that wait for the serial port. At 10 kHz, 16 records arrive in 1.6 ms; the task that serves
@@ -46,7 +46,7 @@ pub struct Control {
     pub accepted: Option<bool>,
     /// Telemetry records that wait for the serial port, oldest first.
     pub telemetry: Deque<Telemetry, QUEUED>,
-    /// Number of control periods per telemetry record; 0 for no telemetry.
+    /// Number of control periods per telemetry record; 0: no telemetry is sent.
     pub decimation: u16,
     /// Number of telemetry records dropped because the queue was full.
     pub dropped: u32,
@@ -89,14 +89,24 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
 }
 
 /// The data of the control interrupt; `None` before the start.
-pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
+pub static CONTROL: SharedWithInterrupt<Option<&'static mut Control>> =
+    SharedWithInterrupt::new(None);
+
+/// Calls `look` with the control interrupt's data while that interrupt is masked. `None` before the data exist; they exist before
+/// the first request arrives.
+pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
+    CONTROL.in_thread(here, |control| {
+        control.as_mut().map(|control| look(control))
+    })
+}
+
 /// The environment (further walls, end stops, detents) and the cogging map's table. It is large and must not be moved, like
 /// [`RING`].
 #[cfg(feature = "g474re")]
-pub static AROUND: Guarded<touchstone_drive::around::Around> =
-    Guarded::new(touchstone_drive::around::Around::new());
+pub static AROUND: SharedWithInterrupt<touchstone_drive::around::Around> =
+    SharedWithInterrupt::new(touchstone_drive::around::Around::new());
 /// The ring buffer with the records of the last second. It is too large for the stack and must not be moved.
-pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
+pub static RING: SharedWithInterrupt<Ring> = SharedWithInterrupt::new(Ring::new(1_000));
 
 impl Control {
     /// The data of the control interrupt before its first run.

@@ -1,7 +1,7 @@
 //! The memory copy functions that the compiler calls, written in assembly. They copy four words at a time.
 //!
-//! The compiler library's own copy takes five instructions per word where it was built for size. A control law is 114 words long,
-//! and the control period in which the device is armed copies one. The compiler's symbols are weak, so the linker takes these
+//! The compiler library's own copy takes five instructions per word if it was built for size. A control law is 114 words long and
+//! is copied in the control period in which the device is armed. The compiler's symbols are weak, so the linker takes these
 //! functions instead.
 
 use core::arch::global_asm;

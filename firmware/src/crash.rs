@@ -97,8 +97,9 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     die(FAULT, frame.pc(), "", status)
 }
 
-/// Handles a flash error: two wrong bits in a double word. While settings are read, the cause is an interrupted write, and the CRC
-/// will reject that copy of the settings. At any other time the program is damaged, and this function resets.
+/// Handles a flash error: two wrong bits in a double word. While settings are read, the cause is an interrupted write, and the
+/// CRC will reject that copy of the settings. At any other time the program is damaged, and this function resets the chip. It
+/// also resets the chip if the interrupt has another cause.
 #[exception]
 unsafe fn NonMaskableInt() {
     let is_flash = FLASH.eccr().read().eccd();
@@ -107,8 +108,8 @@ unsafe fn NonMaskableInt() {
         die(FAULT, 0, "", 0);
     }
     FLASH.eccr().modify(|w| w.set_eccd(true));
-    // The error has also triggered the timer's break (`supply`). The firmware's own interrupts are not enabled yet while settings
-    // are read.
+    // The error has also triggered the timer's break (`supply`). While the settings are read at the start, the firmware's own
+    // interrupts are not enabled yet.
     pwm::clear_break();
 }
 

@@ -23,7 +23,7 @@ unsafe impl critical_section::Impl for Masking {
     unsafe fn acquire() -> critical_section::RawRestoreState {
         let before = basepri::read();
         basepri_max::write(FIRST_MASKED);
-        // As cortex-m does for PRIMASK: the write takes effect before the next instruction.
+        // The barrier makes the write take effect before the next instruction; cortex-m does the same for PRIMASK.
         cortex_m::asm::isb();
         compiler_fence(Ordering::SeqCst);
         before

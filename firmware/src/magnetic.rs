@@ -137,8 +137,8 @@ fn deselect() -> u32 {
     cycles::now()
 }
 
-/// Waits until [`SETTLE`] cycles have passed since the cycle counter had the value `since`. A loop that only counts its own passes
-/// would take five times as long. The number of polls is bounded, because a debugger can stop the cycle counter.
+/// Waits until [`SETTLE`] cycles have passed since the cycle counter had the value `since`. A loop of 60 passes without the cycle
+/// counter would take five times as long. The number of polls is bounded, because a debugger can stop the cycle counter.
 fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }

@@ -11,7 +11,7 @@ use touchstone_protocol::{
     ResetReason, RingChunk, State, flash, stored,
 };
 
-use crate::control::{CONTROL, Control, RING};
+use crate::control::{Control, RING, control};
 use crate::exchange::CURRENT_CYCLES_MAX;
 use crate::shared::InThread;
 use crate::storage::{self, Storage};
@@ -26,14 +26,6 @@ pub struct Thread {
     here: InThread,
     /// Whether the protocol session has new settings that the control interrupt does not have yet.
     new_settings: bool,
-}
-
-/// Calls `look` with the control interrupt's data while that interrupt is masked. `None` before the data exist; they exist before
-/// the first request arrives.
-pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
-    CONTROL.in_thread(here, |control| {
-        control.as_mut().map(|control| look(control))
-    })
 }
 
 impl Thread {
@@ -98,7 +90,7 @@ impl Thread {
         control(self.here, |control| control.accepted.take()).flatten()
     }
 
-    /// Withdraws a command that no control period handled in time, so that none acts on it later.
+    /// Withdraws a command that no control period handled in time, so that no later control period carries it out.
     pub fn withdraw(&self) {
         control(self.here, |control| control.command = None);
     }

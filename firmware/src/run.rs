@@ -4,7 +4,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use embassy_executor::Spawner;
 use embassy_stm32::usart::BufferedUart;
-use embassy_time::{Duration, Ticker};
+use embassy_time::Ticker;
 use static_cell::StaticCell;
 use touchstone_drive::{CurrentLoop, Device, ResetReason, wire};
 use touchstone_protocol::session::Session;
@@ -23,9 +23,6 @@ static SESSION: StaticCell<Session> = StaticCell::new();
 static CONTROLLER: StaticCell<Control> = StaticCell::new();
 static CURRENT_LOOP: StaticCell<CurrentLoop> = StaticCell::new();
 
-/// Time between two checks by the supervision task, which feeds the watchdog.
-pub const SUPERVISION: Duration = Duration::from_millis(10);
-
 /// Runs the program after the board's set-up, with the serial port to the computer and the flash pages of the settings. It never
 /// returns.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
@@ -38,8 +35,8 @@ pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Stora
     supervise(here).await
 }
 
-/// Does everything that comes before the first interrupt. It is not part of the async function [`run`]: a future's variables lie in
-/// a static, those of this function on the stack.
+/// Does everything that comes before the first interrupt. This function is not part of the async function [`run`]: a future's
+/// variables lie in a static, those of this function on the stack.
 #[inline(never)]
 fn start(
     spawner: Spawner,
@@ -77,8 +74,8 @@ fn start(
     current
 }
 
-/// Makes the protocol session with the settings in flash, or with the defaults. Also returns whether the settings in flash were
-/// invalid.
+/// Makes the protocol session with the settings in flash, or with the defaults. Also returns whether settings in flash were
+/// refused (damaged, of another layout, or not valid).
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
@@ -140,7 +137,7 @@ fn tell_state(here: InThread, told: &mut Option<State>) {
 
 /// Feeds the independent watchdog only when current loop, control interrupt and serial link have all run since the last feeding.
 async fn supervise(here: InThread) -> ! {
-    let mut ticker = Ticker::every(SUPERVISION);
+    let mut ticker = Ticker::every(watchdog::SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];
     let mut late = 0;
     let mut told = None;

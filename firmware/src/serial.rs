@@ -12,8 +12,9 @@ use touchstone_protocol::FromDevice;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
 use touchstone_protocol::session::{Answered, Session};
 
+use crate::control::control;
 use crate::exchange::HEARD;
-use crate::requests::{Thread, control};
+use crate::requests::Thread;
 use crate::shared::InThread;
 
 /// Rate of the serial port, baud. 115,200 is too slow for the telemetry.

@@ -1,7 +1,7 @@
 //! Cells for data that code of different interrupt priorities shares.
 //!
 //! `touchstone_drive::exchange` has the data that the current loop (priority 0) and the control interrupt (priority 2) exchange in
-//! every control period. All other shared data are in a [`Guarded`] cell: to access it, the main thread masks the control interrupt
+//! every control period. All other shared data are in a [`SharedWithInterrupt`] cell: to access it, the main thread masks the control interrupt
 //! for a few microseconds.
 
 use core::cell::UnsafeCell;
@@ -28,16 +28,16 @@ impl InThread {
 }
 
 /// A value that belongs to the control interrupt. The main thread masks that interrupt while it accesses the value.
-pub struct Guarded<T> {
+pub struct SharedWithInterrupt<T> {
     value: UnsafeCell<T>,
     /// Whether the main thread has a reference to the value.
     taken: AtomicBool,
 }
 
 // SAFETY: the control interrupt and a thread that masks it are the only users, one at a time (see the two methods).
-unsafe impl<T: Send> Sync for Guarded<T> {}
+unsafe impl<T: Send> Sync for SharedWithInterrupt<T> {}
 
-impl<T> Guarded<T> {
+impl<T> SharedWithInterrupt<T> {
     /// A cell that holds this value.
     pub const fn new(value: T) -> Self {
         Self {
@@ -144,7 +144,8 @@ impl<T: Copy> Default for Latest<T> {
 /// A cell for a value that belongs to one interrupt. The value is put in before the interrupt is enabled.
 pub struct Owned<T>(UnsafeCell<Option<T>>);
 
-// SAFETY: only the one interrupt touches the value after it was given (see `give` and `take`), so it moves between contexts once.
+// SAFETY: only the one interrupt accesses the value after it was given (see `give` and `mine`), so the value moves between
+// contexts once.
 unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {

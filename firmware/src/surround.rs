@@ -6,8 +6,7 @@ use touchstone_drive::{DeviceSettings, SettingsError};
 use touchstone_protocol::{CoggingMap, CountsFrom, Surround};
 
 use crate::clock::CORE_HZ;
-use crate::control::{AROUND, Control};
-use crate::requests::control;
+use crate::control::{AROUND, Control, control};
 use crate::shared::InThread;
 use crate::{board, cycles};
 
@@ -16,7 +15,7 @@ use crate::{board, cycles};
 const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
 
 /// Same as [`control`], but waits until no second encoder reading is due in the present control period, at most
-/// [`READING_PATIENCE`]. For a copy that takes long enough to make that reading too late.
+/// [`READING_PATIENCE`]. For a copy that takes so long that it would make that reading too late.
 fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     let begun = cycles::now();
     let mut look = Some(look);
@@ -35,9 +34,9 @@ fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R
     }
 }
 
-/// Checks and computes an environment (walls, end stops, detents), and hands it to the control interrupt. Returns from when on it
-/// is rendered. The computation runs with the control interrupt enabled. Only the copy of some kilobytes masks it, after the
-/// control period's second encoder reading.
+/// Checks and computes an environment (walls, end stops, detents), and hands it to the control interrupt. Returns the time from
+/// which it is rendered; `None` if the control interrupt's data do not exist yet. The computation runs with the control interrupt
+/// enabled. Only the copy of some kilobytes masks it, after the control period's second encoder reading.
 #[inline(never)]
 pub fn give(
     here: InThread,

@@ -6,6 +6,10 @@
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_time::Duration;
+
+/// Time between two checks by the supervision task, which feeds the watchdog.
+pub const SUPERVISION: Duration = Duration::from_millis(10);
 
 /// Lowest and highest frequency of the LSI clock, Hz.
 const LSI_HZ: (u32, u32) = (29_500, 34_000);

@@ -19,12 +19,12 @@ use crate::clock::CORE_HZ;
 
 /// Cycles of the bus clock, which equals the processor's clock, per count of the watchdog (reference manual RM0440, 43.3.4).
 const CYCLES_PER_COUNT: u32 = 4_096;
-/// Least number of the watchdog's counts from a refresh to the reset. It can be one count more, because a refresh may come at any
-/// time between two counts.
+/// Least number of the watchdog's counts from a refresh to the reset. The actual number can be one more, because a refresh may
+/// come at any time between two counts.
 ///
-/// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while the outputs
-/// are on, 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the time is 128
-/// times as long.
+/// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while the
+/// outputs are on, 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the
+/// time to the reset is 128 times as long.
 const COUNTS: u32 = 10;
 /// The watchdog resets the chip when its counter falls below this value.
 const LAST: u32 = 0x40;
@@ -57,7 +57,7 @@ pub fn refresh() {
 /// Calls `erase`, which stalls the processor, with the watchdog's time extended to 31 to 34 ms. The outputs must be off.
 pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     set_share(Wdgtb::DIV128);
-    // The counter has counted down since the current loop's last refresh.
+    // Needed, because the counter has counted down since the current loop's last refresh.
     refresh();
     let result = erase();
     refresh();

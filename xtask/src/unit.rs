@@ -22,6 +22,8 @@ const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
 
 /// Number of the slowest test binaries that are listed with their times.
 const SLOWEST: usize = 10;
+/// Environment variable with the number of tests that a test binary runs at the same time.
+const THREADS: &str = "RUST_TEST_THREADS";
 
 static ALL_PASSED: AtomicBool = AtomicBool::new(false);
 
@@ -130,6 +132,11 @@ pub fn run(args: &[String]) -> Outcome {
     let packages: [&[&str]; 2] = [&["--workspace"], &["--package", "touchstone-control"]];
     for packages in packages {
         let mut command = shell::cargo_locked("test");
+        // The tests of devices wait most of the time, for answers and deadlines.
+        if std::env::var_os(THREADS).is_none() {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            command.env(THREADS, (3 * cores).to_string());
+        }
         // Does not stop at the first failure, so that one failure hides no other.
         command.args(packages).arg("--no-fail-fast").args(&words);
         let outcome = shell::run_reading_all(&mut command, |line| seen.line(line));

@@ -16,7 +16,8 @@ const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 /// Configured thermal time constant of the motor in seconds, short so that the motor warms up within seconds.
 const HEATING_TIME_S: f64 = 1.0;
 
-/// Pulls the cable in each state in which the outputs are on, and checks that the device switches them off in time.
+/// Pulls the cable to the computer (its messages stop) in each state in which the outputs are on, and checks that the device
+/// switches them off within [`SILENCE_US`], with the fault `HostSilent`.
 pub fn cable_pulled(program: &Program, setup: &Setup, tally: &mut Tally) {
     for state in [Phase::Calibrating, Phase::Armed] {
         let name = format!("cable pulled, {}", state.name());

@@ -1,4 +1,5 @@
-//! Pins and peripherals of the NUCLEO-G474RE with a SimpleFOC Mini v1.1 (DRV8313) on loose wires. **It measures no current.**
+//! Pins and peripherals of the NUCLEO-G474RE with a SimpleFOC Mini v1.1 (DRV8313) on loose wires. **This board measures no
+//! current.**
 //!
 //! | pins | source |
 //! |---|---|
@@ -62,7 +63,7 @@ const STOP_BUTTON: usize = 13;
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);
     interrupt::LPUART1.set_priority(Priority::P6);
-    // Open drain, pulled up on the Mini as well.
+    // The line is open-drain; the Mini also has a pull-up resistor.
     let mut fault_line = Flex::new(p.PB12);
     fault_line.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
     pwm::start(p.TIM1, BRIDGE);
