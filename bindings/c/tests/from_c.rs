@@ -28,6 +28,15 @@ mod tuned {
 #[test]
 fn tuned_settings_in_c_are_those_in_rust() {
     let expected = tuned::tuned_settings();
+    let guard = tuned::tuned_device().guard_settings();
+    assert_eq!(
+        (guard.delay, guard.lag, guard.damping),
+        (
+            expected.guard.delay,
+            expected.guard.lag,
+            expected.guard.damping
+        )
+    );
     let mut wall = Controller::<Fixed32>::new(&expected).expect("a wall");
     let digest = (0..2000_i32).fold(0_u32, |digest, tick| {
         let depth = (tick % 200).min(200 - tick % 200) * 1342;

@@ -7,7 +7,8 @@
 // Settings that are missing here have the library's defaults; use program and library of the same release.
 
 use touchstone_control::{
-    ChangeOfForce, EstimatorSettings, FilterSettings, GuardSettings, PositionSettings, Settings, Si,
+    ChangeOfForce, Device, EstimatorSettings, FilterSettings, GuardSettings, PositionSettings,
+    Settings, Si,
 };
 
 /// The tuned settings.
@@ -47,5 +48,19 @@ pub fn tuned_settings() -> Settings {
         },
         position: PositionSettings::of_counts_per_rev(16384),
         ..Settings::default()
+    }
+}
+
+/// The device for which the settings were tuned: `tuned_device().own_force()` puts a force of your own before its guard.
+pub fn tuned_device() -> Device {
+    Device {
+        rate_hz: 1000, // Hz
+        inertia: Si::lit("0.00003"), // kg·m²
+        damping: Si::lit("0.000009"), // N·m·s/rad
+        position_error: Si::lit("0"), // rad
+        force_limit: Si::lit("0.045"), // N·m
+        delay: Si::lit("0.0000625"), // s
+        lag: Si::lit("0.000189877"), // s
+        position: PositionSettings::of_counts_per_rev(16384),
     }
 }

@@ -24,8 +24,7 @@ pub enum Change {
 /// A device of the scorecard, on which one set of law settings must work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// Name of the device. For the device with fewer encoder counts, the name assumes that the nominal device has 40,000 counts per
-    /// turn.
+    /// Name of the device.
     pub name: &'static str,
     /// Change that makes the device differ from the nominal one.
     pub change: Change,
@@ -201,8 +200,8 @@ impl Programme {
             }
             Deed::Move(frequency_hz) => {
                 let period_s = 1.0 / frequency_hz;
-                // The measured part starts after one period and at least half a second. It lasts a whole number of periods, about a
-                // second. Then the oscillation fades within half a period.
+                // The measured part starts after one period and at least half a second. It lasts a whole number of periods, about
+                // a second or one period if that is longer. Then the oscillation fades within half a period.
                 let periods = frequency_hz.ceil().max(1.0);
                 let wiggle_s = period_s.max(0.5) + (periods + 0.5) * period_s + 1e-6;
                 scene.timing.duration_s = press.start_s + press.ramp_s + wiggle_s;

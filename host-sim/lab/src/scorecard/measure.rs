@@ -159,6 +159,12 @@ impl Figures {
     }
 }
 
+/// Whether a measure divided by its limit is beyond the limit. The share of a lost wall can be NaN, which counts as beyond it.
+#[must_use]
+pub fn is_beyond(share: f64) -> bool {
+    share > 1.0 || share.is_nan()
+}
+
 impl Serialize for Figures {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         // An infinite value has no number in JSON.

@@ -20,7 +20,7 @@ pub struct DeviceRun<'a> {
     pub stiffness: DesiredStiffness,
     /// First tick with the full force; before it the force is faded in.
     pub whole_from: u64,
-    /// Whether commands act half a control period late or more.
+    /// Whether commands act at least half a control period late.
     pub late: bool,
     /// The simulated hand's actions; `None` if a person moved the device.
     pub turn: Option<DeedsInTurn>,

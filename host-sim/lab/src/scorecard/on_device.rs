@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn what_a_wall_gives_is_counted_over_missed_ticks_too() {
         let mut ticks = led(3000, 5000.0, |due| 1e-3 * (due as f64 * 0.01).sin());
-        // The wall pushes with 2 N more on the way out: it gives 2 N over 1 mm in each oscillation.
+        // The wall pushes with 2 N more on the way out: it gives 2 N over 2 mm in each oscillation.
         for pair in 1..ticks.len() {
             if ticks[pair].depth_m < ticks[pair - 1].depth_m {
                 ticks[pair].force_n[2] += 2.0;

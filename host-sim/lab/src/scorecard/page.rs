@@ -1,6 +1,6 @@
 //! Formats a scorecard for readers, on a terminal and as sections of a page.
 
-use super::measure::Measure;
+use super::measure::{Measure, is_beyond};
 use super::touch::TouchRatios;
 use super::words::shown;
 use super::{Row, Scorecard};
@@ -21,7 +21,7 @@ fn cell(row: &Row, index: usize, measure: Measure) -> String {
     let beyond = row
         .cells
         .iter()
-        .any(|cell| cell.figures.shares(&cell.limits)[index] > 1.0);
+        .any(|cell| is_beyond(cell.figures.shares(&cell.limits)[index]));
     let sign = if beyond { BEYOND } else { ' ' };
     format!("{}{sign}({nominal})", shown(measure, worst.get(measure)))
 }

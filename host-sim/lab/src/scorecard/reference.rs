@@ -77,7 +77,7 @@ impl Reference {
                 break;
             }
         }
-        // If no damping holds the wall, ζ = 0.6 is assumed.
+        // If no damping holds the wall, a damping ratio of 0.6 is assumed.
         let (damping, delay_ticks) = match reference {
             Some((damping, delay)) => (damping, Some(delay)),
             None => (0.6 * critical, None),

@@ -146,8 +146,8 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// Sets a control law as it is usually published: without state estimator and energy guard, and with the thesis' parameters where
-/// the scene has none.
+/// Sets a control law as it is usually published: without state estimator and energy guard, and with the thesis' parameters for
+/// values that the scene does not set.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;

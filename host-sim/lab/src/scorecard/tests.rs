@@ -133,7 +133,7 @@ fn knob_with(settings: &str) -> Scene {
 fn twenty_critical_stiffnesses_hold_on_every_device() {
     let scene = knob_with("twenty-critical.toml");
     assert_eq!(scene.wall.k_desired_n_m_per_rad, 20.0);
-    // Result of `touchstone scorecard` for this wall: 0.6 of a difference spring-damper's ripple.
+    // Limit of the ripple that `touchstone scorecard` computes for this wall: 0.6 of the reference spring-damper's ripple.
     let reference = Reference {
         limit_n_m: 3.93e-3,
         ..Reference::none()
@@ -176,7 +176,7 @@ fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
 fn fifty_critical_stiffnesses_hold_to_half_a_tick_and_no_further() {
     let scene = knob_with("fifty-critical.toml");
     assert_eq!(scene.wall.k_desired_n_m_per_rad, 50.0);
-    // Result of `touchstone scorecard` for this wall: 0.6 of a difference spring-damper's ripple.
+    // Limit of the ripple that `touchstone scorecard` computes for this wall: 0.6 of the reference spring-damper's ripple.
     let reference = Reference {
         limit_n_m: 7.62e-3,
         ..Reference::none()
@@ -317,7 +317,7 @@ fn a_tuned_law_is_behind_a_guard_that_is_told_no_more_than_there_is() {
         assert_eq!(plain.guard.damping_n_m_s_per_rad, 3e-4);
         assert_eq!(plain.guard.delay_s, 2e-4);
         assert_eq!(plain.force_limit_n_m, 0.2);
-        // The scene's own guard settings stay where they are more cautious.
+        // The scene's own guard settings stay if they are more cautious.
         let mut said = scene.clone();
         said.law.guard.damping_n_m_s_per_rad = 2.4e-4;
         said.law.guard.delay_s = 7e-4;
@@ -347,8 +347,8 @@ fn the_limit_of_ripple_does_not_grow_with_a_rival_that_shakes() {
     let mut noisy = knob(5.0);
     noisy.sensor.noise = Some(touchstone_sim::scene::SensorNoise::default());
     assert_eq!(Reference::of(&noisy).expect("runs"), quiet);
-    // A difference spring-damper at 10 kHz has ten times the ripple and still holds the wall. The limit stays at a tenth of the
-    // press.
+    // A spring-damper on differences of counts at 10 kHz has ten times the ripple and still holds the wall. The limit stays at a
+    // tenth of the press.
     for k_desired in [1.0, 5.0, 20.0, 50.0, 200.0] {
         for rate_hz in [500, 1000, 10_000] {
             let mut scene = knob(k_desired);

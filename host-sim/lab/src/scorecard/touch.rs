@@ -20,7 +20,7 @@ use touchstone_sim::scene::{Grip, MotionSpec, Number, Preset, Scene};
 pub const DAMPING_RATIO: f64 = 0.5;
 /// Rate at which the ideal wall is simulated, Hz.
 const RATE_HZ: u32 = 50_000;
-/// Duration of a simulated touch of an ideal wall, s; the touch is deepest in the first oscillation.
+/// Longest duration of a simulated touch of an ideal wall, s; the touch is deepest in the first oscillation.
 const LONGEST_S: f64 = 0.4;
 
 /// Measures of a touch, divided by those of the ideal damped wall; the worst of several hands.

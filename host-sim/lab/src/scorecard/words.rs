@@ -1,6 +1,6 @@
 //! Describes the results of a scorecard in sentences.
 
-use super::measure::Measure;
+use super::measure::{Measure, is_beyond};
 use super::{Cell, Row};
 
 /// Formats the value of a measure for readers.
@@ -26,7 +26,7 @@ pub fn fails(cells: &[Cell]) -> Vec<String> {
         let beyond: Vec<(&Cell, f64)> = cells
             .iter()
             .map(|cell| (cell, cell.figures.shares(&cell.limits)[index]))
-            .filter(|(_, share)| share.is_nan() || *share > 1.0)
+            .filter(|(_, share)| is_beyond(*share))
             .collect();
         let Some((worst, share)) = beyond.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else {
             continue;

@@ -1,8 +1,8 @@
 //! Tunes control laws for random devices, to count how often settings exist with which a wall comes to rest and feels right.
 //!
 //! Devices come from [`crate::random_device`]. A device is replaced if its encoder or torque do not suffice for its wall. A press
-//! of at most [`MOST_N_M`] must go 20 encoder counts deep, exceed four times the dry friction, and stay below a depth of 1 rad. The
-//! torque limit is twice [`MOST_N_M`].
+//! of at most [`MOST_N_M`] must go at least 20 encoder counts deep, be at least four times the dry friction, and stay below a
+//! depth of 1 rad. The torque limit is twice [`MOST_N_M`].
 
 use super::diagnosis::{self, FailureCause};
 use super::outcome::Outcome;

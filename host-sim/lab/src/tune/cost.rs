@@ -28,8 +28,8 @@ const TOUCH: f64 = 1.5;
 const NOISE_DEG: f64 = 0.03;
 /// Largest allowed motion at rest with sensor noise, peak to peak, rad. Four encoder counts are allowed if these are larger.
 const NOISY_REST_RAD: f64 = 6e-4;
-/// Weight of goals without a limit. Their contribution to the cost is bounded by `MOST_WISH`, so that a search never exceeds a
-/// limit in favour of such a goal.
+/// Weight of goals without a limit. Each goal adds at most `WISH · MOST_WISH` to the cost, so that a search never exceeds a limit
+/// in favour of such a goal.
 const WISH: f64 = 0.25;
 const MOST_WISH: f64 = 3.0;
 
@@ -80,7 +80,7 @@ impl Judgement {
         let touches = cases
             .iter()
             .map(|case| IdealTouch::of(&case.of(scene), &programme));
-        // A device that cannot be simulated is refused by every other judgement too.
+        // If a device cannot be simulated, the list is empty; `cost` then returns `REFUSED` at this device.
         let ideal = touches.collect::<Result<_>>().unwrap_or_default();
         Self {
             programme,
@@ -164,19 +164,23 @@ impl Judgement {
     }
 
     /// Whether settings are also evaluated on the nominal device with sensor noise. This is so for the scorecard's measures, if
-    /// the scene has an encoder and no noise of its own.
+    /// the scene has an encoder.
     fn is_shaken(&self, scene: &Scene) -> bool {
-        self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
+        self.aim == Aim::Scorecard && scene.encoder.is_some()
     }
 
-    /// Motion at rest and ripple with sensor noise, each divided by its limit, for every grip.
+    /// Motion at rest and ripple with the scene's sensor noise, or without it with [`NOISE_DEG`], each divided by its limit, for
+    /// every grip.
     fn of_noise(&self, scene: &Scene) -> Vec<f64> {
+        let usual_rad = NOISE_DEG.to_radians();
+        let own = scene.sensor.noise.as_ref().map(|it| it.rms_rad);
+        let rms_rad = own.unwrap_or(usual_rad);
         let mut noisy = scene.clone();
-        noisy.sensor.noise = Some(SensorNoise {
-            rms_rad: NOISE_DEG.to_radians(),
-        });
+        noisy.sensor.noise = Some(SensorNoise { rms_rad });
         let count_rad = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
-        let rest_rad = NOISY_REST_RAD.max(4.0 * count_rad);
+        // More noise than usual moves the knob more in the same proportion.
+        let allowed_rad = NOISY_REST_RAD * (rms_rad / usual_rad).max(1.0);
+        let rest_rad = allowed_rad.max(4.0 * count_rad);
         let mut shares = Vec::new();
         for grip in GRIPS {
             let Ok((figures, beside)) = self.felt(&noisy, grip) else {

@@ -311,7 +311,8 @@ mod tests {
         assert!(turned < straight * 3 / 2, "{turned} against {straight}");
     }
 
-    /// Checks that the search uses only the ranks of costs. Costs may be compressed, or infinite where a point is not allowed.
+    /// Checks that the search uses only the ranks of costs: it also finds the minimum if all costs are multiplied by 0.001, and if
+    /// they are infinite in a part of the plane.
     #[test]
     fn ranks_alone_decide() {
         let plain = looked(&[1.0, 1.0], 7, |x| ellipsoid(x, 4.0));
@@ -345,7 +346,7 @@ mod tests {
         let count = 100_000;
         let draws: Vec<f64> = (0..count).map(|_| normal(&mut random)).collect();
         let moment = |power| draws.iter().map(|x| x.powi(power)).sum::<f64>() / f64::from(count);
-        // Four standard errors: sqrt(1, 2, 96)/sqrt(count) each.
+        // Four standard errors; the variances of x, x² and x⁴ are 1, 2 and 96.
         let bound = |variance: f64| 4.0 * (variance / f64::from(count)).sqrt();
         assert!(moment(1).abs() < bound(1.0));
         assert!((moment(2) - 1.0).abs() < bound(2.0));

@@ -32,7 +32,7 @@ fn cost(scene: &Scene) -> f64 {
         return REFUSED;
     }
     let period_s = contact.clock.period_s;
-    // Growth rate of the slowest motion, divided by the 50 1/s of decay that a brisk hand needs.
+    // Growth rate of the slowest motion, as a multiple of 50 1/s, the rate of decay that a brisk hand needs.
     let growth = (radius.ln() / period_s / 50.0).clamp(-1.0, 100.0);
     let stiffness = contact.phases.lasting.last().and_then(|phase| {
         let lag_s = contact.clock.delay_s + 0.5 * period_s;

@@ -2,9 +2,9 @@
 //! damping, friction, encoder counts, delay, torque limit and control rate.
 //!
 //! Settings are evaluated by the measures of their [scorecard](crate::scorecard), over three simulated grips (light, medium,
-//! firm) and every varied device, including the torque ripple. [`search`] minimises the sum by which they exceed their limits
-//! ([`cost`]), starting from a rule in [`parameters`]. [`settings`] writes the result, [`own_firmware`] as Rust and C. [`pareto`]
-//! shows the trade-off between stiffness, ripple and delay.
+//! firm) and every varied device, including the torque ripple. [`search`] minimises the sum by which the measures exceed their
+//! limits ([`cost`]), starting from a rule in [`parameters`]. [`settings`] writes the result, [`own_firmware`] as Rust and C.
+//! [`pareto`] shows the trade-off between stiffness, ripple and delay.
 
 pub mod campaign;
 pub mod cost;
@@ -53,8 +53,8 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Largest number of simulated ticks (control periods). One takes about 250 ns if dry friction holds the device most of the
-    /// time.
+    /// Largest number of simulated ticks (control periods). A tick takes about 250 ns to compute if dry friction holds the device
+    /// most of the time.
     const fn ticks(self) -> f64 {
         match self {
             Effort::Full => 6.0e8,
@@ -122,8 +122,8 @@ pub fn tune(
 const PULSES: [f64; 4] = [0.3, 0.5, 0.7, 1.0];
 
 /// Sets the pulse at the touch to the tried value, or to none, with the least cost over all devices. Values that raise the worst
-/// measure above both its limit and its value without a pulse are left out. A wall with little damping bounces off a device of
-/// half the inertia if its pulse is large. A law on measured states, and a scene without a pulse, stay without one.
+/// measure above both its limit and its value without a pulse are left out. A device of half the inertia bounces off a wall with
+/// little damping if the pulse is large. A law on measured states, and a scene without a pulse, stay without a pulse.
 fn choose_pulse(scene: &Scene, tuned: &mut Tuned, judgement: &Judgement) {
     let asked = scene.law.impact.share_of_momentum > 0.0;
     if !asked || tuned.scene.law.states != StatesKind::Estimated {
@@ -181,8 +181,8 @@ struct Looks {
     seed: u64,
 }
 
-/// Largest ratio of a measure to its limit at which a search ends early, where the wall only has to come to rest and have the
-/// right stiffness.
+/// Largest ratio of a measure to its limit at which a search ends early, if the wall only has to come to rest and have the right
+/// stiffness.
 const ENOUGH: f64 = 0.7;
 
 /// Tunes a law with at most `ticks` simulated ticks. The goals are a press that comes to rest in every grip, and the requested

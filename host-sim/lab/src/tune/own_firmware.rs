@@ -103,6 +103,8 @@ macro_rules! groups {
 pub struct OwnFirmware {
     /// The settings that the generated text sets.
     pub settings: Settings,
+    /// The device of the scene in the form of the libraries.
+    pub device: Device,
     counts_per_rev: u32,
     /// Lines of the comment at the top of the generated file.
     comment: Vec<String>,
@@ -202,6 +204,7 @@ impl OwnFirmware {
             "Settings that are missing here have the library's defaults; use program and library of the same release.".to_owned(),
         ];
         Ok(Self {
+            device: device(scene, counts_per_rev, &settings),
             settings,
             counts_per_rev,
             comment,
@@ -235,7 +238,7 @@ impl OwnFirmware {
     #[must_use]
     pub fn rust(&self) -> String {
         let groups = self.groups();
-        let mut names = BTreeSet::from(["PositionSettings", "Settings", "Si"]);
+        let mut names = BTreeSet::from(["Device", "PositionSettings", "Settings", "Si"]);
         names.extend(groups.iter().filter_map(|it| it.place).map(|(_, it)| it));
         let rows = groups.iter().flat_map(|it| &it.rows);
         names.extend(rows.filter_map(|row| row.choice));
@@ -274,6 +277,40 @@ impl OwnFirmware {
         }
         text += &format!(
             "        position: PositionSettings::of_counts_per_rev({}),\n        ..Settings::default()\n    }}\n}}\n",
+            self.counts_per_rev
+        );
+        text + &self.rust_device()
+    }
+
+    /// A Rust function that returns the device, for a force of the firmware's own behind the guard.
+    fn rust_device(&self) -> String {
+        let Device {
+            rate_hz,
+            inertia,
+            damping,
+            position: _,
+            position_error,
+            force_limit,
+            delay,
+            lag,
+        } = self.device;
+        let mut text = String::from(
+            "\n/// The device for which the settings were tuned: `tuned_device().own_force()` puts a force of your own before its guard.\n",
+        );
+        text += "pub fn tuned_device() -> Device {\n    Device {\n";
+        text += &format!("        rate_hz: {rate_hz}, // Hz\n");
+        for (name, value, unit) in [
+            ("inertia", inertia, "kg·m²"),
+            ("damping", damping, "N·m·s/rad"),
+            ("position_error", position_error, "rad"),
+            ("force_limit", force_limit, "N·m"),
+            ("delay", delay, "s"),
+            ("lag", lag, "s"),
+        ] {
+            text += &format!("        {name}: Si::lit(\"{value}\"), // {unit}\n");
+        }
+        text += &format!(
+            "        position: PositionSettings::of_counts_per_rev({}),\n    }}\n}}\n",
             self.counts_per_rev
         );
         text

@@ -11,7 +11,7 @@ use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// Settings that are within the scorecard's limits on every simulated device, apart from the ripple's. With their stiffness,
+/// Settings that keep every limit of the scorecard except that of the ripple on every simulated device, and their stiffness,
 /// ripple and delay margin.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {

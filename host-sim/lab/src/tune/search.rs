@@ -63,7 +63,7 @@ pub fn minimise(
             let points = search.ask();
             let costs: Vec<Cost> = points.par_iter().map(|point| cost(point)).collect();
             let values: Vec<f64> = costs.iter().map(|cost| cost.value).collect();
-            // The first of two equal points is kept.
+            // Of two points with equal cost the first is kept.
             for (point, cost) in points.into_iter().zip(costs) {
                 if cost.value.total_cmp(&best.1.value).is_lt() {
                     best = (point, cost);

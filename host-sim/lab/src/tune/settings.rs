@@ -9,7 +9,7 @@ use touchstone_sim::scene::Scene;
 /// Fields of the law that only a scene has.
 const OF_SCENES_ONLY: [&str; 1] = ["number"];
 
-/// First words of every file with tuned settings: the law and the scene's name. By them `tune` recognises its own files.
+/// First words of every file with tuned settings: the law and the scene's name. `tune` recognises its own files by these words.
 #[must_use]
 pub fn title(rival: &Rival, scene: &Scene) -> String {
     format!("{} for {}:", rival.about, scene.name)
