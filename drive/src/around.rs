@@ -3,7 +3,7 @@
 //! ```text
 //! armed:      prepare -> next tick:        replaces what runs, without a jump of the force
 //! not armed:  prepare -> at once:          runs from the next arming on
-//! other settings wait for a calibration -> prepare waits for it as well
+//! if other settings wait for a calibration, the prepared environment waits for that calibration as well
 //! ```
 //!
 //! If the user requests only the single wall of the settings, the device's own control law renders it, in the same time as on a
@@ -54,8 +54,8 @@ impl Surrounding {
     }
 }
 
-/// Computes the coefficients of an environment (walls and detents). If the settings require that the position is measured when the
-/// force changes, the board's own delay is added to the settings of the energy guard.
+/// Computes the coefficients of an environment (walls and detents). If the settings require that the position is measured when
+/// the force changes, the energy guard's delay and lag are those that are calculated for the board, not the configured ones.
 ///
 /// # Errors
 /// A setting is refused; the error names it.
@@ -115,8 +115,8 @@ impl Around {
         }
     }
 
-    /// Sets the cogging map with which the board compensates cogging. If `settings_wait`, other settings wait for a calibration,
-    /// and no map is used until then.
+    /// Sets the cogging map with which the board compensates cogging. `settings_wait` means that other settings wait for a
+    /// calibration; then no map is used until that calibration.
     pub(crate) fn play(&mut self, map: Option<&Played>, settings_wait: bool) {
         self.map = map.cloned();
         self.map_waits = settings_wait;
@@ -327,7 +327,7 @@ impl Scenery for Around {
     }
 }
 
-/// Internal values of the wall that the device touches, for telemetry; an environment of detents alone has none.
+/// Internal values of the wall that the device touches, for telemetry; an environment without walls reports no contact.
 #[inline(never)]
 fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     environment.view().unwrap_or(View {
@@ -351,4 +351,96 @@ fn environment_tick(
         count: here.count,
     };
     environment.tick(&at, here.since_change)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::change::law_settings;
+    use crate::hardware::IHM08M1;
+    use touchstone_control::{ChangeOfForce, Si};
+    use touchstone_protocol::Decimal;
+    use touchstone_protocol::settings::environment::DetentsBeside;
+
+    fn detents() -> Surround {
+        Surround {
+            first_wall: false,
+            detents: Some(DetentsBeside {
+                per_rev: 24,
+                pitch_rad: Decimal(Si::ZERO),
+                strength_n_m: Decimal(Si::lit("0.05")),
+                centre_rad: Decimal(Si::ZERO),
+            }),
+            ..Surround::default()
+        }
+    }
+
+    fn settings(change: ChangeOfForce) -> DeviceSettings {
+        let mut settings = DeviceSettings::default();
+        settings.law.guard.change = change;
+        settings
+    }
+
+    fn law(settings: &DeviceSettings) -> Law {
+        Controller::new(&law_settings(settings, &IHM08M1).unwrap().0).unwrap()
+    }
+
+    /// The guard of an environment knows the board's delay, as the guard of the settings' wall does.
+    #[test]
+    fn the_guard_of_an_environment_is_that_of_the_wall() {
+        for change in [ChangeOfForce::Estimated, ChangeOfForce::Measured] {
+            let settings = settings(change);
+            let surrounding = Surrounding::new(&settings, &IHM08M1, &detents()).unwrap();
+            let guard = surrounding.environment.guard;
+            assert!(
+                guard.is_some() && guard == law(&settings).guard,
+                "{change:?}"
+            );
+        }
+    }
+
+    /// Arms the knob a hundred times with detents, and with the settings' wall in between. A hand takes energy out meanwhile. Only
+    /// the time in which a force acts refills the guard's account, never an arming.
+    #[test]
+    fn arming_again_fills_no_account() {
+        let settings = settings(ChangeOfForce::Estimated);
+        let scale = CountScale::new(settings.encoder.counts_per_rev, Si::ZERO).unwrap();
+        let fresh = law(&settings);
+        let surroundings = [Surround::default(), detents()]
+            .map(|all| Surrounding::new(&settings, &IHM08M1, &all).unwrap());
+        let (mut law, mut around) = (fresh, Around::new());
+        let account = |around: &Around, law: &Law| {
+            let guard = match around.running() {
+                Some(environment) => environment.guard,
+                None => law.guard,
+            };
+            guard.unwrap().account().0.to_bits()
+        };
+        let full = account(&around, &law);
+        let mut least = full;
+        for arming in 0..100_i64 {
+            let is_wall = arming % 3 == 2;
+            // Every third arming renders the detents of the one before.
+            if arming % 3 != 1 {
+                around.prepare(&surroundings[usize::from(!is_wall)], &mut law, false, false);
+            }
+            let before = account(&around, &law);
+            around.armed(&mut law, &fresh);
+            assert_eq!(around.runs(), !is_wall, "{arming}");
+            assert_eq!(account(&around, &law), before, "{arming}");
+            for tick in 0..20 {
+                // Towards the middle of a detent, from a third of the distance to the next.
+                let count = 220 - 10 * tick;
+                let here = Here {
+                    count,
+                    penetration: scale.penetration(count),
+                    since_change: None,
+                };
+                around.tick(&mut law, &scale, &here);
+            }
+            around.switched_off(&mut law);
+            least = least.min(account(&around, &law));
+        }
+        assert!(least < full / 2, "{least} of {full}");
+    }
 }

@@ -39,7 +39,7 @@ fn every_code_has_a_page_with_all_sections_and_a_row_in_the_index() {
             page.starts_with(&format!("# Fault {number:02}: {name}\n")),
             "{file}"
         );
-        // Each section, in this order, with something in it.
+        // The page has each section, in this order, and no section is empty.
         let mut rest = page.as_str();
         for section in SECTIONS {
             let (before, after) = rest

@@ -1,5 +1,5 @@
 //! Checks that the book (the Markdown files of the documentation) has at most 60,000 words, its page on proofs at most 2,500, and
-//! the README at most 900.
+//! the README at most 900, and the changelog at most 80 lines.
 
 use std::path::Path;
 
@@ -35,4 +35,7 @@ fn the_book_and_the_readme_are_short() {
         println!("{what}: {words} words");
         assert!(words <= most, "{what}: {words} words, of at most {most}");
     }
+    let changes = std::fs::read_to_string(root.join("CHANGELOG.md")).expect("the changelog");
+    let lines = changes.lines().count();
+    assert!(lines <= 80, "CHANGELOG.md: {lines} lines, of at most 80");
 }

@@ -138,7 +138,8 @@ impl Periodic {
         let mut steps: Vec<f64> = (0..2 * PERIOD)
             .map(|i| limited(size * n[2 + i], seconds(i % 2)))
             .collect();
-        // In several rounds the remaining displacement is spread over all steps that can still take some.
+        // Subtracts the sum of the steps from all steps in proportion to their times, so that the motion returns to its start.
+        // Then scales all steps down if one is too fast.
         let left: f64 = steps.iter().sum();
         for (i, step) in steps.iter_mut().enumerate() {
             *step -= left * seconds(i % 2) / (TICK_S * PERIOD as f64);

@@ -72,7 +72,8 @@ impl Reference {
         ];
         let whole = exponential(&motion, 1.0);
         let f: Three = std::array::from_fn(|i| std::array::from_fn(|j| whole[i][j]));
-        // Ackermann's formula: (F - z)³ O⁻¹ e₃ with the rows C F, C F², C F³, as the correction comes after the prediction.
+        // Ackermann's formula for the gains: (F - z)³ O⁻¹ e₃, with the state matrix F, the measurement row C and the third unit
+        // vector e₃. O has the rows C F, C F², C F³ instead of C, C F, C F², because the correction comes after the prediction.
         let shifted: Three =
             std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] - z * f64::from(i == j)));
         let wanted = product(&product(&shifted, &shifted), &shifted);
@@ -195,7 +196,7 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     for n in 0..ticks {
         phase += 0.002 + 0.02 * f64::from(n % 700) / 700.0;
         x += 1e-4 * f64::sin(phase) + 5e-6 * random.real();
-        // One encoder count, at 40,000 per turn, rounded to a quantum of the format.
+        // Rounds the position to encoder counts (40,000 per turn), and then to 2^-24 rad, the step of `Fixed32`.
         let count = TAU / 40_000.0;
         let e = ((x / count).round() * count * f64::from(1 << 24)).round() / f64::from(1 << 24);
         let f = (0.4 * random.real() * f64::from(1 << 24)).round() / f64::from(1 << 24);
@@ -203,8 +204,9 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     }
 }
 
-/// How much an error in each state of the estimator (position, speed, hand's acceleration) is amplified in its outputs. Sums the
-/// outputs' magnitudes over all control periods after an error of 1.
+/// How much an error in the estimator's state is amplified in its outputs. The state is position, displacement per control period,
+/// and the hand's acceleration per period squared. `delay` is in control periods. Row: output (position, displacement per period).
+/// Column: state with an initial error of 1. Each entry is the sum of the output's magnitudes over all later control periods.
 pub fn amplification(matrices: &Reference, delay: f64) -> [[f64; 3]; 2] {
     let a = matrices.error_step();
     let mut power: [[f64; 3]; 3] =

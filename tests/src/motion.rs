@@ -15,7 +15,7 @@ pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A press that, on its way in and out, comes out by a third and goes in again eight times, like a searching hand.
+/// A press that, on its way in and out, comes out by 30 % of its depth and goes in again eight times, like a searching hand.
 #[must_use]
 pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
     let press = half_sine(depth_rad, ticks);

@@ -1,4 +1,4 @@
-//! Simulates the mechanical port between device and hand, with exact energy bookkeeping: a hand, a control law, the energy guard,
+//! Simulates the mechanical port between device and hand, and sums the energy exactly: a hand, a control law, the energy guard,
 //! an encoder and a delay.
 //!
 //! Each control period has two parts, before and after the force changes. In each part the position is linear in time, or follows
@@ -106,7 +106,7 @@ impl Working {
 
 /// A simulated hand that moves the device.
 pub trait Hand {
-    /// Position of the device in the first control period, rad inside the wall.
+    /// Penetration of the device in the first control period, rad.
     fn start(&self) -> f64;
     /// Moves the device for a part of a control period against a force. `late` says whether the force has already changed in this
     /// period. Returns the position in rad, and the energy in J that the device's damping dissipated.

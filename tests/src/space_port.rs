@@ -1,4 +1,4 @@
-//! Simulates the mechanical port between a three-axis device and a hand, with exact energy bookkeeping, and hands that try to get
+//! Simulates the mechanical port between a three-axis device and a hand, sums the energy exactly, and has hands that try to get
 //! energy out. The modules `port` and `adversary` do the same for one axis.
 
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
@@ -9,8 +9,8 @@ use crate::space::{F, Push, at, dot, length, newton, push_in_n};
 
 /// Control period, s.
 pub const TICK_S: f64 = 1e-3;
-/// Damping that the energy guard relies on, N/mm per control period: 80 % of the device's. The simulated device has no more damping
-/// than that.
+/// Damping that the energy guard relies on, in N for each mm per control period: 80 % of the configured damping. The simulated
+/// device has no more damping than that.
 pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
 /// One encoder count, mm.
 pub const COUNT_MM: f64 = 0.01;

@@ -15,7 +15,7 @@ pub const ROUNDING: f64 = 1e-6;
 /// The rule by which the surface point of a contact turns only within a cone, with the half angle of [`RATIO`].
 #[must_use]
 pub fn restricted() -> Rule<F> {
-    // As a position in centimetres, the number 1 is 10 mm.
+    // The ratio is given as a position in centimetres, so that 1 corresponds to 10 mm.
     Rule::Restricted(Turn::of_ratio(mm(10.0 * RATIO).0))
 }
 

@@ -202,7 +202,8 @@ fn a_step_of_current_comes_as_the_guard_counts_on() {
     let read = f64::from(change.read_at) + 0.25;
     let whole_s = mean(0.25, 20.25) * 20.0 * PERIOD_S;
     let told_s: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
-    // How the guard counts a displacement that is all before the reading, and one that is all after it.
+    // Fraction of a displacement that the guard counts under the old force: for one entirely before the reading, and for one
+    // entirely after it.
     let unit = Position::<Fixed32>::from_si(Si::ONE).unwrap();
     let lag = change.lag_s.to_num::<f64>();
     let own = lag / (1e-3 - change.delay_s.to_num::<f64>());
@@ -266,10 +267,30 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
     );
 }
 
+/// With both currents far from their commands, the voltage vector is as long as the bridge can make it, and no longer.
+#[test]
+fn both_voltages_together_stay_in_the_circle() {
+    let mut longest: f64 = 0.0;
+    for (d, q) in [(0.9, 0.9), (-0.9, 0.5), (0.2, -0.9), (0.5, 0.0)] {
+        let mut setup = Setup::new(&BLOCKED, 5.0);
+        setup.hold(d, q);
+        setup.tick();
+        for period in 0..200 {
+            setup.period();
+            let voltage = setup.current.report().voltage;
+            let length = voltage.d.to_num::<f64>().hypot(voltage.q.to_num());
+            // The inner circle of the bridge's hexagon.
+            assert!(length < 5.0 / 3_f64.sqrt() + 0.01, "{period}: {voltage:?}");
+            longest = longest.max(length);
+        }
+    }
+    assert!(longest > 2.5, "{longest}");
+}
+
 #[test]
 fn the_torque_stands_while_the_motor_turns() {
-    // Damped so that 0.25 N·m turn it at 40 rad/s, which is 280 rad/s electrically. That needs 6.7 V of back-EMF and 6 V of
-    // resistance. 28 V leave 14.4 V beside the time for sampling.
+    // With this damping, 0.25 N·m turn the shaft at 40 rad/s, which is 280 rad/s electrically. This needs 6.7 V against the
+    // back-EMF and 6 V for the resistance. Of 28 V, 14.4 V are available, because a part of each period is reserved for sampling.
     let mut setup = Setup::new(
         &Device {
             inertia: 1e-4,

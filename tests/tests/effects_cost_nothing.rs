@@ -108,8 +108,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     let bare = cost["bare"];
     for (planned, by_hand) in [("bare", "bare-by-hand"), ("held", "held-by-hand")] {
         assert_eq!(end(&example, planned), end(&example, by_hand), "{planned}");
-        // The same work in two functions may differ by an instruction, as registers are allotted differently. The cheapest effect
-        // costs more than that (see below). The hand-written loop may be up to five instructions slower.
+        // The same work in two functions may differ by an instruction, because the compiler allots registers differently. The
+        // cheapest effect costs more than that (see below). The hand-written loop may be up to five instructions slower.
         let more = cost[planned] - cost[by_hand];
         assert!(
             (-5.0..=1.1).contains(&more),
@@ -195,8 +195,8 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
 fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
     let free = thesis("free-release");
     assert!(!changes(&free, "device.friction.kinetic_n_m=0"));
-    // In a hand the plant finds the instant at which the velocity changes sign, and crosses such a tick in two parts. With a linear
-    // law in f64 nothing amplifies that rounding.
+    // With a hand, the plant finds the instant at which the velocity changes sign, and simulates such a tick in two parts. This
+    // rounds differently. A linear law in f64 does not amplify the difference.
     let held = thesis("press-hold")
         .with_overrides(&[
             "law.kind=spring",

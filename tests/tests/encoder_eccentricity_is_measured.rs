@@ -276,8 +276,8 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
         weight: true,
         ..Case::of([0.3, 0.0], [1.0, 0.0])
     };
-    // After a short coast, the torque of the calibration's field is trusted. The result is then wrong by the weight's torque over
-    // the field's stiffness, seven times 0.25 N·m/A times 1 A.
+    // If the coast is short, the measurement with the calibration's field decides. Its result is wrong by the weight's torque
+    // divided by the field's stiffness: 7 pole pairs times 0.25 N·m/A times 1 A.
     let (found, truth) = measured(&heavy, 40);
     assert_eq!(found.apart_rad, None);
     let [[once, _], [twice, _]] = off(&found, &truth);
@@ -293,7 +293,7 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
     let (found, _) = measured(&smooth, 41);
     assert_eq!(found.witness, [Witness::Coast, Witness::Field]);
     all_found(&[smooth]);
-    // Without a weight the torque of the field stays trusted.
+    // Without a weight, the measurement with the field decides also after a long coast.
     let light = Case {
         weight: false,
         ..smooth

@@ -63,7 +63,8 @@ fn a_mirrored_environment_answers_a_mirrored_motion_with_mirrored_forces() {
             ..detent
         };
         for (seed, mut settings) in (1..).zip(laws()) {
-            // A guard that has to reduce forces, or one that has not: its rounding must be mirrored as well.
+            // For even seeds a guard that has to reduce forces, for odd seeds one that has not. The guard's rounding must be
+            // mirrored, too.
             settings.guard.capacity = si(if seed % 2 == 0 { "0.001" } else { "0.045" });
             // Also a guard with a delay, which rounds its part of a displacement.
             settings.guard.delay = si(if seed % 3 == 0 { "0.0004" } else { "0" });
@@ -163,7 +164,8 @@ fn detents_are_a_triangle_with_no_work_over_a_pitch() {
             4.0 * strength * share
         };
         let mut environment = built::<N>(&quiet, &[], Some(&detent));
-        // The pitch and its inverse are right to 2^-33: 20,000 turns away that is 5e-4 of a pitch.
+        // The pitch in rad and its inverse are right to 2^-33. After 20,000 turns (480,000 pitches) the detents are at most 5e-4
+        // of a pitch off.
         for turn in [0_i64, 1, -1, 50, -50, 20_000] {
             let from = turn * i64::from(COUNTS);
             let mut work = 0.0;
@@ -335,7 +337,7 @@ fn a_knob_is_the_same_ten_thousand_turns_on() {
 }
 
 /// Checks that walls and detents feel the same after the knob was turned ten thousand times in steps: the code keeps no memory of
-/// the way. A wall is off where the knob is deeper inside it than the format of positions reaches.
+/// the way. A wall is off while the knob is deeper inside it than the position format reaches (128 rad).
 #[test]
 fn a_knob_that_was_turned_there_is_the_same() {
     let settings = Settings::default();

@@ -67,7 +67,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
     let (mut changes, mut compared, mut at_limit) = (0, 0_u32, 0_u32);
     for mut settings in laws() {
-        // The guard's account would be that of another motion, and the guard could limit.
+        // Without a guard: the accounts of the two compared environments would differ, and a guard could reduce one of the
+        // forces.
         settings.guard.on = false;
         // At the force limit the added force could not be seen.
         settings.force_limit = si("20");
@@ -85,7 +86,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
                 let mut new = *after;
                 new.begin(None);
                 new.take_over(&running, per_tick());
-                // The environment's own force. The rendered force is reported to it, as that force moves the device.
+                // `own` calculates the force of the new environment alone. It gets the rendered force reported, because that
+                // force moves the device.
                 let mut own = new;
                 own.take_over(&running, Force(fixed::types::I8F24::MAX));
                 let mut left = f64::INFINITY;
@@ -228,10 +230,10 @@ fn many_changes_have_one_account() {
                 new.take_over(&running, fast);
                 running = new;
             }
-            // The hand yields where it is pushed, which gives it the most energy.
+            // The hand yields in the direction of the force, which gives it the most energy.
             let push = newton_metres(force);
             count -= (push * 60.0) as i64;
-            // It comes back where nothing pushes.
+            // The hand comes back while nothing pushes it.
             if push.abs() < 0.01 {
                 count += (400 - count).clamp(-3, 3);
             }

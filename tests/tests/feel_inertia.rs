@@ -50,7 +50,7 @@ fn an_inertia_is_felt_in_the_acceleration_alone() {
         for hz in [1.0, 2.0, 3.0] {
             let (inertia, damping) = swung(&feel, amplitude, hz);
             assert!((inertia / 2e-5 - 1.0).abs() < 0.1, "{hz} Hz: {inertia}");
-            // The damper of a mass behind a bandwidth `p` takes the share w²/(p² + w²) of its own damping.
+            // A mass `J` with the bandwidth `p` (rad/s) also damps: at the angular frequency `w` by `J p w²/(p² + w²)`.
             let omega = std::f64::consts::TAU * hz;
             let pole = std::f64::consts::TAU * 12.0;
             let share = omega * omega / (pole * pole + omega * omega);

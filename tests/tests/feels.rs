@@ -84,7 +84,7 @@ fn detents_have_their_torque_and_hold() {
         for grip in GRIPS {
             let scene = feel(name, &[&format!("grip={grip}")]);
             let around = scene.environment.clone().unwrap();
-            // Where a profile is felt as well, the torque is not the detents' alone.
+            // If the scene also has a torque profile, the torque is not the detents' alone.
             let Some(ring) = around.detents.filter(|_| around.profile.is_none()) else {
                 continue;
             };

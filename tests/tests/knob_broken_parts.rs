@@ -195,7 +195,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
         let (mut work, mut most) = (0.0, 0.0_f64);
         let mut last = knob.rig.now().angle_rad;
         for tick in 0..30_000 {
-            // A hand that presses more and less. A value that stands still because nothing moves is not yet a fault.
+            // The hand's press varies, because a constant sensor value at a constant current is not a fault.
             let firm = f64::from(tick).min(3_000.0) * 0.001;
             knob.rest_rad = firm * (1.0 + 0.3 * (f64::from(tick) * 2.0e-3).sin());
             while !knob.period() {
@@ -215,7 +215,8 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
     }
     for (sensor, most, fault) in found {
         let code = fault.map(|fault| fault.code);
-        // A voltage that no motion explains while the knob stands: the encoder may be the cause as well.
+        // While the knob stands still, a stuck encoder would also explain a motor voltage without measured motion. So
+        // `EncoderStuck` is accepted.
         assert!(
             matches!(
                 code,
@@ -274,7 +275,7 @@ fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
     ] {
         assert_eq!(calibrated(percent), State::Ready);
     }
-    // Currents of U and V exchanged: no current reaches its command.
+    // Currents of the phases A and B exchanged: no current reaches its command.
     refused(
         calibrated(|s| core::mem::swap(&mut s.phase_a, &mut s.phase_b)),
         &[Reason::NoCurrent],

@@ -137,7 +137,8 @@ impl Tamper for Open {
         sample.phase_b = 2_100;
     }
     fn bus_v(&mut self, _tick: u32) -> f64 {
-        // A voltage so low that nothing breaks while the loop measures no current and gives its largest voltage.
+        // The supply is so low that the true current stays harmless while the loop measures no current and applies its largest
+        // voltage.
         18.5
     }
 }

@@ -135,7 +135,8 @@ fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
 
 #[test]
 fn power() {
-    // Above the upper limit, and below the lower one; half a volt is allowed for the conversion.
+    // Above the upper limit of 30 V, and below the lower one of 18 V. The fault's value is in mV; 100 mV are allowed for the
+    // conversion.
     assert!((31_400..31_600).contains(&within(1, FaultCode::OverVoltage, What::Bus(31.5))));
     assert!((14_900..15_100).contains(&within(1, FaultCode::UnderVoltage, What::Bus(15.0))));
     assert_eq!(

@@ -1,5 +1,6 @@
 //! Tests that a calibration with measurement finds the properties of motor and knob, whatever the settings were before. Resistance,
-//! inductance, flux and inertia are found to within 5 %, damping and friction to within 20 %.
+//! inductance, flux and inertia are found to within 5 %, damping and friction to within 20 % (the default motor's friction to
+//! within 5 %).
 
 use nalgebra::Complex;
 use touchstone_drive::measurement::FAST_FIELD;

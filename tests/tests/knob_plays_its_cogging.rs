@@ -180,7 +180,7 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
             1e3 * error,
             100.0 * found.unrepeated,
         );
-        // A fifth of the cogging's 1.53 mN·m; one code of this shield's sensors is 1.9 mN·m.
+        // A fifth of the cogging's 1.54 mN·m rms; one code of this shield's sensors is 1.9 mN·m.
         assert!(error < 0.31e-3, "{error}");
         assert!(right < 0.5 && wrong > 1.5, "{right} {wrong}");
         // Friction and damping: 1e-3 N·m, and 4e-4 N·m·s/rad at a quarter of a turn per second.
@@ -233,8 +233,8 @@ fn felt(
 fn a_hand_that_turns_it_feels_less() {
     let settings = settings();
     let map = known_and_found(&settings, false).3.map;
-    // With dead time, a current of one code (as this cogging needs on this shield) lags behind. Without it only the map's error
-    // remains.
+    // With dead time, a current as small as one code of the sensors (which this cogging needs on this shield) lags behind.
+    // Without dead time only the map's error remains.
     for (dead_share, most) in [(0.01, [0.25, 0.35, 0.55, 0.7]), (0.0, [0.2; 4])] {
         for (speed, most) in [1.0, 2.0, 5.0, 10.0].into_iter().zip(most) {
             let before = felt(&settings, None, speed, dead_share);
@@ -343,7 +343,7 @@ fn a_map_waits_for_the_settings_that_it_was_made_ready_with() {
         .into_iter()
         .collect(),
     };
-    // Without a cogging map no current is commanded, as the wall is far away.
+    // Without a cogging map no current is commanded, because the wall is far away.
     let current = |knob: &mut Knob<Honest, BareCoulomb>| {
         (0..400)
             .map(|_| knob.tick().current_command.to_num::<f64>().abs())

@@ -11,7 +11,7 @@ use touchstone_tests::knob::{Honest, Knob, honest};
 fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     if rate_hz > 1_000 {
-        // With so short a tick the current loop does not complete a change within it.
+        // In so short a tick the current loop does not complete a change of force.
         settings.law.guard.change = ChangeOfForce::Estimated;
     }
     settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
@@ -131,7 +131,7 @@ fn the_motor_gives_the_force_of_the_law() {
     let mut worst: f64 = 0.0;
     for pair in records.windows(2) {
         let [before, now] = pair else { unreachable!() };
-        // Where the force is constant, the current of the next tick is its torque over the torque constant.
+        // While the force is constant, the current of the next tick is its torque over the torque constant.
         if before.limits.has(Limit::FadeIn)
             || before.force != now.force && (before.force - now.force).modulus().0 > 0.002
         {

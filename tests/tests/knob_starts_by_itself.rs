@@ -1,7 +1,7 @@
 //! Tests the automatic start of a board: it gives itself the start commands once if everything is in order, and no command
 //! otherwise.
 
-use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
+use touchstone_drive::autostart::{Autostart, AutostartInput, STEP_MS};
 use touchstone_drive::{DeviceSettings, ResetReason, Si};
 use touchstone_protocol::{Command, Context, FaultCode, SelfStart, State};
 use touchstone_tests::knob::{Honest, Knob};
@@ -10,7 +10,7 @@ use touchstone_world::motor::GIMBAL;
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
 /// Inputs of the automatic start with which everything is in order.
-const GOOD: Glance = Glance {
+const GOOD: AutostartInput = AutostartInput {
     state: State::Boot,
     is_supplied: true,
     count: 77,
@@ -35,7 +35,7 @@ fn asked() -> Autostart {
 fn until(
     autostart: &mut Autostart,
     seconds: u32,
-    now: impl Fn(u32) -> Glance,
+    now: impl Fn(u32) -> AutostartInput,
 ) -> Option<(Command, u32)> {
     (0..seconds * STEPS_A_SECOND).find_map(|step| Some((autostart.step(&now(step))?, step)))
 }
@@ -50,7 +50,7 @@ fn it_calibrates_and_arms_and_asks_for_nothing_more() {
     assert!((50..=51).contains(&step), "{step}");
     assert_eq!(autostart.told(), SelfStart::Checking);
     assert!(autostart.stands_in(false) && !autostart.stands_in(true));
-    let in_state = |state| move |_| Glance { state, ..GOOD };
+    let in_state = |state| move |_| AutostartInput { state, ..GOOD };
     assert_eq!(
         until(&mut autostart, 30, in_state(State::Calibrating)),
         None
@@ -94,11 +94,16 @@ fn it_begins_only_when_power_comes_on_with_an_alignment_to_check() {
 
 #[test]
 fn each_condition_keeps_it_from_starting_and_says_so() {
-    type Case = (&'static str, fn(u32) -> Glance, Option<Command>, SelfStart);
+    type Case = (
+        &'static str,
+        fn(u32) -> AutostartInput,
+        Option<Command>,
+        SelfStart,
+    );
     let cases: [Case; 6] = [
         (
             "no supply",
-            |_| Glance {
+            |_| AutostartInput {
                 is_supplied: false,
                 ..GOOD
             },
@@ -107,7 +112,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         ),
         (
             "supply that comes and goes",
-            |step| Glance {
+            |step| AutostartInput {
                 is_supplied: step % 40 != 0,
                 ..GOOD
             },
@@ -116,7 +121,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         ),
         (
             "shaft that turns",
-            |step| Glance {
+            |step| AutostartInput {
                 count: i64::from(step),
                 ..GOOD
             },
@@ -125,7 +130,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         ),
         (
             "stop button",
-            |step| Glance {
+            |step| AutostartInput {
                 is_stop_pressed: step == 20,
                 ..GOOD
             },
@@ -134,7 +139,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         ),
         (
             "desktop",
-            |step| Glance {
+            |step| AutostartInput {
                 desktop_spoke: step == 20,
                 ..GOOD
             },
@@ -143,7 +148,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         ),
         (
             "fault",
-            |step| Glance {
+            |step| AutostartInput {
                 state: if step == 20 { fault() } else { State::Boot },
                 ..GOOD
             },
@@ -163,15 +168,20 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
 
 #[test]
 fn what_goes_wrong_between_check_and_arming_ends_it() {
-    type Case = (&'static str, fn(u32) -> Glance, Option<Command>, SelfStart);
-    const READY: Glance = Glance {
+    type Case = (
+        &'static str,
+        fn(u32) -> AutostartInput,
+        Option<Command>,
+        SelfStart,
+    );
+    const READY: AutostartInput = AutostartInput {
         state: State::Ready,
         ..GOOD
     };
     let cases: [Case; 6] = [
         (
             "the check fails",
-            |_| Glance {
+            |_| AutostartInput {
                 state: fault(),
                 ..GOOD
             },
@@ -180,7 +190,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
         ),
         (
             "stopped by somebody",
-            |_| Glance {
+            |_| AutostartInput {
                 state: State::Stopped,
                 ..GOOD
             },
@@ -189,7 +199,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
         ),
         (
             "desktop",
-            |step| Glance {
+            |step| AutostartInput {
                 desktop_spoke: step == 10,
                 ..READY
             },
@@ -198,7 +208,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
         ),
         (
             "shaft that turns",
-            |step| Glance {
+            |step| AutostartInput {
                 count: i64::from(step),
                 ..READY
             },
@@ -207,7 +217,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
         ),
         (
             "stop button",
-            |step| Glance {
+            |step| AutostartInput {
                 is_stop_pressed: step == 10,
                 ..READY
             },
@@ -216,7 +226,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
         ),
         (
             "no supply",
-            |_| Glance {
+            |_| AutostartInput {
                 is_supplied: false,
                 ..READY
             },
@@ -250,7 +260,7 @@ fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     let (mut armed, mut felt) = (0, 0);
     for tick in 0..6_000_u32 {
         if tick % STEP_MS == 0 {
-            let now = Glance {
+            let now = AutostartInput {
                 state: knob.device.state(),
                 is_supplied: knob.device.is_supplied(),
                 count: knob.device.record().count,

@@ -107,7 +107,8 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
         }
         assert_eq!(state.force, law.limit, "{kind:?}");
         assert_eq!(state.offset, after_ten_seconds, "{kind:?}");
-        // At the limit k_v (e + O) equals the limit, except for the last step.
+        // At the force limit, the soft spring's force `k_v (e + O)` at the penetration `e` and the offset `O` equals the limit,
+        // except for the offset's last step.
         assert!(
             state.offset.0 <= 0.3 / law.soft.0 - 0.1 + 1e-3,
             "{kind:?}: {:?}",

@@ -1,6 +1,6 @@
-//! Tests that boards without a broken part raise no fault in hard use. Hands are fast, motors and knobs are 30 % off their settings.
-//! Sensors are noisy, and one reading in a thousand is bad. The bridge has dead time, the motor cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40
-//! cases; 900,000 are ten hours a board.
+//! Tests that boards without a broken part raise no fault in hard use. Hands are fast, and the values of motors and knobs differ
+//! by up to 30 % from the settings. Sensors are noisy, and one reading in a thousand is bad. The bridge has dead time, the motor
+//! has cogging. `TOUCHSTONE_TICKS` sets the control ticks (ms) of each of a board's 40 cases; 900,000 are ten hours a board.
 
 use rayon::prelude::*;
 use std::f64::consts::TAU;

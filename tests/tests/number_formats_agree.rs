@@ -23,7 +23,7 @@ fn wall(law: LawKind) -> Settings {
         law,
         rate_hz: 1024,
         k_desired: si("4.703125"),
-        k_soft: Si::ONE,                       // and so is 1/k_v
+        k_soft: Si::ONE,                       // 1/k_v is 1, too
         device_damping: si("0.000732421875"),  // c_i/T = 0.75
         virtual_damping: si("0.000244140625"), // per tick: 0.25
         step_of_ideal: si("0.064"),            // per tick: 0.0625
@@ -196,7 +196,7 @@ fn fba<N: Grain>() {
         let energy = tick.energy[0].max(tick.energy[1]).max(0.0);
         by_energy = bound * (energy.sqrt() - (energy - apart).max(0.0).sqrt());
         by_rounding = g * energy.sqrt() + (bound + 1.0) * q;
-        // On the way out the bound grows, as it cannot know that the errors shrink.
+        // On the way out the bound grows, because it leaves out that the errors shrink.
         if tick.moved > 0.0 {
             inwards = inwards.max(by_energy + by_rounding);
         }
@@ -310,7 +310,8 @@ fn sfa_differs_by_its_hand_over_and_close_decisions() {
 #[test]
 fn the_enhanced_law_comes_to_rest_within_its_dead_band() {
     enhanced_at_rest::<Fixed16>(Fixed16::FORCE_N_M);
-    // The offset that shows k_de here is e (k_de/k_f + k_de/k_v - 1) = 0.14 rad (3.6), between 1/8 and 1/4.
+    // The offset that shows k_de here is e (k_de/k_f + k_de/k_v - 1) = 0.14 rad (equation 3.6 of the thesis), between 1/8 and
+    // 1/4.
     enhanced_at_rest::<f32>(f64::from(f32::EPSILON) / 16.0);
     enhanced_at_rest::<f64>(f64::EPSILON / 16.0);
 }

@@ -85,7 +85,7 @@ fn a_tap_is_shallow_and_bounces_less_than_from_an_ideal_wall() {
             };
             judged += 1;
             assert!(shipped.back <= ideal.back, "{grip} {speed}");
-            // A slow firm hand pushes the knob into the wall after it has stopped.
+            // A slow firm hand pushes the knob deeper into the wall after the knob has stopped.
             let most = if (grip, speed) == ("firm", 1) {
                 0.6
             } else {
@@ -97,8 +97,9 @@ fn a_tap_is_shallow_and_bounces_less_than_from_an_ideal_wall() {
     assert_eq!(judged, 8, "a light hand at 1 rad/s does not reach the wall");
 }
 
-/// Checks the pulse on devices with half and double the inertia for which it is set, where it is too strong and too weak. A tap
-/// goes at most 1.2 times as deep as without the pulse. With half the inertia the device bounces faster than off the ideal wall.
+/// Checks the pulse on devices with half and double the inertia for which the pulse is set: there the pulse is too strong and too
+/// weak. A tap goes at most 1.2 times as deep as without the pulse. With half the inertia the device bounces faster than off the
+/// ideal wall.
 #[test]
 fn an_unknown_inertia_costs_bounce_but_no_depth() {
     let mut bounce: f64 = 0.0;

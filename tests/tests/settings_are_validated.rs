@@ -248,7 +248,8 @@ fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
         assert_eq!(settings.validate(), Err(error));
         assert_one_line(&error.to_string());
     }
-    // The setting is not checked for a law that does not compensate, for a plain spring, or for another law.
+    // The coupling is not checked for a regulator that does not compensate, for a desired stiffness at which the law is a plain
+    // spring, or for another law.
     let others = [
         Settings {
             regulate: Regulate::Hip,
@@ -304,7 +305,7 @@ fn assert_fits_up_to<N: Number>(
 #[test]
 fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
     let below = |text| next(si(text), false);
-    // In 16 bits gains are below 2^15/2^6 = 512, signals and ratios below 2^15/2^14 = 2, energies below 2^31/2^28 = 8.
+    // In 16 bits stiffnesses are below 2^15/2^6 = 512, signals and ratios below 2^15/2^14 = 2, energies below 2^31/2^28 = 8.
     assert_fits_up_to::<Fixed16>(
         LawKind::Spring,
         Field::KDesired,
@@ -323,11 +324,11 @@ fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
         LawKind::EnhancedSfa,
         Field::EnergyCredit,
         |s, x| s.energy_credit = x,
-        // Half of the format, where the stored energy is limited; a larger credit would be cut off.
+        // The law limits its stored energy to half of the format's range, 4 J; a larger credit would be cut off.
         si("4"),
         si("4.1"),
     );
-    // c/T at 1 kHz: below 0.512 N·m·s/rad.
+    // Damping over control period, c/T, is below 512 N·m/rad: at 1 kHz `c` is below 0.512 N·m·s/rad.
     let damper = |s: &mut Settings, x| s.virtual_damping = x;
     assert_fits_up_to::<Fixed16>(
         LawKind::SpringDamper,
@@ -344,11 +345,11 @@ fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
         si("0.511"),
         si("0.513"),
     );
-    // 1/k_v: above 0.5 N·m/rad in 16 bits.
+    // In 16 bits 1/k_v is below 2 rad/(N·m), so `k_v` is above 0.5 N·m/rad.
     let soft = |s: &mut Settings, x| s.k_soft = x;
     assert_fits_up_to::<Fixed16>(LawKind::Sfa, Field::KSoft, soft, si("0.51"), si("0.5"));
     // The filter's coefficients are summed, and twice the sum must fit: m/T² + k_f + c_f/T + c_env/T is below 2^18 N·m/rad in 32
-    // bits. 0.0005 is subtracted for the setting's own quantum, times 1 kHz twice.
+    // bits. One step of the setting `m` (2^-32) changes m/T² by 0.00023 N·m/rad; the margin of 0.0005 is two steps.
     let mass = |s: &mut Settings, x: Si| s.filter.mass = x;
     let others = si("11"); // k_f = 1, c_env/T = 10
     let last = si("262144") - others;

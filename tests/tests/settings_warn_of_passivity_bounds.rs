@@ -66,7 +66,7 @@ fn a_soft_spring_above_the_critical_stiffness_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::KSoft);
-    // Laws without the virtual spring, and stiffnesses that need none.
+    // No warning for laws without the soft spring, or for a desired stiffness that does not exceed the soft spring's.
     for law in [
         LawKind::Spring,
         LawKind::SpringDamper,
@@ -97,7 +97,8 @@ fn a_coupling_above_its_sampling_bound_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::FilterStiffness);
-    // From the other side: less damping remains, c_i as well as c_f.
+    // The bound `2 (c_i - c_f)/T` also falls below the coupling's stiffness if the filter's damping `c_f` rises or the device's
+    // damping `c_i` falls.
     settings = dyadic();
     settings.filter.damping = next(settings.filter.damping, true);
     assert!(warns(&settings, is));

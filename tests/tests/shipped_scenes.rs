@@ -8,8 +8,8 @@ use touchstone_sim::scene;
 use touchstone_tests::thesis;
 
 /// Allowed relative difference of the rate-hardness (slope of the force over the penetration just after contact). The slope is
-/// taken over a depth `w`, where the position is wrong by up to half a count `q/2`; so it is wrong by at most `3 (q/2)/w`. Counts
-/// are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches 7 mrad, and a tap goes deeper.
+/// taken over a depth `w`, where the position is wrong by up to half a count `q/2`; so it is wrong by at most `3 (q/2)/w`. A
+/// count is 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches 7 mrad, and a tap goes deeper.
 const HARDNESS: f64 = 3.0 * 0.0785 / 7.0;
 
 fn summary(name: &str) -> Summary {
@@ -54,8 +54,8 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
         "identify",
     ] {
         let run = summary(name);
-        // At rest. The energy given beyond that taken stays within the credit of 20 mJ per contact. The scenes have at most two
-        // contacts (a touch and a press, without leaving in between while the law holds).
+        // The knob comes to rest (the verdict is below `LimitCycle`). The energy given beyond that taken stays within the credit
+        // of one contact, 20 mJ: if a scene has a touch and a press, the hand does not leave the wall in between.
         assert_eq!(run.verdict, Verdict::Active, "{name}");
         assert!(
             run.energy_user_min > -0.02,
@@ -107,7 +107,7 @@ fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
     assert_eq!(run.verdict, Verdict::Passive);
     assert_close(run.rate_hardness, 5.0, HARDNESS);
     assert!(run.contact_ticks > 5, "{}", run.contact_ticks);
-    // At the wall's own port the spring of the same stiffness leaks energy at every sample; the law does not.
+    // At the wall's own port a spring of the same stiffness gives some energy in every control period; the law does not.
     let scene = thesis("tap").with_overrides(&["law.kind=spring"]).unwrap();
     let spring = run::run(&scene, false).unwrap().summary;
     assert_eq!(run.energy_true_min, 0.0);
@@ -160,8 +160,9 @@ fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
     let share = run.summary.contact_ticks as f64 / run.summary.ticks as f64;
     // The hand's rest point is inside 45 % of the time; a wall of 5 N·m/rad keeps the knob out for most of it.
     assert!(share > 0.1 && share < 0.45, "{share}");
-    // The recording's own scale, with its mean on the surface. Smoothing is a Gaussian with a standard deviation of 6.6 ms. So the
-    // rest point stays within the recorded values of five samples (3.8 deviations), except for the weights beyond them.
+    // The simulation keeps the recording's scale, and its mean lies on the wall's surface. The recording is smoothed by a
+    // Gaussian with a standard deviation of 6.6 ms. So the rest point stays within the recorded values of five samples (25 ms,
+    // 3.8 deviations) to either side; 1e-4 rad are allowed for the samples beyond.
     let text = std::fs::read_to_string(&file).unwrap();
     let degrees: Vec<f64> = text
         .lines()

@@ -37,7 +37,7 @@ fn summary(scene: &Scene) -> Summary {
 
 #[test]
 fn the_shipped_law_is_the_defaults() {
-    // The scene's encoder count equals the default one except for the last digit, so it is not compared.
+    // The scene's length of an encoder count in rad equals the default one except for the last digit, so it is not compared.
     let rows = |scene: &Scene| Settings {
         position: Settings::default().position,
         ..scene.settings().unwrap()
@@ -80,8 +80,8 @@ fn a_press_is_met_at_once_by_every_grip_in_every_case() {
     }
 }
 
-/// Checks a press that begins with a light touch of 0.02 N·m within 50 ms. A knob's momentum drives it deeper than the press alone,
-/// but at most to 1.4 times the depth of the press in an ideal spring.
+/// Checks a press that begins with a light touch of 0.02 N·m within 50 ms. A knob's momentum drives the knob deeper than the
+/// press alone would, but at most to 1.4 times the depth of the press in an ideal spring.
 #[test]
 fn a_brisk_touch_goes_no_deeper_than_its_momentum() {
     let mut worst: f64 = 0.0;

@@ -41,8 +41,8 @@ fn wall(shape: Shape<F>, shell: Shell<F, AnyLaw<F>>) -> SpaceWall<F, Shape<F>, A
     wall
 }
 
-/// Position of the hand in mm, rounded to encoder counts of 10 µm: it presses into the floor and releases, and moves to and fro
-/// along it.
+/// Position of the hand in mm, rounded to encoder counts of 10 µm. The hand presses into the floor, releases, and moves to and
+/// fro along the floor.
 fn press(tick: u32) -> [f64; 3] {
     let t = f64::from(tick) / 1000.0;
     let count = |x: f64| (x * 100.0).round() / 100.0;
@@ -114,7 +114,7 @@ fn at_rest_the_place_is_the_measured_one() {
     let length = measured.iter().map(|x| x * x).sum::<f64>().sqrt();
     let expected = measured.map(|x| 5.0 * (30.0 - length) * x / length);
     for (is, should) in push_in_n(force).into_iter().zip(expected) {
-        // A quantum of a place is 6e-7 mm; three of them are allowed, at 5 N/mm.
+        // A step of the number format is 6e-7 mm; three of them are allowed, at 5 N/mm.
         assert!((is - should).abs() < 1e-5, "{is} for {should}");
     }
 }

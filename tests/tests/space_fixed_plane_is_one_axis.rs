@@ -11,7 +11,8 @@ use touchstone_tests::random::Random;
 use touchstone_tests::space::{F, Place, UNIT, at, direction, mm, omega};
 use touchstone_tests::variants;
 
-/// A path of the hand near a plane: presses of up to 2 mm with slides of up to 0.1 mm per control period, and releases in between.
+/// A path of the hand near a plane: presses about 2 mm deep with slides of about 0.1 mm per control period, and releases in
+/// between. In half of the time the positions are rounded to counts of 10 µm.
 fn path(ticks: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut random = Random::new(seed);
     let (mut depth, mut drift) = (0.0_f64, [0.0, 0.0]);
@@ -49,7 +50,7 @@ fn planes() -> [Plane<F>; 5] {
 /// The point at these coordinates along the plane, `depth` mm below it.
 fn below(plane: &Plane<F>, [a, b, depth]: [f64; 3]) -> Place {
     let n = plane.normal;
-    // Any two directions across the normal.
+    // Two directions perpendicular to the normal.
     let side = n.across(at(10.0, 3.0, -7.0));
     let (u, v) = (
         Direction::of(side).unwrap(),
@@ -98,7 +99,7 @@ fn every_law_gives_the_bits_of_one_axis() {
 }
 
 /// Checks one control law per axis on a plane at right angles to one axis. The law of this axis gives the bits of the one-axis law,
-/// and the other two laws see no penetration, under every rule for the end of a contact.
+/// and the other two laws get no penetration, under every rule for the end of a contact.
 #[test]
 fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     let plane = planes()[0];

@@ -1,5 +1,5 @@
-//! Tests the simulated friction along a surface: it does not creep, slides at its coefficient, and gives no energy beyond what the
-//! device's own damping dissipates.
+//! Tests the simulated friction along a surface: a stuck point does not creep, the sliding force is the kinetic coefficient times
+//! the normal force, and friction gives no energy beyond what the device's own damping dissipates.
 
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
@@ -20,7 +20,7 @@ const DAMPING: &str = "2.5";
 
 fn settings() -> FrictionSettings {
     FrictionSettings {
-        // The largest stiffness that the damping allows, 2 b/T.
+        // The largest stiffness that the device's damping `b` allows, 2 b/T at the control period `T`.
         stiffness: si("5000"),
         static_coefficient: si("0.6"),
         kinetic_coefficient: si("0.4"),
@@ -45,8 +45,8 @@ fn floor(normal: Direction<F>) -> Plane<F> {
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;
-    // Half of the stiffness that the damping allows, as without a hand. At 2 b/T itself the sampled spring rings without decay, and
-    // so does a tremor.
+    // Half of the stiffness that the damping allows, because no hand damps this mass. At 2 b/T itself the oscillation of mass and
+    // sampled spring would not decay.
     let law = FrictionSettings {
         stiffness: si("2500"),
         ..settings()
@@ -79,7 +79,7 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     }
     let (early, _) = early.expect("that tick was played");
     println!("held at {early:.5} mm after 10 s and {x:.5} mm after 1000 s");
-    // The stretch from the tremor, and a count.
+    // Allowed: the spring's change of length by the tremor, peak to peak, and an encoder count.
     assert!((x - early).abs() < 2.0 * 0.05 * push / 2.5 + 0.01);
     // The anchor has not moved: back at the first place the force is exactly 0.
     let back = law.tick(
@@ -168,7 +168,8 @@ fn it_slides_at_its_coefficient() {
                     assert!(ratio <= STATIC * 1.001, "{ratio}");
                 }
                 assert!(slid > ticks / 4, "{slid} of {ticks} ticks slide");
-                // At most one tick's stretch before the threshold.
+                // In a control period the force over the normal force grows by `step`. So its largest value before sliding is at
+                // most that far below the static coefficient.
                 let step = 5.0 * speed_mm_per_s * 1e-3 / pressed;
                 assert!(
                     peak > STATIC - step - 0.01,
@@ -204,7 +205,7 @@ fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
 }
 
 /// Moves a hand around a closed path on a surface. Returns energies in mJ: what friction takes, what the device's damping
-/// dissipates, and the rounding error of the sum.
+/// dissipates, and a bound of the sum's rounding error.
 fn around(
     law: &Friction<F>,
     surface: &impl Surface<F>,
@@ -227,7 +228,7 @@ fn around(
             let force: touchstone_tests::space::Push = force;
             taken = taken + (-force).work(moved);
             damped += DAMPING_N_PER_MM * moved.0.map(|x| in_mm(x).powi(2)).iter().sum::<f64>();
-            // Rounding: four quanta of displacement per tick, times the force.
+            // Bound of the rounding: four steps of the number format (2^-24 cm each) per tick, times the force.
             slack += 4.0 * length(push_in_n(force)) / 1_677_721.6;
         }
         let now = if even {
@@ -289,7 +290,7 @@ fn around_closed_loops_it_never_adds_energy() {
         "seed {SEED}, {LOOPS} closed loops: least taken {least:.4} mJ ({gave} loops give some back), least with the device's damping {least_damped:.2e} mJ; of the damping at most {:.1} % is needed",
         100.0 * needed
     );
-    // The bound is needed: with a stiffness beyond it, loops do add energy.
+    // The bound 2 b/T is needed: with four times this stiffness, loops do add energy.
     let stiff = Friction {
         stiffness: touchstone_control::Stiffness(law.stiffness.0 * 4),
         static_reach: touchstone_control::Compliance(law.static_reach.0 / 4),

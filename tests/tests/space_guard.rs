@@ -8,7 +8,7 @@ use touchstone_tests::si::si;
 use touchstone_tests::space_port::{CAPACITY_MJ, COUNT_MM, Law, Port, Way, ball, whirl};
 
 /// Energy of half an encoder count in each of three coordinates at each end of a time window, in mJ. The force is the largest that
-/// the account allows: 20 mJ over 1 mm, which is 20 N.
+/// the account allows: 20 mJ over the largest displacement of a control period, 1 mm, which is 20 N.
 const ENCODER_MJ: f64 = 1.7320509 * COUNT_MM * 20.0;
 
 fn port(law: Law, delay: f64, guard: Option<f64>) -> Port {
@@ -48,7 +48,7 @@ fn no_hand_in_space_gets_out_more_than_promised() {
     );
     // The search does find energy to get out.
     assert!(worst > 0.9 * CAPACITY_MJ, "{worst}");
-    // Two quanta of a component, at a force of a hundredth of a newton.
+    // Three steps of the number format (6e-8 N), at a force of a hundredth of a newton.
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
@@ -115,7 +115,8 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     };
     let force = Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits")));
     let (still, none) = (Vector::default(), Vector::default());
-    // 0.1 cm is the largest displacement of a tick: the edge is two of them before 128 cm.
+    // Positions end at 128 cm. The guard allows no force within two of the largest displacements of a tick, 0.1 cm each, from
+    // there.
     for (before, moved) in [
         (["127.79", "0", "5"], ["0.02", "0", "0"]),
         (["-3", "-127.79", "0"], ["0", "-0.02", "0"]),
@@ -164,8 +165,8 @@ fn what_is_commanded_smaller_is_booked_smaller() {
         .tick(&mut other, along, Vector::default())
         .expect("slow");
     assert!(other.account > one.account);
-    // 3 N over 0.3 mm are 0.9 mJ, less 0.16 mJ of trusted damping: 2 N/mm over 0.28 mm. The tolerance covers the charge of half a
-    // count for the change of force.
+    // 3 N over 0.3 mm are 0.9 mJ, less 0.16 mJ of trusted damping: 2 N/mm times the square of 0.28 mm, which is the motion less
+    // an encoder count in each coordinate. The tolerance covers the charge of half a count for the change of force.
     let spent = (guard.of_length.capacity - one.account)
         .to_si()
         .to_num::<f64>()

@@ -124,7 +124,7 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
             left = true;
             println!("left at {distance:.3} mm, O' {reach:.3} mm");
             assert_eq!(push_in_n(hand.force), [0.0; 3]);
-            // The laws may end the contact earlier, but it must not last beyond the offset.
+            // The laws may end the contact earlier, but the contact must not last beyond the offset.
             assert!(distance < reach + 0.1, "not later than the offset ends");
             break;
         }
@@ -141,7 +141,7 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
 #[test]
 fn equation_4_8_as_printed_never_ends_a_contact() {
     for out in [0.1, 1.0, 10.0, 1000.0] {
-        // Outside: e and O have opposite signs.
+        // Outside, the penetration `e` and the offset `O` have opposite signs.
         let (e, o) = ([0.0, 0.0, out], [0.0, 0.0, -1.5]);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         // O' = s e, so e = α O' has α = 1/s.

@@ -147,7 +147,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
         let deep = -place_in_mm(switched.expect("it turns").at)[2];
         assert!((deep - 0.3 / ratio.atan().sin()).abs() < 0.02, "{deep}");
     }
-    // The closest point turns the force at once.
+    // With the rule `Closest` the force turns at once.
     assert!(largest_turn(&along(Rule::Closest, &edge, &path, 470)) > 1.5);
 }
 
@@ -196,7 +196,8 @@ fn proxy_case_6_vertices_of_three_to_twelve_faces() {
                     place_in_mm(pair[1].at)[i] - place_in_mm(pair[0].at)[i]
                 }));
                 let change = (in_mm(pair[1].depth) - in_mm(pair[0].depth)).abs();
-                // The way out is longer by the factor of the cone.
+                // In the restricted direction the way out is longer than to the closest point, and the direction turns as well.
+                // Three times the step and two turns are allowed.
                 let most = if rule == Rule::Closest {
                     step
                 } else {

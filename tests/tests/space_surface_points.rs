@@ -121,7 +121,7 @@ fn shapes() -> Vec<(&'static str, Shape<F>)> {
     ]
 }
 
-/// A random motion of the hand in space, in calm and wild sections, with steps of up to 3 mm.
+/// A random motion of the hand in space, in sections with small steps and sections with steps of a few mm.
 fn wander(seed: u64, ticks: usize) -> Vec<Place> {
     let mut random = Random::new(seed);
     let (mut here, mut speed) = ([0.0; 3], [0.0; 3]);
@@ -170,7 +170,8 @@ fn depths_are_those_of_the_signed_distance() {
         for here in wander(11, 20_000) {
             let nearest = shape.nearest(here, &Direction::along(2, false));
             let depth = in_mm(nearest.depth);
-            // Over its area a plate has the side that the given normal names; beside its rim it is a box, and is not compared.
+            // Above and below its area, a plate's surface point is on the side that the given normal names. Beside its rim the
+            // plate acts as a box, and is not compared.
             if name == "plate" && nearest.normal != Direction::along(2, false) {
                 continue;
             }

@@ -13,7 +13,8 @@ fn position(bits: Words) -> Vector<Position<F>> {
     Vector(bits.map(|b| Position(fixed::types::I8F24::from_bits(b))))
 }
 
-/// Test vectors: components at every power of two and its neighbours, and random vectors of all lengths.
+/// Test vectors: components at ten powers of two and their neighbours, at zero and at the ends of the range, and random vectors
+/// of all lengths.
 fn vectors() -> Vec<Words> {
     let mut parts = vec![0, i32::MAX, i32::MIN, i32::MIN + 1];
     for bit in [0, 1, 5, 11, 15, 16, 23, 24, 29, 30] {
@@ -74,7 +75,7 @@ fn directions_are_never_longer_than_one_and_right_to_a_quantum_however_short_the
             let exact = f64::from(part) / size * 16_777_216.0;
             let off = exact.abs() - f64::from(bits.unsigned_abs());
             assert!(bits == 0 || (bits < 0) == (part < 0), "{v:?}");
-            // A millionth is allowed for this test's own arithmetic.
+            // Allowed are one quantum and a 64th of it, and a millionth for this test's own arithmetic.
             assert!(off > -1e-6 && off < 1.0 + 1.0 / 64.0, "{v:?}: {off} quanta");
             worst_part = worst_part.max(off);
         }
@@ -97,7 +98,7 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
                 assert_eq!(bits, v);
                 continue;
             }
-            // Saturated lengths are the format's end; no force of a device is that large.
+            // A length beyond the format's end saturates, and is not checked; no force of a device is that large.
             if squares(v) > u128::from(i32::MAX.unsigned_abs()).pow(2) {
                 continue;
             }

@@ -107,7 +107,7 @@ fn number_in(flash: &mut Flash) -> u16 {
 fn a_cut_at_any_operation_loses_nothing_but_its_write() {
     let mut flash = Flash::erased(PAGES);
     let (mut cuts, mut kept, mut random) = (0, 0, Random::new(11));
-    // Numbers from 10 on, as 5 is in the defaults.
+    // Numbers from 10 on, because 5 is the default stiffness, and settings with number 5 would equal the defaults.
     for number in 10..10 + SAVES {
         let before = if number == 10 { 0 } else { number - 1 };
         assert_eq!(number_in(&mut flash), before);
@@ -306,7 +306,7 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
         other => panic!("{other:?}"),
     }
 
-    // A map written by firmware with another layout: its image stays, and this firmware starts with the defaults without a report.
+    // Without a stored image the device starts with the defaults and reports no refusal.
     let start = stored::start(None, settings(0), &check);
     assert_eq!((start.settings, start.refused), (settings(0), None));
 }

@@ -77,7 +77,7 @@ fn spring_tdpa_and_original_sfa_do_not_come_to_rest_at_high_stiffness() {
         for k_desired in [2.5, 5.0] {
             for run in all(law, k_desired) {
                 assert!(run.verdict >= Verdict::LimitCycle, "{}", name(&run));
-                // The limit cycle is large: the knob moves by more than a hundred counts of the coarse encoder.
+                // The limit cycle is large: peak to peak more than a hundred counts of the coarse encoder.
                 assert!(
                     run.limit_cycle_peak_to_peak.unwrap()
                         > 100.0 * std::f64::consts::TAU / 16_384.0,
@@ -111,8 +111,8 @@ fn enhanced_sfa_shows_high_stiffness_at_rest_and_on_first_contact() {
         for run in all(LawKind::EnhancedSfa, k_desired) {
             assert_shows(&run, k_desired, 0.05);
             let hardness = run.rate_hardness.unwrap();
-            // The slope over a depth `w` of a force that is wrong by up to half a count `q/2` is wrong by at most `3 (q/2)/w`.
-            // Before it reverses, a press at 1.6 rad/s reaches 7 mrad at 5 N·m/rad.
+            // If positions are wrong by up to half a count `q/2`, the force's slope over a depth `w` is wrong by at most the
+            // fraction `3 (q/2)/w`. A press at 1.6 rad/s into 5 N·m/rad reaches 7 mrad before the knob turns back.
             let count = std::f64::consts::TAU / run.encoder_counts_per_rev.unwrap();
             let share = 1.5 * count / 0.007;
             assert!(
@@ -128,7 +128,8 @@ fn enhanced_sfa_shows_high_stiffness_at_rest_and_on_first_contact() {
 fn at_low_stiffness_all_but_original_sfa_show_what_is_desired() {
     for law in [
         LawKind::Spring,
-        // In the thesis TDPA jumps here (Fig. 5.2); with the thesis' observer it does not (see the claims in the report).
+        // In the thesis TDPA jumps here (Fig. 5.2); the simulated TDPA with the thesis' observer does not (see the claims in the
+        // report).
         LawKind::Tdpa,
         LawKind::Fba,
         LawKind::EnhancedSfa,

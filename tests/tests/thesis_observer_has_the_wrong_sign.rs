@@ -62,7 +62,7 @@ fn press<N: Reported>() -> Press {
             exact_inside_j = exact.energy.to_f64();
         }
         if tick < TICKS as usize {
-            // The wall absorbs where its force works against the motion inwards.
+            // The wall absorbs energy while the hand moves inwards against its force.
             true_j += held_force_energy_j(f.to_f64(), tick);
         }
     }
@@ -104,7 +104,8 @@ fn in_fixed_point() {
 
 #[test]
 fn the_leak_is_the_closed_form() {
-    // A spring under a zero-order hold leaks k/2 Σ Δe² per closed cycle; for a half sine that is k A² π² T/(4 τ) (1 + O(T²)).
+    // A spring whose force is held for a control period `T` gives k/2 Σ Δe² per closed cycle. For a half sine of depth `A` and
+    // duration `τ` that is k A² π² T/(4 τ) (1 + O(T²)).
     let closed_form_j =
         STIFFNESS_N_M_PER_RAD * DEPTH_RAD.powi(2) * std::f64::consts::PI.powi(2) * TICK_S
             / (4.0 * PRESS_S);

@@ -14,7 +14,8 @@ use touchstone_world::plant::{BareLinear, Device};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The motor that is sold with the shield X-NUCLEO-IHM16M1. Its resistance includes driver and shunt.
+/// The motor that is sold with the shield X-NUCLEO-IHM16M1. Its resistance includes half of the driver's 1 Ω and half of the
+/// shunt's 0.33 Ω.
 const KIT: MotorParameters = MotorParameters {
     resistance_ohm: 5.955,
     inductance_h: 1.05e-3,

@@ -36,14 +36,14 @@ fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
 
 #[test]
 fn every_force_is_the_models_to_the_bit() {
-    // With the small account the guard limits the force, so that the energy cost of the end of the first arming shows in the
-    // second.
+    // With the small account (2 mJ) the guard limits the force. Then the energy that the guard charges when the first arming ends
+    // also limits the forces of the second arming.
     for (guard, capacity) in [(false, "0.045"), (true, "0.045"), (true, "0.002")] {
         let mut settings = shipped(guard);
         settings.law.guard.capacity_j = Si::lit(capacity);
         let mut twin = Twin::new(&settings, Board::NucleoG474re).unwrap();
         let mut all = records(&settings);
-        // The page is open before the device is armed.
+        // The copy gets telemetry before the device is armed, as if a web page had been opened earlier.
         let ready = Telemetry {
             tick: all[0].tick - 1,
             phase: Phase::Ready,
@@ -90,13 +90,15 @@ fn what_is_missing_is_not_guessed_and_found_in_again() {
             _ => {}
         }
     }
-    // Missing: the rest of the press in which telemetry was lost, and the ticks outside until the copy has synchronised.
+    // No force is given for the rest of the press in which telemetry was lost, and outside the wall until the copy has
+    // synchronised.
     assert!(
         (500..2_300).contains(&silent),
         "{silent} ticks without a model"
     );
     assert!(judged > 1_000, "{judged}");
-    // After the second arming the copy knows everything again. In between, its estimator has forgotten the ticks that it missed.
+    // From the second arming on, the copy is exact again. Before, its force differs a little, because the effect of the missed
+    // ticks on the estimated states decays but does not vanish.
     assert!(worst < 1e-5, "{worst} N·m");
 }
 

@@ -105,8 +105,8 @@ fn a_ramp_is_followed_at_its_own_speed() {
             }
         }
     }
-    // 400 ticks are 12 time constants of the slowest filter. The last bits depend on the format: its quantum, and for a window the
-    // rounding of 1/15 times the displacement.
+    // 400 ticks are 12 periods of the filters' bandwidth of 30 Hz. The last bits depend on the format: its quantum, and for a
+    // window the rounding of 1/15 times the displacement.
     body::<f64>(1e-9);
     body::<Fixed32>(2.0 * 2f64.powi(-24));
     body::<Fixed16>(2.0 * 2f64.powi(-14));
@@ -166,7 +166,8 @@ fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
 #[test]
 fn the_adaptive_window_is_the_published_one() {
     let (unit, d) = (2f64.powi(-12), 3);
-    // The filter's margin is larger by three quanta of the format. That changes nothing for positions in whole units.
+    // The filter adds three quanta of the format to its margin, of which 2.5 are subtracted here. The remaining half changes
+    // nothing for positions in whole units.
     let margin = d as f64 * unit - 2.5 * 2f64.powi(-24);
     let filter = velocity::<Fixed32>(VelocityKind::Foaw, margin);
     let mut state = VelocityState::default();
@@ -269,7 +270,8 @@ fn fixed_point_says_what_f64_says() {
             let off = exact.iter().zip(other).map(|(a, b)| (a - b).abs());
             off.fold(0.0, f64::max)
         };
-        // An innovation is at most what path and speed change by: noise of 2e-3 twice, and twice again for the overshoot.
+        // An innovation (measured minus predicted position) is at most the change of position and speed: the noise of 2e-3 twice,
+        // and this doubled for the overshoot.
         let carried = rounding(from, 8e-3);
         let off = [
             (far(over::<Fixed32>(from, COUNT, path.iter().copied())), -25),

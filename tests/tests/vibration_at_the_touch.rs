@@ -1,4 +1,4 @@
-//! The decaying vibration at the touch (`law.impact.vibration_*`) against its formula, and its bounds.
+//! Compares the decaying vibration at the touch (`law.impact.vibration_*`) with its formula, and tests its bounds.
 
 use touchstone_control::law::{Impact, Sample};
 use touchstone_control::{Controller, Fixed32, Force, Position, Settings, SettingsError, Si};
@@ -52,8 +52,8 @@ fn error(rate_hz: u32, frequency_hz: f64, decay_s: f64) -> (f64, f64) {
         let ideal = (-t / decay_s).exp() * (omega * t).sin();
         worst = worst.max((force / amplitude - ideal).abs());
     }
-    // The recursion's error is of first order in the angle and the decay of a control period. A rounding by one digit (2^-24) at
-    // every period moves the middle of the swing by that over the square of the angle.
+    // The recursion's error is of first order in the angle and the decay of a control period. A rounding by one digit (2^-24) in
+    // every control period moves the middle of the swing by the digit over the square of the angle per period.
     let digit = 2.0_f64.powi(-24);
     let bound = 0.25 * (omega + 1.0 / decay_s) / rate + digit / amplitude * (rate / omega).powi(2);
     (worst, bound)

@@ -226,7 +226,8 @@ fn the_back_emf_damps_by_what_the_model_says() {
             "{factor}: {measured:.4e} {exact:.4e} ({:+.2} %)",
             100.0 * (measured / exact - 1.0)
         );
-        // The pole of the windings makes the slow motion a little faster, by 1 + b L/(R J), which is 0.25 %.
+        // The time constant `L/R` of the windings makes the slow decay a little faster, by the factor 1 + b L/(R J) (0.25 % more)
+        // with the damping `b` by the back-EMF and the inertia `J`.
         assert!((measured / exact - 1.0).abs() < 0.01, "{measured} {exact}");
         if factor == 1.0 {
             let in_model = model.back_emf_n_m_s_per_rad;
@@ -248,8 +249,8 @@ fn no_less_of_a_change_is_missing_than_the_guard_counts_on() {
     bare.periods = 0;
     let torques: Vec<f64> = (0..400).map(|_| bare.period(0.4)).collect();
     let missing = torques.iter().map(|torque| 1.0 - torque / torques[399]);
-    // In this test the loop takes a command in the period of its tick, on a board in the next one. The encoder is read a quarter of
-    // a period later.
+    // In this test the loop takes a command in the PWM period in which the command is given, on a board in the next one. The
+    // encoder is read a quarter of a period later.
     let there = missing.sum::<f64>() * PERIOD_S + 0.75 * PERIOD_S;
     let counted: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
     println!(
@@ -315,7 +316,8 @@ fn it_measures_no_motor() {
 
 #[test]
 fn a_computed_current_trips_and_a_real_one_does_not() {
-    // Turned from outside, with the back-EMF of 1.6 A: 235 rad/s.
+    // A shaft that is turned from outside. At 235 rad/s the back-EMF drives the trip current `limits.trip_current_a`, 1.6 A,
+    // through the windings.
     for (speed, trips) in [(230.0, false), (240.0, true)] {
         let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
         *bare.rig.state_mut() = Motion::from_array([0.0, speed]);
@@ -325,7 +327,7 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
         let trip = bare.current.report().trip.map(|trip| trip.code);
         assert_eq!(trip, trips.then_some(FaultCode::OverCurrent), "{speed}");
     }
-    // With a tenth of the winding's resistance eight times the limit flows, and only the driver would notice.
+    // With a tenth of the winding's resistance ten times the commanded 0.8 A flow, which only the driver would notice.
     let mut bare = Bare::new(of_resistance(0.1), &BLOCKED, 12.0);
     bare.held(0.8);
     let largest = bare
@@ -384,7 +386,7 @@ fn the_guard_bounds_the_force_that_was_asked_for() {
         motor / asked
     });
     // With less resistance than entered, the motor gives more torque than commanded, and nothing in the device notices. Otherwise
-    // the damping by back-EMF, which nothing counts, is on the safe side.
+    // the motor gives back less than was requested, because of the damping by back-EMF, which the guard does not count.
     assert!(
         found[0] > 1.15 && found[1] < 1.0 && found[2] < found[1],
         "{found:?}"

@@ -35,8 +35,8 @@ fn a_sampled_spring_lags_by_half_a_tick_and_its_delay_and_by_nothing_else() {
         let lag_deg = 360.0 * 4.0 * (0.5e-3 + delay_s);
         println!("delay {delay_s} s: {found:?}, expected lag {lag_deg}°");
         assert_eq!(found.frequency_hz, 4.0);
-        // The mean of two samples a tick apart is smaller than the sine by 1 - cos(0.0126) = 8e-5, and so is that of two torques in
-        // a tick. The remaining error comes from the press' own swing over a fraction of a period.
+        // The amplitude of the mean of two samples a tick apart is smaller by the fraction 1 - cos(0.0126) = 8e-5, and so is that
+        // of the mean of two torques in a tick. The remaining error comes from the press' own swing over a fraction of a period.
         assert!((found.modulus_n_m_per_rad / 0.5 - 1.0).abs() < 1e-3);
         assert!((found.phase_deg + lag_deg).abs() < 0.05);
         assert!((run.rate_hardness.unwrap() / 0.5 - 1.0).abs() < 1e-6 || delay_s > 0.0);
@@ -70,7 +70,8 @@ fn a_spring_has_settled_when_it_is_touched_and_a_soft_one_never() {
     let soft = run::run(&soft, false).unwrap().summary;
     assert!(soft.verdict < Verdict::LimitCycle, "{soft:?}");
     assert_eq!(soft.settle_time, None);
-    // At rest FBA shows 2 c_i/T = 1 N·m/rad. So the hand goes in five times as deep, less what its own spring relaxes.
+    // At rest FBA shows 2 c_i/T = 1 N·m/rad. So the hand goes in five times as deep, less the depth by which the spring of its
+    // own grip relaxes.
     let ratio = soft.peak_penetration_ratio.unwrap();
     assert!(ratio > 4.0, "{ratio} {soft:?}");
 }
@@ -80,8 +81,8 @@ fn a_spring_gives_its_hand_what_the_hand_has_stored_in_it() {
     let run = spring(0.0);
     let depth = run.peak_penetration_ratio.unwrap() * 0.13 / 0.5;
     let stored = 0.5 * 0.5 * depth * depth;
-    // At the wall's port a sampled spring gives back some percent more than it stored, as its force lags by k T v/2 at every
-    // moment.
+    // At the wall's port a sampled spring gives back some percent more than it stored, because its force is wrong by k T v/2 at
+    // every moment (half a control period `T` late at the speed `v`).
     let share = run.energy_out_wall_worst_window_j / stored;
     println!("stored {stored} J, given back {share} of it at the wall");
     assert!(share > 1.0 && share < 1.2, "{share}");

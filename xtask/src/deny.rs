@@ -13,6 +13,8 @@ const INSTALL: &str = "licences and advisories: cargo install --locked cargo-den
 /// Largest number of crates that may be in the dependency tree in more than one version. Some dependencies still need older
 /// versions.
 const MOST_TWICE: usize = 5;
+/// Largest number of crates, this project's own included, of which the program `touchstone` may consist on this machine's platform.
+const MOST_CRATES: usize = 160;
 /// Message of cargo-deny when it cannot fetch the list of vulnerabilities.
 const NO_LIST: &str = "failed to fetch advisory database";
 /// Manifests whose dependencies are checked: the workspace's, and those of the separate workspaces for emulator, firmware and
@@ -43,7 +45,25 @@ pub fn run(args: &[String]) -> Outcome {
             twice.len()
         ));
     }
-    let said = format!("{} crates stand twice", twice.len());
+    let mut program = shell::cargo_locked("tree");
+    program.args([
+        "--package",
+        "touchstone",
+        "--edges",
+        "normal,build",
+        "--prefix",
+        "none",
+    ]);
+    let Some(program) = shell::capture(&mut program) else {
+        return Outcome::Failed("`cargo tree` failed".into());
+    };
+    let crates = crates(&program);
+    if crates > MOST_CRATES {
+        return Outcome::Failed(format!(
+            "the program consists of {crates} crates, more than {MOST_CRATES}: cargo tree --package touchstone"
+        ));
+    }
+    let said = format!("{crates} crates in the program, {} twice", twice.len());
     if shell::capture(shell::cargo("deny").arg("--version")).is_none() {
         return Outcome::NotRun(format!("{said}; {INSTALL}"));
     }
@@ -81,6 +101,15 @@ fn checked(manifest: &str, what: &[&str]) -> Outcome {
     }
 }
 
+/// Number of crates that `cargo tree` lists.
+fn crates(tree: &str) -> usize {
+    let names = tree.lines().filter_map(|line| {
+        let mut words = line.split_whitespace();
+        Some((words.next()?, words.next()?))
+    });
+    names.collect::<BTreeSet<_>>().len()
+}
+
 /// The crates of which `cargo tree` lists several versions, with the versions. A line of the text `tree` is such as `syn v2.0.119
 /// (proc-macro)`.
 fn twice(tree: &str) -> Vec<(String, Vec<String>)> {
@@ -106,6 +135,7 @@ mod tests {
     #[test]
     fn two_versions_are_twice_and_one_that_is_named_twice_is_not() {
         let tree = "touchstone v0.1.0 (/here)\nsyn v2.0.1 (proc-macro)\nquote v1.0.0\n\nsyn v3.0.0\nquote v1.0.0 (*)\n";
+        assert_eq!(crates(tree), 4);
         let found = twice(tree);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, "syn");

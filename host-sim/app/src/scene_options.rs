@@ -77,15 +77,26 @@ impl SceneOptions {
 
     /// Name of the first of these options that the user gave; `None` if the user gave none, so that the scene is unchanged.
     pub fn first_given(&self) -> Option<&'static str> {
+        // Without `..`: a new option that is missing here does not compile.
+        let Self {
+            law,
+            k_desired,
+            integrator,
+            preset,
+            settings,
+            sets,
+            operator_motion,
+            strict_passive,
+        } = self;
         let given = [
-            ("--law", self.law.is_some()),
-            ("--k-desired", self.k_desired.is_some()),
-            ("--integrator", self.integrator.is_some()),
-            ("--preset", self.preset != Preset::default()),
-            ("--settings", self.settings.is_some()),
-            ("--set", !self.sets.is_empty()),
-            ("--operator-motion", self.operator_motion.is_some()),
-            ("--strict-passive", self.strict_passive),
+            ("--law", law.is_some()),
+            ("--k-desired", k_desired.is_some()),
+            ("--integrator", integrator.is_some()),
+            ("--preset", *preset != Preset::default()),
+            ("--settings", settings.is_some()),
+            ("--set", !sets.is_empty()),
+            ("--operator-motion", operator_motion.is_some()),
+            ("--strict-passive", *strict_passive),
         ];
         let first = given.into_iter().find(|(_, given)| *given);
         first.map(|(option, _)| option)

@@ -22,7 +22,7 @@ pub enum Moment {
     Ready,
     /// The hand goes in and out of the wall, twice a second.
     Touching,
-    /// The hand presses, more and less.
+    /// The hand presses; its rest point's depth varies by ±30 % at 1.5 Hz.
     Pressing,
 }
 
@@ -105,7 +105,8 @@ pub struct Bench {
 /// A board's settings, motor, shaft with knob, and supply voltage in V.
 fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
     let mut settings = DeviceSettings::defaults(board);
-    // The small gimbal motor's knob as in the scene `gimbal-knob`; resistances with half of the driver's and the shunt's.
+    // The small gimbal motor's knob as in the scene `gimbal-knob`. A phase's resistance includes half of the driver's and half of
+    // the shunt's resistance.
     let small = MotorParameters {
         inductance_h: 1.05e-3,
         flux_linkage_wb: 5.38e-3,
@@ -120,7 +121,7 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
         Board::NucleoG474re | Board::BG431bEsc1 => (settings, GIMBAL, KNOB, 24.0),
         Board::NucleoG474reIhm16m1 | Board::NucleoG431rbIhm16m1 => (settings, small, knob, 12.0),
         Board::NucleoG474reSimplefocMini => {
-            // As a user enters them (docs/voltage-mode.md).
+            // Values that a user enters by hand (docs/voltage-mode.md).
             settings.motor.resistance_ohm = Si::lit("5.53");
             settings.motor.inductance_h = Si::lit("0.00105");
             settings.motor.torque_constant_n_m_per_a = Si::lit("0.0565");
@@ -283,8 +284,8 @@ impl Bench {
         let surface = zero_rad + self.settings.wall.surface_rad.to_num::<f64>();
         let outside = surface - OUTSIDE_RAD;
         let limit: f64 = self.settings.law.force_limit_n_m.to_num();
-        // Mean depth of the hand's rest point: its spring then gives four tenths of the wall's largest force. It is at most 3 rad;
-        // the motion below is added.
+        // Mean depth of the hand's rest point, at most 3 rad: the hand's spring then gives four tenths of the force limit. The
+        // motion below is added to this depth.
         let deep = (0.4 * limit / self.hand.stiffness).min(3.0);
         let begins = match self.moment {
             Moment::Ready => ARMS_AFTER_S + 0.05,

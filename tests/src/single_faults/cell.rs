@@ -102,7 +102,7 @@ pub(super) fn play(bench: &Bench, breaks: Breaks, stays_s: f64) -> Cell {
     if let Breaks::Memory(memory) = breaks {
         memory.restart(bench, &mut knob);
         course = Course::new(bench, &knob);
-        // What a calibration does is not bounded by the guard.
+        // The energy that a calibration gives is left out, because the guard does not bound it.
         course.least_j = knob.rig.given_j;
         course.zero_rad = knob.rig.now().angle_rad;
         if bench.moment != Moment::Ready {
@@ -155,7 +155,7 @@ impl Course {
         }
     }
 
-    /// Runs the PWM periods of one control tick. A tick that is left out counts as one.
+    /// Runs the PWM periods of one control tick. A tick in which the firmware's control code does not run counts, too.
     fn tick(&mut self, knob: &mut Played) {
         let mut is_due = false;
         while !is_due {

@@ -3,12 +3,11 @@
 //!
 //! ```text
 //! FAULTS (list.rs) x boards, moments, grips (bench.rs) -> Cell (cell.rs) -> table for the documentation (table.rs)
-//!                                                                        known.rs: what does not hold
-//!     breaks by: readings and bridge (tamper.rs), encoder (encoder.rs), motor, host, memory (act.rs)
+//! known.rs: known gaps breaks by: readings and bridge (tamper.rs), encoder (encoder.rs), motor, host, memory (act.rs)
 //! ```
 //!
-//! The model is the firmware's whole drive on the desktop, without pins: hardware break, watchdogs and their wiring are injected in
-//! the emulator instead (`cargo xtask fil`).
+//! The model is the firmware's whole drive on the desktop, without pins. Faults of the hardware break, of the watchdogs and of
+//! their wiring are injected in the emulator instead (`cargo xtask fil`).
 
 mod act;
 mod bench;
