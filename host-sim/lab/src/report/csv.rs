@@ -38,7 +38,7 @@ pub fn decimal(number: impl Display) -> String {
     text
 }
 
-/// A number in its shortest decimal form that reads back the same `f64`, with an exponent where plain digits would be long.
+/// A number in its shortest decimal form that reads back the same `f64`, with an exponent if plain digits would be long.
 struct Decimal {
     text: [u8; 32],
     len: usize,
@@ -51,7 +51,7 @@ impl Decimal {
             len: 0,
         };
         let mut rest = &mut decimal.text[..];
-        // `{:?}` turns to an exponent below 1e-5 and from 1e16; at most 24 characters, and NaN is `NaN`.
+        // `{:?}` writes an exponent below 1e-5 and from 1e16, at most 24 characters, and `NaN` for NaN.
         write!(rest, "{value:?}").expect("an f64 in 32 characters");
         decimal.len = 32 - rest.len();
         decimal

@@ -70,8 +70,9 @@ pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
 /// Reduces a path that may turn back on itself. Points that do not move the pen visibly are dropped, then the Douglas–Peucker
 /// algorithm simplifies the path.
 ///
-/// An oscillation draws the same lines repeatedly. If the path still has too many points, it is rounded to a grid and each line of
-/// the grid is drawn once. The grid becomes coarser until the points are few enough, from a tenth of a pixel up to three pixels.
+/// An oscillation draws the same lines repeatedly. If the path still has too many points, it is rounded to a grid and each line
+/// of the grid is drawn once. The grid becomes coarser until the points are few enough, from a fifth of a pixel up to three
+/// pixels.
 pub fn path(stretches: Vec<Vec<(f64, f64)>>) -> Vec<Vec<Point>> {
     let snap = |stretch: &Vec<(f64, f64)>, grid: f64| {
         let mut points: Vec<Point> = stretch

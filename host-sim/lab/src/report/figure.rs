@@ -200,7 +200,7 @@ impl Range {
         }
     }
 
-    /// The part of the interval that is inside `limits`, which must not be empty.
+    /// The part of the interval that is inside `limits`; the two must overlap.
     pub fn within(self, limits: Range) -> Self {
         Range {
             min: self.min.max(limits.min),

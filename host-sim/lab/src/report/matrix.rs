@@ -87,7 +87,7 @@ pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
                 .iter()
                 .map(|&index| Column::of(&runs[index].summary))
                 .collect();
-            // The simplest law comes first, as in the enum.
+            // The simplest law comes first, as in the enum `LawKind`.
             laws.sort_unstable();
             laws.dedup();
             let at = |k: f64, law: Column| {

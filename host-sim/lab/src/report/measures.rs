@@ -13,7 +13,7 @@ pub struct Measure {
     pub unit: &'static str,
     /// Meaning of the measure, for the schema.
     pub meaning: &'static str,
-    /// The measure's value in SI units; `None` where it does not apply.
+    /// The measure's value in SI units; `None` if the measure does not apply.
     pub value: fn(&Summary) -> Option<f64>,
     /// Formats the measure's value for readers.
     pub shown: fn(&Summary, f64) -> String,

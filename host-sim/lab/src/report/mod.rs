@@ -129,7 +129,7 @@ pub const PARQUET: bool = cfg!(feature = "parquet");
 /// Options on the files that [`write::write`] writes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileOptions {
-    /// Writes traces as Parquet only and not as CSV, if the program has [`PARQUET`].
+    /// Does not write traces as CSV, only as Parquet. Without [`PARQUET`] no traces are then written.
     pub no_csv: bool,
     /// Traces contain every n-th tick (control period), with this n; 0 and 1 mean all ticks.
     pub every: usize,

@@ -57,6 +57,9 @@ fn html(input: &Page) -> String {
 }
 
 /// Writes the folder. On an error no new file is left; if moving the files failed half-way, some older ones are already replaced.
+///
+/// # Errors
+/// The folder holds the results of another command, or cannot be written.
 pub fn write(page: &Page, folder: &Path) -> Result<Written> {
     let mut names: Vec<String> = page.files.iter().map(|(name, _)| name.clone()).collect();
     names.extend(["results.json", "index.html"].map(str::to_owned));

@@ -102,8 +102,8 @@ pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
         })
 }
 
-/// Checks that a file in `docs/schema` has the text of this schema. With the variable `TOUCHSTONE_WRITE_SCHEMA` it writes the file
-/// instead. Used by tests.
+/// Checks that a file in `docs/schema` has the text of this schema. With the environment variable `TOUCHSTONE_WRITE_SCHEMA` the
+/// function writes the file first. Used by tests.
 #[cfg(test)]
 pub fn is_documented(file: &str, schema: &Value) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -69,7 +69,8 @@ pub fn significant(value: f64, digits: usize) -> String {
 pub fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let scale = scale_for(value, unit);
     let shown = value / scale.factor;
-    // Less than a femto-unit is the rounding of a sum, not a quantity.
+    // A value below a thousandth of the shown unit (1e-15 with prefixes), mostly the rounding of a sum, is written with an
+    // exponent.
     if value != 0.0 && shown.abs() < 1e-3 {
         return format!("{value:.0e} {unit}");
     }
@@ -99,7 +100,7 @@ pub fn grouped(value: f64) -> String {
 }
 
 /// Tick marks of an axis with their labels, at multiples of 1, 2 or 5 times a power of ten inside `min..=max`. Their number is
-/// about `wanted`, at most two fifths more.
+/// about `wanted`, at most `wanted / 0.7 + 1`.
 pub fn ticks(min: f64, max: f64, wanted: usize) -> Vec<(f64, String)> {
     let span = max - min;
     if !(span > 0.0 && span.is_finite()) {

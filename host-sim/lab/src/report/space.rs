@@ -251,7 +251,19 @@ pub fn runs_text(runs: &[Record]) -> String {
 
 /// Writes the table of the runs' measures.
 fn runs_section(page: &mut String, runs: &[Record]) {
-    page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n");
+    page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n<dl class=\"words\">");
+    let mut verdicts: Vec<_> = runs.iter().map(|run| run.judged().0).collect();
+    verdicts.sort();
+    verdicts.dedup();
+    for verdict in verdicts {
+        let words = label::verdict_words(verdict);
+        let _ = write!(
+            page,
+            "<div><dt>{}</dt><dd>{}</dd></div>",
+            words.name, words.meaning
+        );
+    }
+    page.push_str("</dl>\n");
     table(
         page,
         "At rest and sliding",

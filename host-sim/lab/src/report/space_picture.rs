@@ -8,7 +8,8 @@ use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
 use touchstone_sim::run::verdict::Verdict;
 
-/// CSS class of the lines for an approach (way to compute the force): the class of the same law on the page for one axis.
+/// CSS class of the lines for an approach (way to compute the force): that of the same law on the page for one axis, except for
+/// the spring-damper, whose colour there is that of the shipped wall here, and the law per axis.
 fn class(approach: Approach) -> &'static str {
     match approach {
         Approach::Spring => "law-a",

@@ -295,7 +295,7 @@ impl Plot<'_> {
     }
 }
 
-/// CSS class of a symbol: that of the verdict for which the symbol stands.
+/// CSS class of a symbol: `dot` for the full dot, `open` for the outlined symbols.
 fn sign_class(sign: Sign) -> &'static str {
     match sign {
         Sign::Dot => "dot",

@@ -173,6 +173,14 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
             out += &line("", numbers.collect());
         }
     }
+    out += "\n";
+    let mut verdicts: Vec<Verdict> = all().map(|s| s.verdict).collect();
+    verdicts.sort();
+    verdicts.dedup();
+    for verdict in verdicts {
+        let words = label::verdict_words(verdict);
+        out += &wrapped(&format!("{}: {}", words.name, words.meaning));
+    }
     for s in all() {
         if let Some(why) = &s.not_judged {
             let (law, k) = (label::run_name(s), plain(s.k_desired));
@@ -180,6 +188,25 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
         }
     }
     out
+}
+
+/// A sentence in lines of at most 80 characters, the further lines indented.
+fn wrapped(sentence: &str) -> String {
+    let (mut out, mut column) = (String::new(), 0);
+    for word in sentence.split(' ') {
+        let length = word.chars().count();
+        if column > 0 && column + 1 + length > 80 {
+            out += "\n ";
+            column = 1;
+        }
+        if column > 0 {
+            out.push(' ');
+            column += 1;
+        }
+        out += word;
+        column += length;
+    }
+    out + "\n"
 }
 
 #[cfg(test)]
@@ -234,6 +261,12 @@ k_de  Spring    Enhanced SFA
       0.500  0  0.500  0.38
   20  unstable  limit cycle
       –  31     19.9  –
+
+passive: came to rest; the hand never got out more energy than it had put in
+active: came to rest, but for a while the hand had got out more energy than it
+  had put in
+limit cycle: keeps oscillating near the wall without growing
+unstable: leaves the wall again and again, hits the torque limit, or grows
 ";
         assert_eq!(render(&four(), Colour::Never), expected);
     }

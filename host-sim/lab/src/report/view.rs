@@ -66,8 +66,8 @@ impl<'a> View<'a> {
             .clone()
             .map(|i| trace.angle_rad[i] - trace.surface_rad[i])
             .fold(0.0, f64::max);
-        // At a penetration of a count or less the quotient has only two or three possible values (the singularity of thesis
-        // (2.13)). Without an encoder there is no such limit; a thousandth of the largest penetration avoids 0/0.
+        // At a penetration of a count or less the quotient has only two or three possible values (the singularity of equation
+        // (2.13) of the thesis). Without an encoder there is no such limit; a thousandth of the largest penetration avoids 0/0.
         let shallow = run
             .summary
             .encoder_counts_per_rev
@@ -133,7 +133,7 @@ impl<'a> View<'a> {
             .filter(|k| k.is_finite())
             .collect();
         shown.sort_by(f64::total_cmp);
-        // The highest few values come from the shallowest contacts. They may leave the plot; k_de and k_c may not.
+        // The highest few values come from the shallowest contacts. They may leave the plot; k_de may not, nor k_c up to 2 k_de.
         let high = shown
             .get(shown.len() * 98 / 100)
             .copied()

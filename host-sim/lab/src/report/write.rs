@@ -27,9 +27,9 @@ pub struct Written {
 /// Writes a report into `folder`. Its files are:
 ///
 /// - `index.html`, `summary.svg` and `results.json`
-/// - of every run the scene with all its values, as `scene.toml`, or as `scenes/*.toml` if there are several
+/// - the scene of every run, with all its values: `scene.toml`, or `scenes/*.toml` if there are several
 /// - recordings that move the hand, as `inputs/*`
-/// - of every run with a trace `traces/*.parquet`, and `traces/*.csv` with its metadata in `*.csv-metadata.json`
+/// - for every run with a trace: `traces/*.parquet`, and `traces/*.csv` with its metadata in `*.csv-metadata.json`
 ///
 /// A folder that does not exist is created; it appears with all files or not at all. In a folder with results of the same command,
 /// each file is replaced in one step, and files that only the earlier results listed are removed. Other files are never changed,
@@ -37,8 +37,8 @@ pub struct Written {
 ///
 /// # Errors
 /// [`touchstone_sim::error::Error::Io`], one line with the remedy: `folder` is a file, holds the results of another command or
-/// cannot be written, or an input can no longer be read. Then no new file is left in the folder. Only if moving the files failed
-/// half-way, some older ones are already replaced.
+/// cannot be written, or an input can no longer be read. After an error the folder has no file under a name that it did not have
+/// before. If moving the files failed half-way, some older files may already have their new content.
 pub fn write(input: &ReportInput, folder: &Path) -> Result<Written> {
     let origin = Origin::of(input)?;
     let names = names(input, &origin);
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(scratch.list(), expected);
         assert_eq!(written.files.len(), 9);
         assert!(written.bytes > 10_000);
-        // Every file that results.json and the page name exists.
+        // The trace that results.json names exists.
         let json: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(scratch.0.join("a/b/results.json")).unwrap())
                 .unwrap();
@@ -312,7 +312,7 @@ mod tests {
         assert_eq!(now.len(), before.len() - 4);
         assert!(now.contains(&"traces/mine.csv".to_owned()));
         assert!(!now.iter().any(|file| file.contains("f64_2")));
-        // Forced, the other command replaces them.
+        // With `force`, the other command replaces the files.
         let mut forced = other;
         forced.files.force = true;
         forced.files.no_csv = true;
