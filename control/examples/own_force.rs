@@ -6,7 +6,8 @@ use touchstone_control::{
     SettingsError, Si,
 };
 
-/// Makes the guard from the device's properties. Its energy bound holds for devices with at least this damping and with this delay.
+/// Makes the guard from the device's properties. The energy bound holds for devices with at least this damping and exactly this
+/// rate and delay.
 fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
     let device = Device {
         rate_hz: 1_000,               // ticks a second
@@ -38,7 +39,7 @@ fn comes_out_with_j(mut guard: Option<Guarded<Fixed32>>) -> f64 {
     let (mut angle_rad, mut velocity_rad_per_s) = (-0.02_f64, 10.0_f64);
     let mut back_j = 0.0_f64;
     for _ in 0..200 {
-        // Each tick: read the encoder, ask for a force, let the guard decide, command the motor.
+        // Each tick: read the encoder, calculate the force, let the guard limit it, command the motor.
         let measured_rad = (angle_rad / count_rad).floor() * count_rad;
         let mut torque_n_m = own_force(measured_rad, velocity_rad_per_s);
         if let Some(guard) = &mut guard {

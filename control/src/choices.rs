@@ -4,16 +4,16 @@
 pub use crate::observer::ObserverForm;
 
 crate::choice! {
-    /// The control law in use. Numbers in brackets are equations and sections of the thesis that `CITATION.cff` names, whose
-    /// control laws this crate implements.
+    /// The control law in use. Numbers in brackets are equations and sections of the thesis (`CITATION.cff`), whose control laws
+    /// this crate implements.
     LawKind {
         /// Virtual spring: force in proportion to the penetration, equation (1.6) of the thesis.
         Spring = "spring",
         /// Virtual spring with virtual damping, §1.2.6 of the thesis.
         SpringDamper = "spring-damper",
-        /// Time-domain passivity approach (TDPA): reduces the force where the wall would give more energy than it took.
+        /// Time-domain passivity approach (TDPA): reduces the force if the wall would give more energy than it took.
         Tdpa = "tdpa",
-        /// Force bounding approach (FBA): limits the force to what the device's damping can absorb.
+        /// Force bounding approach (FBA): limits the force to what the energy put in and the device's damping cover.
         Fba = "fba",
         /// Original successive force augmentation (SFA): a soft spring whose offset grows in steps until the force is that of the
         /// stiff wall.
@@ -43,8 +43,8 @@ crate::choice! {
 crate::choice! {
     /// The stiffness that the enhanced law keeps near the desired stiffness `k_de`, by changing the offset of its soft spring.
     Regulate {
-        /// The stiffness at the virtual mass: the wall's force on the mass over the mass' penetration. The hand's point (HIP) hangs
-        /// on that mass by a spring, so the hand feels less than `k_de`, by equation (3.4) of the thesis.
+        /// The stiffness at the virtual mass: the wall's force on the mass over the mass' penetration. A spring connects the
+        /// hand's point (HIP) to that mass, so the hand feels less than `k_de`, by equation (3.4) of the thesis.
         Mass = "mass",
         /// As `mass`, but with the higher target stiffness of equation (3.5) of the thesis, so that the hand's point (HIP) feels
         /// `k_de`. Needs `k_de` below the stiffness `k_f` of the spring between HIP and mass.
@@ -58,13 +58,14 @@ crate::choice! {
 crate::choice! {
     /// The ticks (control periods) in which a law of force augmentation changes the offset of its soft spring.
     OffsetUpdate {
-        /// The offset changes when the motion turns from outward to inward, equation (2.14) of the thesis.
+        /// The offset changes when the motion turns from outward to inward, equation (2.14) of the thesis. The enhanced law
+        /// treats this choice like `inward`.
         TurnInward = "turn-inward",
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
-        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
-        /// changes on inward motion only. While the hand rests, only jitter of the measured position changes it, and an offset that
-        /// is too large stays.
+        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices the
+        /// offset changes on inward motion only. So while the hand rests, only jitter of the measured position changes the
+        /// offset, and an offset that is too large stays.
         #[default]
         EveryTick = "every-tick",
     }
@@ -77,8 +78,8 @@ crate::choice! {
         /// The hand's position stays constant. With desired stiffness `k_de`, penetration `e`, force `f` and soft stiffness `k_v`,
         /// the step is `|k_de e - |f||/k_v`, equation (3.7) of the thesis.
         ///
-        /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`. The law takes a
-        /// fraction `c` of the step per tick, which must be chosen anew for every `k_de`.
+        /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`. The law takes
+        /// a fraction `c` of the step per tick (`step_of_ideal`), which must be chosen anew for every `k_de`.
         Position = "position",
         /// The hand's force `f` stays constant and the penetration `e` follows the offset. With a desired stiffness `k_de` the
         /// step is `|e - |f|/k_de|`, the distance that the hand still has to go. The same fraction `c` of this step per tick then

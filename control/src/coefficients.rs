@@ -78,8 +78,8 @@ impl<N: Number> Common<N> {
         Ok(Fba {
             desired: self.desired,
             device_damping: damping,
-            // The bound follows from the damping as it is stored, not as it is set: the law's energy sum counts only the stored
-            // damping.
+            // The bound follows from the stored (rounded) damping and not from the configured one, because the law's energy sum
+            // counts only the stored damping.
             bound: Stiffness(N::root_of_four(damping.0)),
             limit: self.limit,
             energy_cap: self.energy_cap,
@@ -175,7 +175,8 @@ fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError>
 }
 
 /// Damping per tick, N·m/rad, for desired stiffnesses `k_de` up to the soft stiffness `k_v`, where the enhanced law is a damped
-/// spring. It is in proportion to `k_de`: with a constant damper a wall of half the stiffness would take twice as long to settle.
+/// spring. It is in proportion to `k_de`: with a constant damping a wall of half the stiffness would take twice as long to
+/// settle.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
@@ -187,11 +188,11 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
 const APART_HZ: u32 = 50;
 
 impl<N: Number> Impact<N> {
-    /// Pulse and vibration at the touch, for validated settings; `None` if they have neither. They need the inertia and the speed
-    /// of an estimator, so on measured states there are none.
+    /// Pulse and vibration at the touch, for validated settings; `None` if the settings have neither. Pulse and vibration need
+    /// the inertia and the speed of the estimator, so with measured states the result is `None` too.
     ///
     /// # Errors
-    /// The vibration's frequency is too high for the control rate, or a coefficient does not fit the number format.
+    /// A coefficient does not fit the number format.
     pub fn pulse_of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
         let share = settings.impact.momentum;
         if settings.states == StatesKind::Measured {

@@ -21,9 +21,9 @@ pub enum AnyLaw<N: Number> {
     Spring(Spring<N>, SpringState),
     /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
-    /// Time-domain passivity approach: reduces the force where the wall would give more energy than it took.
+    /// Time-domain passivity approach: reduces the force if the wall would give more energy than it took.
     Tdpa(Tdpa<N>, TdpaState<N>),
-    /// Force bounding approach: limits the force to what the device's damping can absorb.
+    /// Force bounding approach: limits the force to what the energy put in and the device's damping cover.
     Fba(Fba<N>, FbaState<N>),
     /// Successive force augmentation, original or continuous: a soft spring whose offset grows until the force is that of a stiff
     /// wall.
@@ -116,11 +116,11 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its
-/// force.
+/// A control law with its stages. The states give the law position and velocity, the pulse at the touch adds to its force, and
+/// the energy guard limits the sum.
 ///
 /// ```text
-/// penetration e -> states -> law -> guard -> force
+/// penetration e -> states -> law -> pulse at the touch -> guard -> force
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<N: Number> {
@@ -128,7 +128,7 @@ pub struct Controller<N: Number> {
     pub law: AnyLaw<N>,
     /// The stage before the law, which gives position and velocity: measured or estimated.
     pub states: States<N>,
-    /// The pulse that is added to the law's force at the touch; `None` if the settings have none.
+    /// Pulse and vibration that are added to the law's force at the touch; `None` if the settings have neither.
     pub impact: Option<Impact<N>>,
     /// The energy guard after the law; `None` if the settings switch it off.
     pub guard: Option<Guarded<N>>,
@@ -157,7 +157,8 @@ impl<N: Number> Controller<N> {
         Ok(controller)
     }
 
-    /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings.
+    /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings; without a
+    /// pulse at the touch.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {
@@ -169,7 +170,7 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// The stage before the law that the settings choose: measured or estimated position and velocity.
+    /// The source of position and velocity that the settings choose: measured or estimated.
     pub(crate) fn states_of(settings: &Settings) -> Result<States<N>, SettingsError> {
         Ok(match settings.states {
             StatesKind::Measured => States::default(),
@@ -185,7 +186,7 @@ impl<N: Number> Controller<N> {
     /// Resets this controller to a copy of `fresh`, a new controller, when the motor's force is switched on (arming). Only the
     /// energy in the guard's account is kept.
     ///
-    /// The copy is in place: a law has some hundred bytes, and a control interrupt has no time to copy them more often.
+    /// The copy is in place: a law has some hundreds of bytes, and a control interrupt has no time to copy them more often.
     pub fn resume(&mut self, fresh: &Self) {
         let before = self.guard.as_ref().map(Guarded::account);
         *self = *fresh;
@@ -203,8 +204,8 @@ impl<N: Number> Controller<N> {
         self.tick_with_change(e, None)
     }
 
-    /// Same as [`Controller::tick`], with a second measured penetration: `at_change`, measured at the instant when the last force
-    /// began to act.
+    /// Same as [`Controller::tick`], with a second measured penetration: `at_change`, measured when the previous tick's force
+    /// began to act; `None` if it is not measured.
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);

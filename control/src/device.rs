@@ -8,7 +8,7 @@
 //! | `damping` | 0 to 1,000 N·m·s/rad | is safe if the value is **too small** |
 //! | `position` | one count plus twice `position_error`: up to 0.1 rad | is safe if the count is **too large** (too few counts per turn) |
 //! | `position_error` | 0 to 0.05 rad | is safe if the value is **too large** |
-//! | `force_limit` | up to 127 N·m in 32 bits | is safe if the value is **too small**: the motor must give every force up to it |
+//! | `force_limit` | 0 to below 128 N·m in 32 bits | is safe if the value is **too small**: the motor must give every force up to it |
 //! | `delay`, `lag` | together at most one tick | is safe on **neither side**: 1 µs costs some 10 µW, half a tick joules per second |
 //!
 //! Units are those of a rotating device. For a linear device take m, N and kg with the same numbers.
@@ -125,9 +125,9 @@ impl Device {
         N::gain(stiffness).map(Stiffness)
     }
 
-    /// Makes a law's settings at least as cautious as this device requires. Rate, delay and lag become the device's, as an error to
-    /// either side is unsafe. Count and position error become at least the device's, force limit and trusted damping at most the
-    /// device's. Values that are already more cautious are kept.
+    /// Makes a law's settings at least as cautious as this device requires. Rate, delay and lag become the device's, because an
+    /// error to either side is unsafe. Count and position error become at least the device's, force limit and trusted damping at
+    /// most the device's. Values that are already more cautious are kept.
     pub fn hold(&self, settings: &mut Settings) {
         let trusted = GuardSettings::default().share_of_damping;
         let count = &mut settings.position.count;
@@ -178,16 +178,16 @@ impl<N: Number> OwnForce<N> {
         })
     }
 
-    /// Runs one control period. Takes the measured position `x`, and the force as a function of position and displacement per tick.
-    /// The function gets both predicted for the time at which its force acts, and returns the force against `+x`. This method
-    /// returns the force to command against `+x`.
+    /// Runs one control period. Takes the measured position `x`, and the force as a function of position and displacement per
+    /// tick. The function gets position and displacement predicted for the time at which its force acts, and returns the force
+    /// against `+x`. This method returns the force to command against `+x`.
     #[inline]
     pub fn tick(&mut self, x: Position<N>, force: impl FnOnce(Sample<N>) -> Force<N>) -> Force<N> {
         self.tick_with_change(x, None, force)
     }
 
     /// Same as [`OwnForce::tick`], for a guard with `change: Measured`. Also takes the position that was measured when the force
-    /// changed.
+    /// changed; `None` if it was not measured.
     #[inline]
     pub fn tick_with_change(
         &mut self,

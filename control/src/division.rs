@@ -1,8 +1,8 @@
 //! Divides a double word (64 bits) by a word (32 bits) on a machine that can divide words only.
 //!
 //! A Cortex-M4 divides 32 bits by 32 bits. The routine that a compiler inserts for 64 bits takes some 300 instructions at worst.
-//! The divisors of control laws are always words. So long division needs only three machine divisions, or two where the quotient is
-//! a word too. A machine that can divide 64 bits uses its own instruction, with the same quotients.
+//! The divisors of control laws are always words. So long division needs only three machine divisions, or two if the quotient
+//! fits a word. A machine that can divide 64 bits uses its own instruction, with the same quotients.
 
 /// `floor(dividend / divisor)`; `None` for a divisor of zero.
 #[inline]
@@ -14,8 +14,8 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
-/// `floor(dividend / divisor)` where it fits a word, that is for `dividend < divisor · 2^32`, and as second value the quotient
-/// times the divisor. For a larger dividend the result has no meaning.
+/// The quotient `floor(dividend / divisor)`, for `dividend < divisor · 2^32`, so that it fits a word; and the quotient times the
+/// divisor. For a larger dividend both values have no meaning.
 #[inline(always)]
 pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
     if cfg!(target_pointer_width = "32") {
@@ -25,8 +25,8 @@ pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
             u64::from(quotient).wrapping_mul(u64::from(divisor)),
         )
     } else {
-        // The product is calculated from the unlimited quotient, and the limit never binds: in this form a solver can follow the
-        // function.
+        // The product is calculated from the unlimited quotient, and the limit never binds: in this form the proofs' solver can
+        // follow the function.
         let quotient = dividend.checked_div(u64::from(divisor)).unwrap_or(0);
         (
             quotient.min(u64::from(u32::MAX)) as u32,
@@ -48,7 +48,7 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// Divides a double word by a word where the quotient fits a word; for a larger dividend the result has no meaning.
+        /// Divides a double word by a word if the quotient fits a word; for a larger dividend the result has no meaning.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;

@@ -1,10 +1,10 @@
 //! Converts the encoder count to the penetration into a wall: the first step of each tick (control period). Every machine
-//! calculates it in integers.
+//! calculates the penetration in integers.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
-/// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 1.4e-10 rad.
+/// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 7.2e-11 rad.
 const STEP_BITS: u32 = 48;
 /// Number of fractional bits that the angle of one count has more than [`Si`].
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
@@ -36,6 +36,7 @@ struct Turned {
     turns: i64,
     /// Counts that remain beyond the whole turns, at most half a turn.
     rest: i64,
+    /// Whether the count is negative.
     below: bool,
 }
 

@@ -19,7 +19,7 @@
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 
-/// Coefficients of the virtual mass, damping and inertia per tick, all in N·m/rad.
+/// Coefficients of the virtual mass, all in N·m/rad: dampings are divided by the control period, the inertia by its square.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
     /// Inertia of the mass over the control period squared: `m/T²`.
@@ -60,8 +60,8 @@ impl<N: Number> VirtualMass<N> {
     /// The force that drives the mass, without the wall's force: the sum of inertia, coupling spring and coupling damper. `e` is
     /// the penetration of the hand's point, `moved` its displacement in this tick.
     ///
-    /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`. Settings with a `total` above a quarter of the word's range are
-    /// refused.
+    /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`. Settings are refused if `total` is more than half of the
+    /// largest stiffness of the number format.
     #[inline(always)]
     pub fn drive(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Tension<N> {
         (self.inertia * mass.moved)
@@ -75,8 +75,9 @@ impl<N: Number> VirtualMass<N> {
         self.inertia * mass.moved
     }
 
-    /// Displacement of the mass in this tick, under the driving force and the wall's force. It is rounded towards zero and kept
-    /// within the range of positions, because the energy observer must count exactly the displacement that the mass makes.
+    /// Displacement of the mass in this tick, under the driving force and the wall's force. The displacement is rounded towards
+    /// zero and kept within the range of positions, because the energy observer must count exactly the displacement that the mass
+    /// makes.
     #[inline(always)]
     pub fn displacement(
         &self,
@@ -89,8 +90,8 @@ impl<N: Number> VirtualMass<N> {
         from + step - from
     }
 
-    /// The wall's force under which the mass moves outward by exactly `out`. It is rounded up, so that the mass never moves further
-    /// than that, and is 0 where the wall would have to pull.
+    /// The wall's force under which the mass moves outward by exactly `out`. The force is rounded up, so that the mass never
+    /// moves further than `out`, and is 0 if the wall would have to pull.
     #[inline(always)]
     pub fn force_for_retreat(&self, drive: Tension<N>, out: Position<N>) -> Force<N> {
         drive.plus_fitting(self.total * out).outward_up()

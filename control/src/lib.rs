@@ -30,7 +30,7 @@
 //! let mut wall = Controller::<Fixed32>::new(&settings).unwrap();
 //! let e = Position::from_si(Si::lit("0.01")).unwrap(); // 10 mrad inside
 //! let f = wall.tick(e);
-//! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, towards zero
+//! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, rounded towards zero
 //! ```
 //!
 //! `examples/one_wall.rs` and the README go from encoder count to motor torque. Settings and values in SI units are [`Si`] numbers,

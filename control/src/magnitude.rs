@@ -32,7 +32,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn times(self, other: Self) -> Self::Wide;
     /// Returns the quotient `q = floor(wide / self)` and the product `q · self`. For `self = 0` the quotient is 0.
     fn divides(self, wide: Self::Wide) -> (Self::Wide, Self::Wide);
-    /// [`Word::divides`] for a quotient of at most `MAX_SIGNED`: `None` where the quotient is larger.
+    /// [`Word::divides`] for a quotient of at most `MAX_SIGNED`: `None` if the quotient is larger.
     fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
     /// `wide` as a word of single width, limited to `MAX_SIGNED`.
     fn narrow(wide: Self::Wide) -> Self;
@@ -46,7 +46,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn bit(position: u32) -> Self;
     /// `wide >> bits`: `wide` divided by `2^bits`, rounded down.
     fn shift_down(wide: Self::Wide, bits: u32) -> Self::Wide;
-    /// `a - b`, 0 where `b` is larger.
+    /// `a - b`, 0 if `b` is larger.
     fn minus(a: Self::Wide, b: Self::Wide) -> Self::Wide;
     /// `a + b`, limited to `WIDE_MAX_SIGNED`.
     fn plus(a: Self::Wide, b: Self::Wide) -> Self::Wide;
@@ -56,8 +56,8 @@ macro_rules! word {
     ($word:ty, $wide:ty, $divide:ident, $quotient:expr, $short:expr) => {
         /// Returns `(q, q · by)` with `q = floor(wide / by)`; for `by = 0` both are 0.
         ///
-        /// This is the only division of the control laws. It returns the product with the quotient, so that no caller multiplies a
-        /// second time. That lets a solver follow the callers.
+        /// The function returns the product with the quotient, so that no caller multiplies a second time. In this form a solver
+        /// can follow the callers.
         #[inline(always)]
         pub fn $divide(wide: $wide, by: $word) -> ($wide, $wide) {
             match $quotient(wide, by) {
@@ -186,13 +186,12 @@ pub struct Step<W: Word> {
 /// Bounds a force so that its work over a known displacement never exceeds the stored energy (equations 2.1–2.4 of the thesis, on
 /// absolute values).
 ///
-/// `inward` says that the displacement is against the force, so that the wall absorbs energy. Otherwise the wall gives energy away.
-/// If the stored energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The
-/// energy left is
-/// **the remainder of that division**, `0 <= energy' < moved`, so nothing is multiplied a second time.
+/// `inward` says that the displacement is against the force, so that the wall absorbs energy. Otherwise the wall gives energy
+/// away. If the stored energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero.
+/// The energy left is **the remainder of that division**, `0 <= energy' < moved`, so nothing is multiplied a second time.
 ///
-/// For every input: `energy' <= energy + force'·moved` inward (equal below the cap), `energy' = energy - force'·moved` outward,
-/// `force' <= force`, no overflow.
+/// For every input: `energy' <= energy + force'·moved` inward (equal unless the sum saturates), `energy' = energy - force'·moved`
+/// outward, `force' <= force`, no overflow.
 #[inline(always)]
 pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool) -> Step<W> {
     let work = force.times(moved);
@@ -217,7 +216,7 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// Result of [`affordable`]: how far a body moves out against a force until the stored energy is used up, and the energy left.
+/// Result of [`affordable`]: how far a force may push a body out until its work uses up the stored energy, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
     /// Distance for which the energy suffices: `floor(energy / force)`, saturating.
@@ -226,8 +225,8 @@ pub struct Retreat<W: Word> {
     pub rest: W::Wide,
 }
 
-/// How far a body may move outward against the full force before the stored energy is used up, and the energy left (the remainder
-/// of that division).
+/// How far the full force may push a body outward until its work uses up the stored energy, and the energy left (the remainder of
+/// the division of energy by force).
 ///
 /// For every input with a force: `force·moved + rest = energy`. With a force of 0 the displacement is 0.
 #[inline(always)]
@@ -239,7 +238,8 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
             rest: W::minus(energy, accounted),
         };
     }
-    // The energy pays for more than the largest distance of the format: the distance is limited, and costs less than the energy.
+    // The energy suffices for more than the largest distance of the format: the distance is limited, and the work over it is less
+    // than the energy.
     Retreat {
         moved: W::MAX_SIGNED,
         rest: W::minus(energy, force.times(W::MAX_SIGNED)),

@@ -24,7 +24,7 @@ impl fmt::Display for NotSet {
 
 impl core::error::Error for NotSet {}
 
-/// Parses a text as a value of a setting's type; `None` if that fails.
+/// Parses a text as a value of a setting's type; `None` if the text is no such value.
 macro_rules! parse {
     ($text:ident: choice ($choice:ident)) => {
         Choice::of_word($text)

@@ -233,8 +233,8 @@ impl<N: Number> Energy<N> {
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_energy_fitting(self.0, other.0))
     }
-    /// The energy rounded down to the precision of a position, without an overflow check. Multiplied by a stiffness of value `1/d`,
-    /// it gives the force whose work over the distance `d` is this energy.
+    /// The energy rounded down to the precision of a position, without an overflow check. Multiplied by a stiffness of value
+    /// `1/d`, the result gives the force whose work over the distance `d` is this energy.
     #[inline(always)]
     #[must_use]
     pub fn digits_fitting(self) -> Position<N> {
@@ -246,7 +246,8 @@ impl<N: Number> Energy<N> {
     pub fn per_displacement(self, d: Position<N>) -> Force<N> {
         Force(N::energy_per(self.0, d.0))
     }
-    /// Distance over which this energy pays for an outward motion against the force `f`, and the energy left.
+    /// The distance of an outward motion under the force `f` whose work uses up this energy, and the energy left after rounding
+    /// that distance towards zero.
     #[inline(always)]
     #[must_use]
     pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
@@ -298,13 +299,13 @@ impl<N: Number> Tension<N> {
     pub fn down_fitting(self) -> Force<N> {
         Force(N::round_down_fitting(self.0))
     }
-    /// The force that pushes out of the wall, rounded towards zero; 0 where the tension pulls inwards.
+    /// The force that pushes out of the wall, rounded towards zero; 0 if the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward(self) -> Force<N> {
         Force(N::positive_down(self.0))
     }
-    /// The force that pushes out of the wall, rounded up; 0 where the tension pulls inwards.
+    /// The force that pushes out of the wall, rounded up; 0 if the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward_up(self) -> Force<N> {
@@ -385,7 +386,8 @@ mod tests {
     fn an_energy_in_si_is_at_most_the_energy() {
         let half = Energy::<Fixed32>::from_si(Si::lit("-0.5")).unwrap();
         assert_eq!(half.to_si(), Si::lit("-0.5"));
-        // One step of the energy format is less than a step of SI values: rounded down it is 0, and its negative is one step of SI.
+        // One step of the energy format is less than a step of SI values. Rounded down, the step is 0, and its negative is minus
+        // one step of SI.
         let quantum = Force::<Fixed32>::quantum() * Position::quantum();
         assert_eq!(quantum.to_si(), Si::ZERO);
         assert_eq!((Energy::zero() - quantum).to_si(), -Si::DELTA);

@@ -46,7 +46,7 @@ impl<N: Number> States<N> {
         }
     }
 
-    /// Reports to the estimator the force that was commanded, after every stage that may change it.
+    /// Reports to the estimator the force that was commanded, as changed by all later stages.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         if let Self::Estimated(estimator, state) = self {

@@ -43,8 +43,9 @@ macro_rules! law_settings {
                 // Thesis §5.1, by the thesis' Algorithm 2.1: the critical stiffness k_c is then 1 N·m/rad at 1 kHz.
                 DeviceDamping device_damping, device_damping_n_m_s_per_rad: number("0", "10000") = "0.0005", "N·m·s/rad",
                     "the damping c_i that device and fingertip are trusted to have";
-                // Far above the bound for passivity at the hand, b - K T/2. With estimated states so much damping makes the loop
-                // stable, and the energy guard bounds the energy that a hand can get out.
+                // Far above the bound for passivity at the hand, b - K T/2 (device damping b, wall stiffness K, control period
+                // T). With estimated states so much damping makes the loop stable, and the energy guard bounds the energy that a
+                // hand can get out.
                 VirtualDamping virtual_damping, virtual_damping_n_m_s_per_rad: number("0", "10000") = "0.03", "N·m·s/rad",
                     "the virtual damping B of the laws spring-damper and enhanced-sfa";
                 Observer observer, observer: choice(ObserverForm) = Exact, "",
@@ -57,7 +58,7 @@ macro_rules! law_settings {
                 Regulate regulate, regulate: choice(Regulate) = Hip, "",
                     "which stiffness the offset regulates";
                 // With `turn-inward` and `inward` the offset changes on inward motion only. While the hand rests, only jitter of
-                // the measured position changes it, and an offset that is too large stays.
+                // the measured position changes the offset, and an offset that is too large stays.
                 OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
                     "when the enhanced law changes the offset";
                 // With this choice one value of step_of_ideal serves all stiffnesses.
@@ -69,7 +70,8 @@ macro_rules! law_settings {
                     "the largest step of the force each millisecond as a share of the force, b of (3.9)";
                 LimitOfPenetration limit_of_penetration, limit_of_penetration_per_ms: number("0", "1") = "0.0115", "",
                     "the largest step of the offset each millisecond as a share of the penetration, a of (3.11)";
-                // Four times the energy that a coupling k_f stores under the thesis' press of 0.1 N·m: F²/(2 k_f) = 5 mJ.
+                // Four times the energy that the thesis' coupling k_f of 1 N·m/rad stores under the thesis' press F of 0.1 N·m:
+                // F²/(2 k_f) = 5 mJ.
                 EnergyCredit energy_credit, energy_credit_j: number("0", "1000") = "0.02", "J",
                     "the energy that is lent to a contact, which it may give beyond what it took (0: nothing is lent)";
                 // The torque limit of the thesis' knob, five times a typical push in the thesis.
@@ -86,8 +88,8 @@ macro_rules! law_settings {
             filter FilterSettings {
                 FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
-                // Far above the bound of sampling, 2 (c_i - c_f)/T: the energy guard bounds the energy that a hand can gain by
-                // that.
+                // Far above the bound of sampling, 2 (c_i - c_f - B)/T: the energy guard bounds the energy that a hand can gain
+                // from the sampled coupling.
                 FilterStiffness stiffness, stiffness_n_m_per_rad: number("0.01", "500000") = "280", "N·m/rad",
                     "the coupling stiffness k_f (passive by itself up to 2 (c_i - c_f - B)/T)";
                 FilterDamping damping, damping_n_m_s_per_rad: number("0", "10000") = "0.00561", "N·m·s/rad",
@@ -111,8 +113,8 @@ macro_rules! law_settings {
             guard GuardSettings {
                 Guard on, on: flag() = true, "",
                     "whether the energy guard stands after the law";
-                // The energy that the force limit of 0.5 N·m needs for every displacement up to 60 rad/s, if forces act up to 0.4
-                // ticks late.
+                // The energy that the force limit of 0.5 N·m needs for every displacement at speeds up to 60 rad/s, if forces act
+                // up to 0.4 ticks late.
                 GuardCapacity capacity, capacity_j: number("0", "16") = "0.045", "J",
                     "the energy C that a hand may get out at once";
                 // Too little power for a hand to notice, and enough to pay for the jitter of a hand that holds still.
@@ -157,23 +159,23 @@ macro_rules! law_settings {
     };
 }
 
-/// Passes the settings of the thesis to another macro, as `(table) field, name = value`. Only those are listed that differ from the
-/// table's defaults. The thesis also uses measured states (`law.states`) and no guard (`law.guard.on`).
+/// Passes the settings of the thesis to another macro, as `(table) field, name = value`. Only the settings that differ from the
+/// table's defaults are listed. The thesis also uses measured states (`law.states`) and no guard (`law.guard.on`).
 #[macro_export]
 macro_rules! thesis_settings {
     ($with:ident $($more:tt)*) => {
         $with! {
             $($more)*
-            // From the captions of thesis Figs. 3.2 and 3.5. It is below k_c = 2 c_i/T = 1, so the spring is passive by the
-            // device's damping.
+            // From the captions of thesis Figs. 3.2 and 3.5. The value is below k_c = 2 c_i/T = 1 N·m/rad, so the spring is
+            // passive by the device's damping.
             (law) k_soft, k_soft_n_m_per_rad = "0.8";
             // The thesis' law adds no damper's force to the wall's.
             (law) virtual_damping, virtual_damping_n_m_s_per_rad = "0";
             // The fractions a, b and c and the filter come from a search over grips, encoders, touch and press, for k_de of 1 to 20
             // k_c; the thesis gives no values, only "a fraction".
             (law) step_of_ideal, step_of_ideal_per_ms = "0.012";
-            // A torque step of 12.7 % is just felt at 60 mN·m (Weber fraction; Jandura and Srinivasan 1994). This value stays well
-            // below.
+            // A torque step of 12.7 % is just felt at 60 mN·m (Weber fraction; Jandura and Srinivasan 1994). The 3 % per
+            // millisecond here stay well below.
             (law) limit_of_force, limit_of_force_per_ms = "0.03";
             (law) limit_of_penetration, limit_of_penetration_per_ms = "0.03";
             // A thirtieth of the inertia of the thesis' knob, which a hand does not feel.
@@ -182,8 +184,8 @@ macro_rules! thesis_settings {
             (law filter) stiffness, stiffness_n_m_per_rad = "1";
             // A damping of the coupling would lower the bound of k_f, and the damping to ground is enough.
             (law filter) damping, damping_n_m_s_per_rad = "0";
-            // Far above the bound k_v T/2 = 4e-4. It sets how fast the mass follows the hand (12 ms with this k_f), and so how
-            // steady it is.
+            // Far above the bound k_v T/2 = 4e-4. This damping sets how fast the mass follows the hand (c_env/k_f = 10 ms), and
+            // so how steady the mass is.
             (law filter) ground_damping, ground_damping_n_m_s_per_rad = "0.01";
             // The thesis has no pulse at the touch.
             (law impact) momentum, share_of_momentum = "0";

@@ -179,7 +179,7 @@ impl fmt::Display for SettingsError {
                 Field::Guard.path()
             ),
             Self::LawLeftOut { law } => {
-                // Both forms of this law have one feature.
+                // `sfa` and `sfa-continuous` have the same crate feature.
                 let feature = match law {
                     LawKind::SfaContinuous => LawKind::Sfa,
                     one => *one,
@@ -200,8 +200,8 @@ impl fmt::Display for SettingsError {
 #[cfg(not(kani))]
 impl core::error::Error for SettingsError {}
 
-/// A passivity bound that the settings exceed: the wall may give a hand more energy than it took. Or a guard setting that softens
-/// the wall. The settings are accepted.
+/// A passivity bound that the settings exceed, so that the wall may give a hand more energy than it took; or a guard setting that
+/// softens the wall. The settings are accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -358,8 +358,8 @@ impl Settings {
         }
     }
 
-    /// Whether the enhanced law is a plain spring with these settings. It is if the desired stiffness is at most the soft stiffness
-    /// `k_v` (thesis §3.1).
+    /// Whether the enhanced law becomes a plain spring, with a damper, with these settings: the desired stiffness is at most the
+    /// soft stiffness `k_v` (thesis §3.1).
     #[must_use]
     pub fn is_plain_spring(&self) -> bool {
         self.law == LawKind::EnhancedSfa && self.k_desired <= self.k_soft

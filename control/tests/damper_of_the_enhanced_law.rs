@@ -62,7 +62,7 @@ fn the_damper_changes_no_memory_and_adds_its_force() {
             bare.tick(&mut other, sample),
         );
         assert_eq!(state, other);
-        // (B/T) Δe within the wall, towards zero; never pulling, at most the limit.
+        // (B/T) Δe within the wall, rounded towards zero. The sum never pulls and is at most the limit.
         let inside = sample.moved.min(sample.e);
         let expected = if state.contact == Contact::Free {
             Force::zero()
@@ -103,7 +103,7 @@ fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
             panic!("no spring");
         };
         assert_eq!(found.desired, expected.desired);
-        // The share is rounded towards zero, and so is the gain: a step of 2^-12 N·m/rad.
+        // Both the share and the gain are rounded towards zero, so they may differ by one step of 2^-12 N·m/rad.
         let off = expected.damping.0.to_bits() - found.damping.0.to_bits();
         assert!((0..=1).contains(&off), "{found:?} {expected:?}");
     }

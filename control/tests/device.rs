@@ -38,7 +38,7 @@ struct Real {
     damping_n_m_s_per_rad: f64,
     count_rad: f64,
     delay_ticks: f64,
-    /// Amplitude of the encoder's error, rad, and its periods in a turn.
+    /// Amplitude of the encoder's sinusoidal error, rad, and the number of its periods per turn.
     error: (f64, f64),
 }
 
@@ -54,8 +54,8 @@ impl Real {
     }
 }
 
-/// Most energy, J, that a hand gets out of the device `real` in any window of time, beyond the refill. The guard is made for
-/// `told`.
+/// Most energy, J, that a hand gets out of the device `real` in any window of time, beyond the refill. The guard is made for the
+/// device description `told`.
 ///
 /// `hand` gives the true position in each tick. `law` gives the force from the tick, the measured position and its change.
 fn gets_j(
@@ -92,7 +92,8 @@ fn gets_j(
     best
 }
 
-/// The bound: the account's capacity and half the position's uncertainty under the largest force that a full account allows.
+/// The bound: the account's capacity, plus the work of the largest force that a full account allows over half of the position's
+/// uncertainty.
 fn bound_j(device: &Device) -> f64 {
     let guard = device.guard::<Fixed32>().expect("valid").guard;
     let capacity_j = guard.capacity.to_si().to_num::<f64>();
@@ -205,8 +206,8 @@ fn fewer_counts_than_told_give_energy_out_and_more_do_not() {
 fn an_encoder_error_beyond_the_told_one_gives_energy_out() {
     let mut told = knob();
     told.delay = Si::ZERO;
-    // The law drives the hand where the encoder shows less motion than there is, and brakes it where the encoder shows more.
-    // `share` shifts the boundary between the two.
+    // At angles where the encoder shows less motion than there is, the law drives the hand; where the encoder shows more, the law
+    // brakes the hand. `share` shifts the boundary between the two.
     let with = |told: &Device, error: (f64, f64), share: f64| {
         let real = Real {
             error,
@@ -240,7 +241,7 @@ fn an_encoder_error_beyond_the_told_one_gives_energy_out() {
             "{degrees} degrees, {periods} a turn: {as_told:.4} of {bound:.4} J as told, {untold:.4} of {few:.4} J untold"
         );
         assert!(as_told <= bound);
-        // In 20 s slow errors do not yet give more than the bound.
+        // In 20 s, errors with few periods per turn do not yet give more than the bound.
         assert!(periods < 16.0 || untold > 1.5 * few);
     }
 }

@@ -2,7 +2,7 @@
 //
 //   openscad -D 'part="knob"' -o knob.stl docs/knob/knob.scad        (also "magnet" and "bracket")
 //
-// All lengths in mm. Measure your motor, magnet and encoder board first: the numbers below are an example, of no data sheet.
+// All lengths in mm. Measure your motor, magnet and encoder board first: the numbers below are examples.
 
 part = "all";             // "knob", "magnet", "bracket" or "all"
 
@@ -31,14 +31,14 @@ board_screw_d = 2.2;      // for M2
 knob_d = 45;
 knob_h = 16;
 wall = 3;
-fit = 0.2;                // added to every diameter that must slide
+fit = 0.2;                // clearance between two diameters
 $fn = 48;
 
 assert(gap >= 0.5 && gap <= 2, "gap must be 0.5 to 2 mm: the chip reads no other");
 assert(magnet_d + 2 <= hollow_d, "the magnet's holder must turn freely: hollow_d must exceed magnet_d by 2 mm");
 assert(magnet_out + gap + chip_h < 20, "the board would hang too far below the motor");
 
-// The board's top lies so far below the motor's back.
+// From the motor's back down to the encoder board's top.
 board_depth = magnet_out + gap + chip_h;
 
 module ring_of_holes(circle, d, h) {
@@ -46,7 +46,7 @@ module ring_of_holes(circle, d, h) {
         rotate(i * 360 / screws) translate([circle / 2, 0, -1]) cylinder(d = d + fit, h = h + 2);
 }
 
-// Sits over the rotor. 20 grooves for the fingers; screws from above.
+// A cap over the rotor: 20 grooves for the fingers, screws from above.
 module knob() {
     difference() {
         cylinder(d = knob_d, h = knob_h);
@@ -80,7 +80,7 @@ module bracket() {
             for (x = [-1, 1], y = [-1, 1]) {
                 translate([x * (side / 2 - wall), y * (side / 2 - wall), 0])
                     translate([-wall, -wall, 0]) cube([2 * wall, 2 * wall, wall + leg_h]);
-                // The plate is as thick as wall; the motor stands on its other side.
+                // The posts start inside the plate; the motor is on the plate's other side.
                 translate([x * posts[0], y * posts[1], 0]) cylinder(d = board_screw_d + 3, h = board_depth);
             }
         }

@@ -20,7 +20,7 @@ pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, 
     Device::new(settings, hardware)
 }
 
-/// Gives the device other settings.
+/// Gives the device other settings, which are used from the next calibration on.
 ///
 /// # Errors
 /// Same as [`Device::configure`].
@@ -47,7 +47,7 @@ pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> Co
     output
 }
 
-/// Packs the current command of a control period into words for the mailbox that the current loop reads.
+/// Packs a control period's command to the current loop into words for the mailbox that the loop reads.
 #[inline(never)]
 pub fn down(output: &ControlOutput) -> CommandWords {
     output.mailbox().to_words()

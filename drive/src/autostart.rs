@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The longest time without a frame from the computer (`limits.host_silence_s`) is checked only after the computer's first frame.
-//! So a knob runs without a computer, and pulling the cable during a session switches the outputs off. The stop button always
-//! works.
+//! So after an automatic start a knob runs without a computer, but pulling the cable after a frame has come switches the outputs
+//! off. The stop button always works.
 
 use crate::reset::ResetReason;
 use touchstone_protocol::{Command, SelfStart, State};
@@ -32,7 +32,7 @@ const JITTER: u64 = 4;
 
 /// The board's values that are the inputs of one step of the automatic start.
 #[derive(Debug, Clone, Copy)]
-pub struct Glance {
+pub struct AutostartInput {
     /// State of the device.
     pub state: State,
     /// Whether the supply voltage is within its limits.
@@ -49,10 +49,10 @@ pub struct Glance {
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
-    /// Steps of 10 ms in the present phase; `rest`: the last ones in a row in which supply and shaft were in order.
+    /// Steps of 10 ms in the present phase; `rest`: the number of latest steps in a row in which supply and shaft were in order.
     steps: u32,
     rest: u32,
-    /// Encoder count at which the shaft was last seen at rest.
+    /// Encoder count from which the shaft's rest is measured: the count at its last motion.
     count: i64,
 }
 
@@ -92,7 +92,7 @@ impl Autostart {
     }
 
     /// Runs one step of the automatic start (every 10 ms); returns a command for the next control period, if one is due.
-    pub fn step(&mut self, now: &Glance) -> Option<Command> {
+    pub fn step(&mut self, now: &AutostartInput) -> Option<Command> {
         let is_first = self.told == SelfStart::Waiting;
         if !is_first && self.told != SelfStart::Checking {
             return None;
@@ -103,7 +103,7 @@ impl Autostart {
         let waits_for = match (now.state, is_first) {
             (State::Boot, true) => REST,
             (State::Ready, false) => REST_AGAIN,
-            // The command is being passed on or carried out.
+            // The command to calibrate has not acted yet, or the calibration runs.
             (State::Boot | State::Calibrating, false) => return None,
             (State::Fault(_), _) => return self.ends(SelfStart::Faulted, None),
             _ => return self.ends(SelfStart::NotReady, None),
@@ -144,7 +144,7 @@ impl Autostart {
 mod tests {
     use super::*;
 
-    const GOOD: Glance = Glance {
+    const GOOD: AutostartInput = AutostartInput {
         state: State::Boot,
         is_supplied: true,
         count: 77,
@@ -153,7 +153,7 @@ mod tests {
     };
 
     /// The first command that these inputs bring within a minute, and after how many seconds.
-    fn first(autostart: &mut Autostart, now: Glance) -> Option<(Command, f64)> {
+    fn first(autostart: &mut Autostart, now: AutostartInput) -> Option<(Command, f64)> {
         let step = |step: u32| {
             let command = autostart.step(&now)?;
             Some((command, f64::from(step * STEP_MS) / 1e3))
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn it_waits_ten_seconds_for_the_supply_and_three_after_the_check() {
-        let dark = Glance {
+        let dark = AutostartInput {
             is_supplied: false,
             ..GOOD
         };
@@ -179,7 +179,7 @@ mod tests {
             matches!(checks, Some((Command::Calibrate, _))),
             "{checks:?}"
         );
-        let dark = Glance {
+        let dark = AutostartInput {
             state: State::Ready,
             ..dark
         };

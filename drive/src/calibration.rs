@@ -5,16 +5,18 @@
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
 //! ```
 //!
-//! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
+//! 1. With the bridge off, the current loop takes the mean of 1,024 readings of each current sensor. The mean must be near the
+//!    schematic's value.
 //! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical
 //!    turn. A rotor that stood against the field begins to turn late, and then swings about the field. The field waits as long as
 //!    the rotor swings, up to three seconds.
-//! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to
-//!    stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
+//! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it
+//!    back; the rotor follows. In the first electrical turn of each direction no samples are taken: that turn frees a rotor that
+//!    happened to stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole
+//!    pairs.
 //! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the
-//!    rotor lag behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is
-//!    over a whole turn, an eccentric magnet does not change it.
+//!    rotor lag behind the field, in opposite directions on the way forward and back, so the mean of both is right. Because the
+//!    mean is over a whole turn, an eccentric magnet does not change it.
 //!
 //! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!
@@ -46,7 +48,7 @@ pub enum Reason {
     OffsetsLate = 1,
     /// The shaft did not move as far as the settings' number of pole pairs and counts per turn predict.
     PolePairs = 2,
-    /// The shaft did not return to the position where it began: it slipped by a pole.
+    /// The shaft did not return to the position where it began: the rotor slipped by a pole.
     NotBack = 3,
     /// The shaft did not follow the field: it is held or loaded, or the encoder is not on the motor's shaft.
     Uneven = 4,
@@ -116,7 +118,7 @@ pub enum Progress {
 /// Number of samples per electrical turn, as a power of two (3: eight samples).
 const SAMPLES_LOG2: u32 = 3;
 /// Largest allowed spread (largest less smallest) of the sampled angles between field and rotor, in 1/65,536 electrical turns: a
-/// quarter turn, where the torque is largest.
+/// quarter turn, the angle at which the torque is largest.
 const SPREAD: i32 = 0x4000;
 
 /// Longest time in quarters of a second that a rotor may swing in the field before the field turns.
@@ -194,7 +196,7 @@ impl Calibration {
     /// Runs one control period (tick) of the calibration. Takes the unwrapped encoder count and the current loop's report.
     ///
     /// In a control period without a good encoder reading the caller does not call this function: the outputs are off, and the
-    /// field waits.
+    /// field stands still.
     pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
         self.ticks = self.ticks.saturating_add(1);
         #[cfg(feature = "large")]
@@ -257,14 +259,14 @@ impl Calibration {
 
     fn offsets(&mut self, tick: u32, report: &CurrentReport) -> Progress {
         let config = &self.config;
-        // The current loop discards old offsets in the first PWM period in which it sees the command, which is before the third
+        // The current loop discards old offsets in the first PWM period in which it reads the command, which is before the third
         // control period.
         if self.ticks >= 3
             && let Some(offsets) = report.offsets
             && self.may_begin()
         {
-            // A board without current sensors has no offsets to check. The bridge was off for as long, and a check has waited until
-            // the shaft rests.
+            // A board without current sensors has no offsets to check. The bridge was off for as long, and the check of a stored
+            // alignment has waited until the shaft rests.
             #[cfg(feature = "voltage")]
             if !config.senses {
                 self.enter(Stage::Raise);
@@ -324,7 +326,7 @@ impl Calibration {
             (self.began, self.ended) = (count, count);
             return None;
         }
-        // Even with ripple the current is above three quarters of the commanded one.
+        // If the current follows its command, it is above three quarters of the commanded value even with ripple.
         let least = Amps::from_bits(self.config.current.to_bits() >> 2)
             .saturating_mul(Amps::const_from_int(3));
         if report.current.d < least {
@@ -339,8 +341,8 @@ impl Calibration {
         None
     }
 
-    /// Moves the field by one control period towards the angle `target`. Returns whether it has passed a position at which a sample
-    /// is taken.
+    /// Moves the field by one control period towards the angle `target`. Returns whether the field has passed a position at which
+    /// a sample is taken.
     fn turn(&mut self, forward: bool, target: i64) -> bool {
         self.speed = self
             .speed
@@ -374,10 +376,10 @@ impl Calibration {
     /// Whether the same current needed much more voltage in one direction of the field than in another.
     ///
     /// Let the sensor of phase A read `1/(1 + ε)` of its true current, and let `θ` be the direction of the field. Then the loop
-    /// drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of the commanded current along the field, so the voltage varies by `±0.58 ε`. The
-    /// function allows a quarter of the voltage and half a volt (dead time, the rotor's swing, cogging). For the motor of the
-    /// default settings that is `ε = 0.3`. A warmer winding changes the voltage equally in all directions, so the resistance need
-    /// not be known.
+    /// drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of the commanded current along the field, so the voltage varies by `±0.58 ε`.
+    /// The function allows a quarter of the voltage and half a volt (dead time, the rotor's swing, cogging). For the motor of the
+    /// default settings this allows up to `ε = 0.3`. A warmer winding changes the voltage equally in all directions, so the
+    /// resistance need not be known.
     fn is_unbalanced(&self) -> bool {
         let quarter = Volts::from_bits(self.least.max(Volts::ZERO).to_bits() >> 2);
         let half_volt = Volts::from_bits(1 << 15);
@@ -429,7 +431,7 @@ impl Calibration {
         if inside && passed {
             self.sample(field, count);
         }
-        // The field is back where the examined forward turn began.
+        // `ended` follows the count until the field is back where the examined forward turn began.
         if field_turns(self.field) >= 1 {
             self.ended = count;
         }

@@ -36,23 +36,24 @@ const REST_MAX: i64 = ONE / 50;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// The calculated response of the current to a step of the commanded current, as controller and bridge produce it. It gives the
-/// fraction of the step that is still missing after each quarter of a PWM period. The loop's answer to a sampled error begins half
-/// a PWM period later and lasts one PWM period `T`. It changes the current by `ω T` times the error, with the loop's bandwidth `ω`.
+/// The calculated response of the current to a step of the commanded current, as controller and bridge produce it. The response
+/// is the fraction of the step that is still missing after each quarter of a PWM period. The loop's answer to a sampled error
+/// begins half a PWM period later and lasts one PWM period `T`. This answer changes the current by `ω T` times the error, with
+/// the loop's bandwidth `ω`.
 struct Answer {
     /// Fraction of an error by which the loop changes the current in a quarter of a PWM period: bandwidth times period, `ω T/4`.
     step: i64,
     /// Current error at the sample before the last, on which the loop acts in the first half of a PWM period.
     before: i64,
-    /// Current error at the last sample. It is zero at first, because the sample at the start of the control period was taken
-    /// before the step of the command.
+    /// Current error at the last sample. The error is zero at first, because the sample at the start of the control period was
+    /// taken before the step of the command.
     last: i64,
     /// Fraction of the commanded change of force that is still missing; the module's text calls it `H`.
     missing: i64,
     /// Quarters of a PWM period since the currents were sampled at the start of the control period.
     quarter: u32,
     /// Only for a drive by voltage instead of current: fraction of the missing current that the winding gains in a quarter of a
-    /// period.
+    /// PWM period.
     #[cfg(feature = "voltage")]
     winding: Option<i64>,
 }
@@ -210,7 +211,7 @@ impl ChangeConfig {
             answer.next();
         }
         for quarter in 0..tick {
-            // The encoder is read as soon as half of the change of force has come.
+            // The encoder is read at the first PWM period in which half of the change of force has acted.
             if quarter & 3 == 0 && read_at.is_none() && answer.missing <= ONE / 2 {
                 read_at = u16::try_from(quarter / 4).ok();
             }
@@ -270,8 +271,8 @@ impl ChangeConfig {
     }
 }
 
-/// The settings from which a device's control law is computed. If the position is measured when the force changes, the board's own
-/// delay is added to the settings of the energy guard.
+/// The settings from which a device's control law is computed. If the position is measured when the force changes, the energy
+/// guard's delay and lag are those that are calculated for the board, not the configured ones.
 ///
 /// # Errors
 /// Same as [`ChangeConfig::new`].

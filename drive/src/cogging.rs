@@ -77,7 +77,7 @@ impl Played {
     }
 
     /// The current that compensates the cogging; positive if its torque acts towards rising counts. Takes the position in counts
-    /// from the encoder's zero, and the speed.
+    /// from the encoder's zero, and the speed in rad/s.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {
@@ -174,7 +174,7 @@ mod tests {
             let found: f64 = played.current(count, I16F16::ZERO).to_num();
             worst = worst.max((found - exact).abs());
         }
-        // The linear interpolation errs by up to 0.83 % of the 22 mA, the current's step of 0.12 mA by half of it.
+        // The linear interpolation errs by up to 0.83 % of the 22 mA, the rounding to current steps of 0.12 mA by half a step.
         assert!(worst < 3.5e-4, "{worst}");
     }
 

@@ -53,7 +53,7 @@ pub struct Rotor {
 }
 
 impl Rotor {
-    /// The cogging map's current, limited to `left`, the current that the control law's force leaves unused; 0 without a map.
+    /// The cogging map's current, limited to `left`, the current limit that the temperatures allow; 0 without a map.
     #[inline(always)]
     #[cfg(feature = "large")]
     fn added(&self, left: Amps) -> Amps {
@@ -138,7 +138,7 @@ impl ThreePhase {
 impl Drive for ThreePhase {
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
-        // This is at most the limit, as the derating is at most 1.
+        // This is at most the limit, because the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
         let added = rotor.added(left);
@@ -266,7 +266,7 @@ mod tests {
             panic!("{driven:?}")
         };
         let limits = driven.limits;
-        // The reported torque is the one that the current gives, and never more than requested.
+        // The reported torque is that of the current, and never more than requested.
         let (left, given) = (
             driven.torque.0.to_num::<f64>(),
             0.25 * command.current.q.to_num::<f64>(),
@@ -352,8 +352,8 @@ mod tests {
             (q, driven.torque.0.to_num::<f64>(), is_limited)
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
-        // The cogging map uses a part of the 2 A. The reported force is that of the remaining current; it never has the other sign,
-        // nor is it more than requested.
+        // The cogging map uses a part of the 2 A. The reported force is that of the remaining current. This force never has the
+        // sign opposite to the requested one, nor is it larger.
         for (nm, map, derating, q, told, limited) in [
             (0.1, 0.05, 1 << 16, 0.45, 0.1, false),
             (0.5, 0.1, 1 << 16, 2.0, 0.475, true),

@@ -49,7 +49,7 @@ pub struct Config {
     pub electrical: ElectricalScale,
     /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// Time and use of the second encoder reading, at the change of force; `None` where no second reading is used.
+    /// Time and use of the second encoder reading, at the change of force; `None` if no second reading is used.
     pub change: Option<ChangeConfig>,
     /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,
@@ -67,7 +67,7 @@ impl Config {
         let rate = Si::saturating_from_num(settings.timing.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
         // The quotient has 32 fractional bits, so its bits are the step. A time below a control period gives the whole torque at
-        // once. The step is rounded up, so that the torque is complete in the last of these periods.
+        // once. The step is rounded up, so that the torque is complete in the last period of the fade-in.
         let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
             .unwrap_or(u32::MAX)
             .saturating_add(1);

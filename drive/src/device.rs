@@ -91,7 +91,7 @@ impl Device {
         &self.law
     }
 
-    /// Tells the device why the processor started. Some reasons are faults; the next control period latches them.
+    /// Reports to the device why the processor started. Some reasons are faults; the next control period latches them.
     pub fn started(&mut self, reason: ResetReason) {
         if reason != ResetReason::PowerOn {
             self.supervisor
@@ -330,7 +330,8 @@ impl Device {
         if self.swept.running.is_some() {
             return self.swept(tick, count, self.map_here(scenery));
         }
-        // The calibration is built in its first control period, because the one that switches the settings already takes long.
+        // The calibration is built in its first control period, because the control period that switches the settings already
+        // takes long.
         let progress = self
             .calibration
             .get_or_insert_with(|| Calibration::new(config.calibration))

@@ -112,7 +112,7 @@ impl<const N: usize> Down<N> {
     fn put(&self, values: &[u32; N]) {
         let second = !self.use_second.load(Ordering::Relaxed);
         store(if second { &self.second } else { &self.first }, values);
-        // On one core an interrupt sees memory in the order of the instructions.
+        // On one core an interrupt reads memory in the order of the instructions.
         compiler_fence(Ordering::SeqCst);
         self.use_second.store(second, Ordering::Relaxed);
     }
@@ -166,15 +166,15 @@ impl<const N: usize> Up<N> {
         self.get_interrupted(|| ())
     }
 
-    /// Same as `get`, but calls `interrupt` between any two steps, to stand for an interrupt that comes there.
+    /// Same as `get`, but calls `interrupt` between any two steps, to simulate an interrupt at that point.
     #[inline(always)]
     fn get_interrupted(&self, mut interrupt: impl FnMut()) -> [u32; N] {
         let second = self.last_is_second.load(Ordering::Relaxed);
         interrupt();
         self.reads_second.store(second, Ordering::Relaxed);
-        // On one core an interrupt sees memory in the order of the instructions. From here on the announced place holds a complete
-        // value, and the writer leaves it alone. A write between the two lines above makes the value older or newer, but never
-        // mixed.
+        // On one core an interrupt reads memory in the order of the instructions. From here on the announced place holds a
+        // complete value, and the writer leaves it alone. A write between the two lines above makes the value older or newer, but
+        // never mixed.
         compiler_fence(Ordering::SeqCst);
         let words = if second { &self.second } else { &self.first };
         let mut values = [0; N];
@@ -214,7 +214,7 @@ mod tests {
         }
     }
     /// Checks that no read mixes two reports. Zero to two writes fall between any two steps of a read, in every combination; the
-    /// base-3 digits of a number select it.
+    /// base-3 digits of a number select the combination.
     #[test]
     fn no_report_is_torn_however_often_its_reading_is_interrupted() {
         const WORDS: usize = 6;

@@ -5,13 +5,13 @@
 //!   -> penetration, law (control, unchanged) -> torque -> current (command) -> mailbox -> current loop (current) -> compare values
 //! ```
 //!
-//! The firmware's interrupts mainly make two calls: [`CurrentLoop::tick`] once per PWM period and [`Device::tick`] once per control
-//! period. No call waits, allocates, panics, reads a clock or a register, or calculates with floats. So all run the same on any
-//! host.
+//! The firmware's interrupts mainly make two calls: [`CurrentLoop::tick`] once per PWM period and [`Device::tick`] once per
+//! control period. No call waits, allocates, panics, reads a clock or a register, or calculates with floats. So all functions
+//! give the same results on any machine.
 //!
-//! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command, [`current`]
-//! for one PWM period. Then [`supervisor`] for the faults, and [`calibration`] for the values that must be known before the first
-//! torque.
+//! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command,
+//! [`current`] for one PWM period, [`supervisor`] for the faults, and [`calibration`] for the values that must be known before
+//! the first torque.
 //!
 //! | word | meaning | type |
 //! |---|---|---|

@@ -2,16 +2,18 @@
 //! (`touchstone_lab::identify::motor`).
 //!
 //! ```text
-//! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
+//! Low -> High -> 4 x (Brake -> Push -> Coast) -> Brake -> done
 //! ```
 //!
 //! 1. A current vector turns far faster than the rotor can follow, first with half of the calibration's current, then with all of
 //!    it. In the frame that turns with the current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the
 //!    same at both currents and cancels out.
-//! 2. A quarter of the calibration's current pushes the shaft up to a speed, in both directions. After each push the bridge is off,
-//!    and the knob coasts. The voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
+//! 2. A quarter of the calibration's current pushes the shaft up to a speed, in both directions. After each push the bridge is
+//!    off, and the knob coasts. The voltage of a push rises with the speed in proportion to the flux; the motion gives inertia,
+//!    damping and friction.
 //!
-//! Every stage ends after a fixed number of control periods. A push that does not move the shaft is a failure.
+//! Every stage ends after a fixed number of control periods. A push that does not bring the shaft to an eighth of the wanted
+//! speed is a failure.
 
 use crate::Amps;
 use crate::angle::Angle;

@@ -1,7 +1,8 @@
 //! Space-vector modulation: converts a voltage vector to three compare values.
 //!
-//! The three phase voltages are shifted by half the sum of the largest and the smallest. This gives the same switching times as the
-//! method of sectors and dwell times. The voltage between two phases can reach the whole bus voltage, and a vector `bus/√3`.
+//! The three phase voltages are shifted by half the sum of the largest and the smallest. This gives the same switching times as
+//! the method of sectors and dwell times. The voltage between two phases can reach the whole bus voltage, the length of a voltage
+//! vector `bus/√3`.
 
 use crate::Volts;
 use crate::transform::AlphaBeta;
@@ -46,7 +47,7 @@ impl Modulator {
     #[inline]
     #[must_use]
     pub fn duties(&self, v: AlphaBeta, bus: Volts) -> [u16; 3] {
-        // Counts per volt with 23 fractional bits: one division of 32 bits.
+        // `scale` below is in counts per volt with 7 fractional bits: one division of 32 bits.
         let divisor = bus.to_bits().max(0).unsigned_abs() >> 8;
         if divisor <= 256 {
             return self.zero();
@@ -68,7 +69,7 @@ impl Modulator {
         [a, b, c].map(|phase| {
             let wide = i64::from(phase.wrapping_sub(common)) * i64::from(scale);
             let count = clamp_i32((middle + wide + (1 << 21)) >> 22);
-            // The result fits into u16, as `most` does.
+            // The result fits into u16, because `most` does.
             count.min(most).max(least) as u16
         })
     }

@@ -11,8 +11,8 @@
 //!
 //! Below the limit this is the usual sum, `s' = s + k_i T (i* - i)`. At the limit `s` follows the real voltage with the winding's
 //! own time constant. So when the limit is left, `s` is the voltage of the resistance: there is no wind-up and no tail (Hanus'
-//! conditioned controller). As `s'` is a weighted mean of `s` and `v`, it never exceeds the limit or its earlier value. If the bus
-//! voltage falls, `s` follows.
+//! conditioned controller). Because `s'` is a weighted mean of `s` and `v`, it never exceeds the larger of the limit and its
+//! earlier value. If the bus voltage falls, `s` follows.
 
 use crate::settings::out_of_format;
 use crate::units::{clamp_i32, narrow, product, quotient, share_of};

@@ -17,13 +17,13 @@ pub struct Record {
     pub state: State,
     /// The limits that act in this period.
     pub limits: Limits,
-    /// Encoder counts since the calibration, as passed to the control law.
+    /// Encoder count relative to the zero, which is set at a calibration and by [`crate::Device::zero_here`].
     pub count: i64,
     /// Whether the control law ran in this period: the device was armed, and the encoder reading was good.
     pub law_ran: bool,
     /// Penetration `e` into the wall at the last good encoder reading, rad.
     pub penetration: Position<Fixed32>,
-    /// Displacement since the force changed, as if the whole change had come at one instant, rad; 0 where that is not measured
+    /// Displacement since the force changed, as if the whole change had come at one instant, rad; 0 if that is not measured
     /// ([`crate::change`]).
     pub since_change: Position<Fixed32>,
     /// Force that the control law returned after its energy guard, N·m.
@@ -47,7 +47,7 @@ pub struct Record {
     pub temperature: Option<Celsius>,
     /// Speed of the shaft, rad/s.
     pub speed_rad_per_s: I16F16,
-    /// Lateness of this control period and duration of the one before, in processor cycles.
+    /// Lateness of this period's control interrupt, and running time of the previous period's interrupt, in processor cycles.
     pub timing: TickTiming,
 }
 

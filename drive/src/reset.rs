@@ -7,7 +7,7 @@ use touchstone_protocol::FaultCode;
 pub struct ResetFlags {
     /// The brown-out detector caused the reset; the flag is also set when power comes on.
     pub brown_out: bool,
-    /// The reset pin was low; every other reset sets this flag too, as it pulls the pin low.
+    /// The reset pin was low; every other reset sets this flag too, because it pulls the pin low.
     pub pin: bool,
     /// The reset was caused by software.
     pub software: bool,

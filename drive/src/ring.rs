@@ -108,7 +108,8 @@ pub struct Ring {
     /// Index at which the next record is stored.
     next: usize,
     length: usize,
-    /// Number of control periods left out since the last stored record.
+    /// Number of control periods that are left out between two stored records; `since`: control periods since the last stored
+    /// record.
     skipped: u16,
     since: u16,
     frozen: bool,
@@ -197,7 +198,7 @@ impl Ring {
         self.length == 0
     }
 
-    /// The bytes of the record with this index; 0 is the oldest.
+    /// The bytes of the record with this index; 0 is the oldest. `None` if there is no such record.
     #[must_use]
     pub fn get(&self, index: usize) -> Option<&[u8; BYTES]> {
         if index >= self.length {

@@ -1,7 +1,7 @@
 //! The forces that the knob renders: the single wall of the settings, or an environment of several walls and detents on boards with
 //! enough memory.
 //!
-//! An environment is not a part of the device struct, as its kilobytes are too large for a stack.
+//! An environment is not a part of the device struct, because its kilobytes are too large for a stack.
 
 use touchstone_control::law::View;
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Position};
@@ -19,7 +19,7 @@ pub(crate) struct Here {
     pub count: i64,
     /// Penetration at this position behind the surface of the settings' wall.
     pub penetration: Position<Fixed32>,
-    /// Displacement since the force changed; `None` where it is not measured.
+    /// Displacement since the force changed; `None` if it is not measured.
     pub since_change: Option<Position<Fixed32>>,
 }
 
@@ -31,7 +31,7 @@ pub(crate) trait Scenery {
     /// Restarts the control law while the device stays armed, after the energy guard has tripped without a fault.
     fn again(&mut self, law: &mut Law, fresh: &Law);
     /// Runs one control period while armed; returns the force, positive against rising positions (`+x`). The encoder's scale is
-    /// passed by reference, as a copy takes time.
+    /// passed by reference, because a copy takes time.
     fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32>;
     /// Reports to the control law the force that was really commanded, after later stages changed it.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
@@ -46,7 +46,7 @@ pub(crate) trait Scenery {
     fn view(&self, law: &Law) -> View<Fixed32>;
     /// Whether an environment (walls and detents) is rendered in place of the settings' single wall.
     fn runs(&self) -> bool;
-    /// Tells the rendered scene that a calibration has switched to other settings.
+    /// Reports that a calibration has switched to other settings.
     fn calibrated(&mut self, law: &mut Law);
     /// The cogging map with which the board compensates cogging; `None` without one.
     #[cfg(feature = "large")]

@@ -47,7 +47,7 @@ const fn over_root_3(x: i64) -> i64 {
 }
 
 impl AlphaBeta {
-    /// Clarke's transform of phases A and B. The third phase is their negative sum, as the star point is not connected.
+    /// Clarke's transform of phases A and B. The third phase is their negative sum, because the star point is not connected.
     #[inline]
     #[must_use]
     pub const fn from_phases(a: I16F16, b: I16F16) -> Self {

@@ -13,12 +13,12 @@ use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
 
-/// Number of control periods outside the wall after which forces are compared, if the model's records do not begin with the arming.
-/// The memory of the law's speed estimator fades within some periods of the estimator's bandwidth, so the estimate is right by
-/// then.
+/// Number of control periods outside the wall after which forces are compared, if the model's records do not begin with the
+/// arming. The memory of the law's state estimator fades within some periods of the estimator's bandwidth, so the estimate is
+/// right by then.
 const FINDS_IN: u32 = 500;
 
-/// How much of the memory of the device's control law the copy has.
+/// Whether the copy has the whole memory of the device's control law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
     /// The law's whole memory: the copy has run since the device was armed.
@@ -59,8 +59,8 @@ impl Twin {
         })
     }
 
-    /// The model's force in the control period of this record. `None` where the device's control law does not run, or where the
-    /// copy does not have the law's memory.
+    /// The model's force in the control period of this record. `None` if the device's control law does not run, or if the copy
+    /// does not have the law's memory.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
         let limits = Limits::from_wire(record.limits);
         let has_reading = !limits.has(Limit::Encoder);
@@ -150,7 +150,7 @@ impl Twin {
                 driven.torque.0.to_bits().saturating_neg(),
             )));
         }
-        // As in the device, the control law restarts after a fast motion of a free knob, and where the wall gives no force.
+        // As in the device, the control law restarts after a fast motion of a free knob, and beyond the reach of the wall.
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         let is_free = self.law.view().contact == Contact::Free;
         if self.law.tripped() {

@@ -1,5 +1,5 @@
-//! Build script. Compiles into the program the Git commit and the compiler from which it was built. Outside a checkout of this
-//! repository there is no commit, and the program says so.
+//! Build script. Compiles into the program the Git commit and the compiler from which it was built. Without a checkout of this
+//! repository the commit is that of the package, if `cargo package` made it; else the program says that it knows no commit.
 
 use std::path::Path;
 use std::process::Command;
@@ -51,7 +51,8 @@ fn checkout() -> Option<(String, bool)> {
     ];
     status.extend(sources);
     let modified = !git(&status)?.is_empty();
-    // A commit or a change of branch writes HEAD or its log. A path that is not there would make every build run this again.
+    // A commit or a change of branch writes HEAD or its log. A listed path that does not exist would make Cargo run this script
+    // in every build, so only existing paths are listed.
     let mut watched: Vec<String> = ["HEAD", "logs/HEAD"]
         .iter()
         .filter_map(|file| git(&["rev-parse", "--git-path", file]))

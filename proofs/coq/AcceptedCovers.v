@@ -1,6 +1,7 @@
-(** Whatever [Guard::new] accepts covers the device that it was told ([accepted_covers]), and one of the same delay that is no worse
-    ([no_worse_is_covered]), as the guard's theorem asks of a guard ([covers], GuardLosesNothing.v): with a position once a tick
-    ([device_told]) and with one more when the force changes ([device_measured]). *)
+(** Every guard that [Guard::new] accepts covers the device that its settings describe ([accepted_covers]), and every device with
+    the same delay that is no worse ([no_worse_is_covered]). The guard's theorem defines what it means to cover a device
+    ([covers], GuardLosesNothing.v). The device is [device_told] with one position a tick, [device_measured] with one more when
+    the force changes. *)
 
 Require Import ZArith QArith Qabs Qminmax Lqa Lia Bool.
 From Touchstone Require Import Guard Port GuardLosesNothing GuardSettings AcceptedIsValid.
@@ -10,7 +11,7 @@ Section Told.
 
 Context {S : settings} {T : told} {Fits : fitting}.
 
-(** * What the theorem asks, times what clears its quotients *)
+(** * The theorem's conditions, multiplied so that they contain no quotient *)
 
 Definition late_ticks : Z := (set_delay S + set_lag S) * told_rate T.
 
@@ -58,11 +59,11 @@ Proof.
     numbers. nia.
 Qed.
 
-(** * The device that is told *)
+(** * The device that the settings describe *)
 
 Open Scope Q_scope.
 
-(** The numbers of the settings themselves, not rounded. A position is wrong by half a count, and by a quantum of its own word. *)
+(** The exact values of the settings, not rounded. A measured position is wrong by at most half a count and one quantum. *)
 Definition device_told : device :=
   let c_ := inject_Z (set_share S * set_damping S * told_rate T) / inject_Z (2 ^ 64) in
   let s_ := inject_Z ((set_delay S + set_lag S) * told_rate T) / inject_Z si_one in
@@ -93,7 +94,7 @@ Proof. unfold device_told. cbn [delta]. change (inject_Z (2 ^ 9)) with (512 # 1)
 Lemma damping_exact : inject_Z (2 ^ 64) * c device_told == (set_share S * set_damping S * told_rate T)%Z.
 Proof. unfold device_told. cbn [c]. field. discriminate. Qed.
 
-(** Of a device with this damping, delay, speed and count, what is left to ask is the change of force. *)
+(** For a device with this damping, delay, speed and count, only the conditions on the change of force remain. *)
 Lemma covers_if (rest kap way rou : Q) :
   let D := {| c := c device_told; s := s device_told; r := rest; d := d device_told; delta := delta device_told;
               kappa := kap; way_after := way; rough := rou |} in
@@ -207,7 +208,8 @@ Proof.
   assert (0 <= a * told_rate T) by nia. numbers. lia.
 Qed.
 
-(** The share as stored, wrong by a quantum or by what a tick's digits leave out, over the longest displacement. *)
+(** The error of the stored [late], times the largest measured displacement. [late] is too low by at most a quantum, or too high
+    because the tick's length is rounded down. *)
 Lemma late_error :
   (late_ticks - 2 ^ 8 * late made) * furthest made <= distance_of
   /\ (2 ^ 8 * late made - late_ticks) * furthest made <= set_overspeed S / 256.
@@ -221,7 +223,7 @@ Proof.
     assert (told_rate T * f <= set_overspeed S / 256) by (apply Z.div_le_lower_bound; lia). lia.
 Qed.
 
-(** Without damping a delay is refused. *)
+(** A delay is accepted only with damping, and [stray] then covers its [kappa] up to a quantum. *)
 Lemma stray_enough :
   0 < set_delay S + set_lag S ->
   0 < set_share S * set_damping S
@@ -242,7 +244,7 @@ Proof.
   assert (Q2 : 8 <= split_of <= si_one * si_one).
   { rewrite Split. assert (0 <= share_of * (t - a) / si_one) by (apply Z.div_pos; [exact Q0 | reflexivity]).
     assert (share_of * (t - a) / si_one <= si_one) by (apply Z.div_le_upper_bound; [reflexivity | numbers; nia]). numbers. lia. }
-  (* what the split is for *)
+  (* [split_of] is an upper bound of s (1 - s) ticks *)
   assert (Q3 : late_ticks * (si_one - late_ticks) <= told_rate T * (si_one * split_of)).
   { assert (H1 : late_ticks * (t - a) <= share_of * (t - a)) by (apply Z.mul_le_mono_nonneg_r; lia).
     assert (H2 : a * (si_one - told_rate T * t) <= a * told_rate T) by (apply Z.mul_le_mono_nonneg_l; lia).
@@ -267,7 +269,7 @@ Qed.
 
 Open Scope Q_scope.
 
-(** Where a force straddles two ticks, the damping is there: [kappa] is no quotient by nothing. *)
+(** With a delay the device has damping, so [kappa] has no division by zero. *)
 Lemma damping_of_a_delay : 0 < s device_told -> 0 < c device_told.
 Proof.
   intros P. assert (L : (0 < set_delay S + set_lag S)%Z).
@@ -344,7 +346,7 @@ Hypothesis Measured : set_measured S = true.
 
 Open Scope Z_scope.
 
-(** The rest of a tick after the delay, and the lag, in the digits of a tick. *)
+(** The rest of a tick after the delay, and the lag, in units of 2^-32 ticks. *)
 Definition rest_ticks : Z := si_one - set_delay S * told_rate T.
 Definition lag_ticks : Z := set_lag S * told_rate T.
 
@@ -353,7 +355,7 @@ Proof.
   destruct delays as (A & B & _). destruct late_exact as [_ L]. pose proof rate_pos. unfold lag_ticks, rest_ticks. nia.
 Qed.
 
-(** The share of the rest, rounded down, of a rest that is rounded down itself. *)
+(** Bounds of [share_of], the lag as a fraction of the rest of the tick. Both the fraction and the rest are rounded down. *)
 Lemma share_of_rest :
   0 < set_lag S ->
   lag_ticks * si_one <= (share_of + 1) * rest_ticks
@@ -380,7 +382,7 @@ Proof.
   split; [rewrite EZ; lia|]. split; [rewrite EZ; lia | exact N2].
 Qed.
 
-(** Without damping a lag is refused. *)
+(** A lag is accepted only with damping, and [stray] then covers its [kappa] up to a quantum. *)
 Lemma stray_of_rest :
   0 < set_lag S ->
   0 < set_share S * set_damping S
@@ -403,7 +405,7 @@ Proof.
   assert (Q2 : 8 <= split_of <= si_one * si_one).
   { rewrite Split. assert (0 <= f * m / si_one) by (apply Z.div_pos; [exact Q0 | reflexivity]).
     assert (f * m / si_one <= si_one) by (apply Z.div_le_upper_bound; [reflexivity | numbers; nia]). numbers. lia. }
-  (* what the split is for *)
+  (* [split_of] is an upper bound of lag times (rest - lag) over the rest *)
   assert (Q3 : z * (e - z) <= split_of * (t * e)).
   { assert (H1 : z * si_one * (e - z) <= (f + 1) * e * (e - z)) by (apply Z.mul_le_mono_nonneg_r; lia).
     assert (EM : e - z <= t * m + t).
@@ -432,8 +434,9 @@ Qed.
 
 Open Scope Q_scope.
 
-(** The device that is told, with the change of force after the delay at the instant that is measured there, and a lag of its own from
-    there on. From that instant on nothing moves further than the speed of the settings allows, as it is measured. *)
+(** The device that the settings describe, if the position is also read when the force changes. The force begins to change after
+    the delay, at the instant of this reading, and lags from then on. The displacement measured from then on is at most that at
+    the over-speed limit. *)
 Definition device_measured : device :=
   let rest := inject_Z lag_ticks / inject_Z rest_ticks in
   {|
@@ -512,7 +515,7 @@ Proof.
   assert (OO : (set_overspeed S < 256 * oo + 256)%Z) by (unfold oo; pose proof (floors (set_overspeed S) 256 ltac:(reflexivity)); lia).
   assert (OZ : (0 <= oo)%Z) by (apply Z.div_pos; lia).
   destruct (Z.eq_dec (set_lag S) 0) as [E0|P].
-  - (* nothing is late by itself *)
+  - (* without a lag *)
     assert (S0 : share_of = 0%Z).
     { unfold share_of, mean_of. rewrite Measured, E0. reflexivity. }
     assert (LZ : late made = 0%Z) by lia.
@@ -524,7 +527,7 @@ Proof.
     assert (Z0 : (0 < lag_ticks)%Z) by (unfold lag_ticks; nia).
     set (z := lag_ticks) in *. set (e := rest_ticks) in *. set (f := share_of) in *. set (l := late made) in *.
     set (o := set_overspeed S) in *. set (t := told_rate T) in *.
-    (* of the quotient both ways *)
+    (* the stored [late] is too low or too high by little, over [way] *)
     assert (A1 : (o * (z * si_one - 2 ^ 8 * l * e) <= (ww + oo) * (2 ^ 8 * t * si_one))%Z).
     { assert (H1 : (z * si_one - 2 ^ 8 * l * e <= 2 ^ 8 * si_one)%Z).
       { assert (((f + 1) * e <= (2 ^ 8 * l + 2 ^ 8) * e)%Z) by (apply Z.mul_le_mono_nonneg_r; lia). nia. }
@@ -573,11 +576,11 @@ End Measured.
 
 End Told.
 
-(** The claims name both. *)
+(** The claims name settings and device explicitly. *)
 Arguments device_told : clear implicits.
 Arguments device_measured : clear implicits.
 
-(** The device that is told, with a position once a tick or one more when the force changes. *)
+(** The device that the settings describe, with one position a tick or one more when the force changes. *)
 Definition device_of (S : settings) (T : told) : device :=
   if set_measured S then device_measured S T else device_told S T.
 
@@ -585,8 +588,8 @@ Definition device_of (S : settings) (T : told) : device :=
 
 Open Scope Q_scope.
 
-(** Whatever is accepted covers the device that it was told. With what is late by itself, that device has damping: a lag where the
-    position is measured when the force changes, else a delay or a lag. *)
+(** Every accepted guard covers the device that its settings describe. If that device has a lag or, with one position a tick, a
+    delay or a lag, it also has damping. *)
 Theorem accepted_covers (S : settings) (T : told) (G : guard) :
   accepted S T = Some G ->
   covers G (device_of S T) /\ ((0 < mean_of)%Z -> 0 < c (device_of S T)).
@@ -599,7 +602,7 @@ Proof.
     rewrite <- Zlt_Qlt. apply Z.mul_pos_pos; [unfold si_add in P; lia | exact rate_pos].
 Qed.
 
-(** Of the same delay, and otherwise no worse. *)
+(** [D] has the same delay as [told_of] and is otherwise no worse. *)
 Record no_worse (D told_of : device) : Prop := {
   same_share : s D == s told_of;
   same_rest : r D == r told_of;

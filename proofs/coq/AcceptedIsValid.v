@@ -1,15 +1,15 @@
-(** Whatever [Guard::new] accepts is a guard as the model checker's harnesses assume one ([accepted_is_valid]). On the way: what the
-    settings that it accepts come to, in plain numbers without the ends of the arithmetic, and each word of the guard beside the setting
-    that it is made of. AcceptedCovers.v goes on from there. *)
+(** Every guard that [Guard::new] accepts satisfies the assumptions of the model checker's harnesses ([accepted_is_valid]). The
+    lemmas before that theorem give the derived quantities of accepted settings without the limits of the arithmetic, and each
+    coefficient of the guard in terms of its settings. AcceptedCovers.v uses them too. *)
 
 Require Import ZArith Lia Bool.
 From Touchstone Require Import Guard GuardLosesNothing GuardSettings.
 Open Scope Z_scope.
 
-(** * Valid *)
+(** * Valid guards *)
 
-(** What the model checker's harnesses assume of a guard ([Valid for Guard], proofs/src/guard.rs), in integers: every word within its
-    ends, everything of which the books make sums within a quarter of them. *)
+(** What the model checker's harnesses assume of a guard ([Valid for Guard], proofs/src/guard.rs), in integers: each coefficient
+    is within its range, and each value that enters the guard's sums is within a quarter of its range. *)
 Record valid (G : guard) : Prop := {
   valid_capacity : 0 <= capacity G < 2 ^ 53;
   valid_refill : 0 <= refill G < 2 ^ 53;
@@ -25,11 +25,11 @@ Record valid (G : guard) : Prop := {
   valid_largest : largest G < 2 ^ 29;
   valid_damped : damping G * furthest G / 2 ^ 12 < 2 ^ 29;
   valid_strays : stray G * (2 * largest G) / 2 ^ 24 < 2 ^ 29;
-  (* the reserve of the largest force is less than the account that allows it *)
+  (* the reserve of the largest force is at most the full account, which allows that force *)
   valid_reserve : largest G * in_flight G <= capacity G
 }.
 
-(** * What was accepted, in plain numbers *)
+(** * Accepted settings, without the limits of the arithmetic *)
 
 Ltac numbers := unfold si_one, si_most, highest_signal, up_bits, step_bits, room_bits in *.
 
@@ -38,11 +38,11 @@ Proof. intros H. pose proof (Z.mul_div_le a b H). pose proof (Z.mul_succ_div_gt 
 
 Ltac divided := Z.to_euclidean_division_equations; lia.
 
-(** Below a quarter: the word itself, in bits of a setting. *)
+(** A value that passes [quarter_fits] is below a quarter of a signal's range, in units of 2^-32. *)
 Lemma quarter_of (x : Z) : quarter_fits x = true -> x < 2 ^ 37.
 Proof. unfold quarter_fits, signal_fits, signal_of, si_mul. rewrite Z.leb_le. numbers. divided. Qed.
 
-(** That the settings at hand are accepted: found where it is not named, as they are. *)
+(** The settings in use are accepted. It is a type class, so Coq infers it like settings and device. *)
 Class fitting {S : settings} {T : told} : Prop := fit : fits = true.
 
 Lemma accepted_made (S : settings) (T : told) (G : guard) : accepted S T = Some G -> fitting /\ G = made.
@@ -81,7 +81,7 @@ Qed.
 Lemma rate_pos : 0 < told_rate T.
 Proof. pose proof (check_rate checks). lia. Qed.
 
-(** As a setting it has 31 digits before the point. *)
+(** The rate is not limited by the arithmetic, because a setting has 31 binary digits before the point. *)
 Lemma rate_exact : rate_of = told_rate T * si_one.
 Proof. pose proof (check_rate checks). unfold rate_of. numbers. lia. Qed.
 
@@ -181,7 +181,7 @@ Proof.
     clearbody m f f2. nia.
 Qed.
 
-(** What a force on a full account comes to, before it is rounded to the words. *)
+(** The largest change of force, and the largest force on a full account, before rounding to the number format. *)
 Lemma largest_change_exact :
   largest_change_of = 2 * (set_capacity S * per_reach_of / si_one + 8)
   /\ 0 <= set_capacity S * per_reach_of / si_one <= room_bits.
@@ -203,7 +203,7 @@ Proof.
   match goal with |- context [?x / ?y] => assert (0 <= x / y) by (apply Z.div_pos; destruct (set_measured S); lia) end. lia.
 Qed.
 
-(** * The words, each beside the setting that it is made of *)
+(** * Each coefficient in terms of its settings *)
 
 Ltac in_bits :=
   unfold made, energy_of, gain_of, signal_of;
@@ -268,7 +268,8 @@ Proof.
   unfold made. cbn [in_flight]. unfold signal_up, signal_add, signal_of. numbers. divided.
 Qed.
 
-(** The way under the old force, in bits: a tick of delays comes to one, and nothing else is more. *)
+(** The displacement under the old force, in units of 2^-32. Delay and lag sum to at most a tick, so it is at most the largest
+    displacement of a tick. *)
 Lemma way_in_flight :
   let w := (set_delay S + set_lag S) * told_rate T * distance_of / si_one in
   (in_flight_of = w + 8 + told_count T / 2 \/ set_delay S + set_lag S = 0 /\ in_flight_of = told_count T / 2)
@@ -288,7 +289,7 @@ Proof.
   - right. apply orb_false_elim in D. rewrite !Z.ltb_ge in D. split; [lia | reflexivity].
 Qed.
 
-(** [largest_force] of a full account, in bits. *)
+(** [largest_force] of a full account, in units of 2^-32. *)
 Lemma largest_made :
   0 <= largest made /\ 2 ^ 9 * largest made + 16 <= largest_change_of
   /\ 2 ^ 8 * largest made * (measured_of + 2 * told_count T + 784) <= set_capacity S * si_one.
@@ -331,7 +332,7 @@ Proof.
   assert (0 <= rounded_change <= 1) by (unfold rounded_change; destruct (set_measured S); lia). lia.
 Qed.
 
-(** * They are valid *)
+(** * Accepted guards are valid *)
 
 Lemma product_below (x y : Z) : si_mul x y < 2 ^ 37 -> x * y < 2 ^ 69.
 Proof. unfold si_mul. set (p := x * y). numbers. divided. Qed.
@@ -381,6 +382,6 @@ Qed.
 
 End Accepted.
 
-(** Whatever is accepted is what the model checker's harnesses assume of a guard. *)
+(** Every accepted guard satisfies what the model checker's harnesses assume of a guard. *)
 Theorem accepted_is_valid (S : settings) (T : told) (G : guard) : accepted S T = Some G -> valid G.
 Proof. intros A. apply accepted_made in A. destruct A as [F ->]. exact made_is_valid. Qed.

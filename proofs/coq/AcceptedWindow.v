@@ -1,14 +1,15 @@
-(** The guard's theorem for every setting that [Guard::new] accepts, in settings, joules and radians ([any_accepted_window]). *)
+(** The guard's theorem for all settings that [Guard::new] accepts, in joules and radians ([any_accepted_window]). *)
 
 Require Import ZArith QArith Qabs Lqa Lia List.
 From Touchstone Require Import Guard Port GuardLosesNothing GuardSettings AcceptedIsValid AcceptedCovers.
 Open Scope Q_scope.
 
-(** A quantum of energy is 2^-48 J, and one of a setting 2^-32. *)
+(** A quantum of energy is 2^-48 J. A setting is an integer in units of 2^-32 of its SI unit. *)
 Definition joules (quanta : Q) : Q := quanta / inject_Z (2 ^ 48).
 Definition si (x : Z) : Q := inject_Z x / inject_Z si_one.
 
-(** The largest force pays for half a count, with what the capacity is for the whole reach. *)
+(** The theorem's bound, expressed by the settings. The largest force costs at most the capacity over the whole reach, so over
+    half a count it costs a fraction of the capacity. *)
 Lemma bound_in_settings {S : settings} {T : told} {Fits : fitting} (n : Q) :
   0 <= n ->
   let error := si (told_count T) / 2 + (1 # 2 ^ 24) in
@@ -64,12 +65,12 @@ Proof.
   apply Qle_shift_div_r; [reflexivity|]. lra.
 Qed.
 
-(** In a window of [n] ticks, any hand gets out of a device that is no worse than the told one at most
+(** In a window of [n] ticks, any hand gets out of a device that is no worse than described at most
 
       C (1 + e / (v T + 2 k)) + P T n
 
-    with any law before the guard and whatever was before: [C] and [P] the capacity and the refill as they were set, [k] the count,
-    [e] half of it and a quantum, [v T] the way of a tick at overspeed. *)
+    with any law before the guard and whatever happened before the window. [C] and [P] are the settings of capacity and refill
+    power, [k] is the encoder count, [e] half a count and a quantum, [v T] the displacement of a tick at the over-speed limit. *)
 Theorem any_accepted_window (S : settings) (T : told) (G : guard) (D : device)
     (error0 : Q) (before window : list event) (early rest damped : Q) :
   accepted S T = Some G -> no_worse D (device_of S T) ->

@@ -1,6 +1,6 @@
 (** The enhanced law over the integers (thesis Algorithm 3.1, Fig. 3.18; the virtual mass of section 3.5 by backward Euler): what
-    control/src/law/enhanced.rs computes, and proofs/src/spec/enhanced.rs says. Numbers are counts of quanta as in Guard.v: signals
-    and ratios have 24 fractional bits, gains 12, energies 48. *)
+    control/src/law/enhanced.rs computes and proofs/src/spec/enhanced.rs specifies. Numbers are integers in quanta as in Guard.v:
+    signals and ratios have 24 fractional bits, gains 12, energies 48. *)
 
 Require Import ZArith Bool.
 From Touchstone Require Import Guard Laws.
@@ -9,15 +9,15 @@ Open Scope Z_scope.
 (** The coefficients. *)
 Record enhanced : Set := {
   desired : Z;          (* k_de, gain *)
-  target : Z;           (* the stiffness that is regulated towards, gain *)
+  target : Z;           (* the stiffness that the offset regulates to, gain *)
   soft : Z;             (* k_v, gain *)
   compliance : Z;       (* 1/k_v, ratio *)
   of_ideal : Z;         (* fraction of the ideal step (3.7, 3.8), ratio *)
   of_force : Z;         (* b/k_v (3.9), ratio *)
   of_penetration : Z;   (* a (3.11), ratio *)
   at_hip : bool;        (* the stiffness at the HIP is regulated, not that at the mass *)
-  every_tick : bool;    (* the offset is changed at every tick, not only while the mass moves inward *)
-  mass_exact : bool;    (* the mass' next displacement is counted, not the last *)
+  every_tick : bool;    (* the offset changes at every tick, not only while the mass moves inward *)
+  mass_exact : bool;    (* the energy counts the mass' next displacement, not the last *)
   keep_force : bool;    (* the force of the first contact is kept at its end (2.16, 2.17) *)
   inertia : Z;          (* m/T^2, gain *)
   coupling : Z;         (* k_f, gain *)
@@ -30,7 +30,7 @@ Record enhanced : Set := {
 
 Inductive contact_phase : Set := Free | First | Augmenting.
 
-(** The memory. The force that a tick answers with is [hip_force] of the memory after it. *)
+(** The memory. The force that a tick returns is [hip_force] of the memory after that tick. *)
 Record state : Set := {
   phase : contact_phase;
   last : Z;             (* penetration of the last tick *)
@@ -42,18 +42,18 @@ Record state : Set := {
   at_mass : Z           (* force of the wall on the mass *)
 }.
 
-(** No contact; only the penetration is remembered. *)
+(** The memory without a contact: only the penetration is stored. *)
 Definition free_at (e : Z) : state :=
   {| phase := Free; last := e; hip_force := 0; left := 0; mass := 0; mass_moved := 0; offset := 0; at_mass := 0 |}.
 
-(** A number as a signal holds it: at the end of the format it stays there. *)
+(** A number limited to the range of a signal. *)
 Definition signal (x : Z) : Z := Z.max (Z.min x highest_signal) lowest_signal.
 
-(** A force outwards of a tension, rounded down, and rounded up; none inwards. *)
+(** The outward force of a tension, rounded down and rounded up; zero for a negative tension. *)
 Definition outward (tension : Z) : Z := Z.min (Z.max tension 0 / gain_one) highest_signal.
 Definition outward_up (tension : Z) : Z := Z.min ((Z.max tension 0 + gain_one - 1) / gain_one) highest_signal.
 
-(** A share of a signal, and the position that a tension holds in a spring: towards zero. *)
+(** A fraction of a signal, and a spring's stretch under a tension; both rounded towards zero. *)
 Definition share (ratio x : Z) : Z := within (Z.quot (ratio * x) signal_one) highest_signal.
 Definition per (tension stiffness : Z) : Z := within (Z.quot tension stiffness) highest_signal.
 
@@ -61,10 +61,11 @@ Definition size (x : Z) : Z := Z.min (Z.abs x) highest_signal.
 
 (** * The end of the first contact *)
 
-(** Half of the coupling's force times its stretch, both rounded up: what is taken off for it. *)
+(** The energy that is taken off for the coupling's stretch: half of force times stretch, with force and result rounded up. *)
 Definition stored (L : enhanced) (stretch : Z) : Z := (outward_up (coupling L * stretch) * stretch + 1) / 2.
 
-(** The mass takes the HIP's place, with what is left of the energy; a stretch that is not covered is not granted. *)
+(** The virtual mass takes over the contact. If the energy left does not cover the coupling's stretch, the mass starts at the
+    HIP. *)
 Definition hand_over (L : enhanced) (m : state) : state :=
   let e := last m in
   let place := if keep_force L then signal (e - per (hip_force m * gain_one) (coupling L))
@@ -82,12 +83,13 @@ Definition hand_over (L : enhanced) (m : state) : state :=
 
 Definition due (L : enhanced) (m : state) : bool := every_tick L || (0 <? mass_moved m).
 
-(** Where the stiffness is regulated, the force that is shown there, and the one wanted. *)
+(** The position at which the stiffness is regulated, the force there, and the wanted force. *)
 Definition regulated_at (L : enhanced) (m : state) (e : Z) : Z := if at_hip L then e else mass m.
 Definition regulated (L : enhanced) (m : state) : Z := if at_hip L then hip_force m else at_mass m.
 Definition regulated_to (L : enhanced) (m : state) (e : Z) : Z := Z.min (spring (target L) (regulated_at L m e)) (limit L).
 
-(** The three bounds of a step: a fraction of the ideal one (3.7, 3.8), by the force (3.9), by the penetration (3.11). *)
+(** The three bounds of a step: a fraction of the ideal step (3.7, 3.8), a bound by the force (3.9), one by the penetration
+    (3.11). *)
 Definition ideal (L : enhanced) (m : state) (e : Z) : Z :=
   share (of_ideal L) (size (signal (regulated_to L m e - regulated L m))).
 Definition weber (L : enhanced) (m : state) : Z := Z.max (share (of_force L) (Z.max (regulated L m) 1)) 1.
@@ -103,15 +105,17 @@ Definition next_offset (L : enhanced) (m : state) (e : Z) : Z :=
 
 (** * The virtual mass *)
 
-(** [d' = (N0 - f)/D] towards zero, and not beyond the end of positions. *)
+(** The mass' displacement [d' = (N0 - f)/D], rounded towards zero and limited to the range of positions. [N0] is [drive], [D] is
+    [total]. *)
 Definition displacement (L : enhanced) (from drive f : Z) : Z :=
   signal (signal (from + per (drive - f * gain_one) (total L)) - from).
 
-(** What drives the mass, but for the wall: [m d/T^2 + k_f (e - x) + c_f moved/T]. *)
+(** The terms that drive the mass, without the wall's force: [m d/T^2 + k_f (e - x) + c_f moved/T]. [x] is the mass' position, [d]
+    its last displacement, [moved] the HIP's displacement. *)
 Definition drive_of (L : enhanced) (m : state) (e moved : Z) : Z :=
   inertia L * mass_moved m + coupling L * signal (e - mass m) + mass_damping L * moved.
 
-(** The force of the coupling on the HIP, towards zero, for a mass at [place] that moved by [step]. *)
+(** The force of the coupling on the HIP, rounded towards zero, for a mass at [place] that moved by [step]. *)
 Definition coupled (L : enhanced) (place step e moved : Z) : Z :=
   within (Z.quot (coupling L * signal (e - place) + mass_damping L * signal (moved - step)) gain_one) highest_signal.
 
@@ -126,7 +130,7 @@ Definition affordable_move (L : enhanced) (energy place drive wanted : Z) : Z * 
     if f =? 0 then (energy, 0, displacement L place drive 0)
     else (energy - f * retreat, f, - retreat).
 
-(** The same with the observer of Fig. 3.18: the last displacement stands for the next. *)
+(** The same with the observer of Fig. 3.18, which uses the mass' last displacement instead of the next one. *)
 Definition thesis_move (L : enhanced) (m : state) (drive wanted : Z) : Z * Z * Z :=
   let (f, energy) := thesis_step (left m) wanted (mass_moved m) in
   (energy, f, displacement L (mass m) drive f).
@@ -134,7 +138,8 @@ Definition thesis_move (L : enhanced) (m : state) (drive wanted : Z) : Z * Z * Z
 Definition move_mass (L : enhanced) (m : state) (drive wanted : Z) : Z * Z * Z :=
   if mass_exact L then affordable_move L (left m) (mass m) drive wanted else thesis_move L m drive wanted.
 
-(** The HIP leaves the mass behind, which goes on as if it were not coupled, if that is paid for, and else stands still. *)
+(** The coupling would pull the HIP, so the mass is left behind: it moves as if it were not coupled. With the exact observer it
+    moves only if the energy covers the move, and otherwise stands still. *)
 Definition leave_behind (L : enhanced) (m : state) (energy f wanted : Z) : Z * Z * Z :=
   let force := if mass_exact L then wanted else f in
   let step := displacement L (mass m) (inertia L * mass_moved m) force in
@@ -145,13 +150,13 @@ Definition leave_behind (L : enhanced) (m : state) (energy f wanted : Z) : Z * Z
 
 (** * The tick *)
 
-(** The memory of a mass that has moved, its energy, force and displacement given. *)
+(** The memory after a move of the mass; [it] is the energy, force and displacement. *)
 Definition moved_on (m : state) (it : Z * Z * Z) (e offset' shown : Z) : state :=
   let '(energy, f, step) := it in
   {| phase := Augmenting; last := e; hip_force := shown; left := energy;
      mass := signal (mass m + step); mass_moved := step; offset := offset'; at_mass := f |}.
 
-(** The force that the soft spring, deformed by penetration and offset, pushes the mass out with. *)
+(** The force with which the soft spring pushes the mass out. Its deformation is the mass' penetration plus the offset. *)
 Definition wanted_of (L : enhanced) (m : state) (offset' : Z) : Z := outward (soft L * signal (mass m + offset')).
 
 (** A tick after the first contact. *)
@@ -167,7 +172,7 @@ Definition augmented (L : enhanced) (m : state) (e moved : Z) : state :=
     else if e <=? 0 then free_at e
     else moved_on m (leave_behind L m energy f wanted) e offset' (Z.min 0 (limit L)).
 
-(** What is booked of the first contact: the HIP's displacement under the force that acted. *)
+(** The energy after a tick of the first contact: the last force times the HIP's displacement is added. *)
 Definition booked_first (m : state) (moved : Z) : Z := Z.min (left m + hip_force m * moved) energy_cap.
 
 (** The memory with another energy. *)
@@ -175,12 +180,12 @@ Definition with_left (m : state) (energy : Z) : state :=
   {| phase := phase m; last := last m; hip_force := hip_force m; left := energy;
      mass := mass m; mass_moved := mass_moved m; offset := offset m; at_mass := at_mass m |}.
 
-(** The first contact, of which the force is the spring's of the stiffness desired. *)
+(** A tick of the first contact: the force is that of a spring with the desired stiffness. *)
 Definition touched (L : enhanced) (m : state) (e : Z) : state :=
   {| phase := First; last := e; hip_force := Z.min (outward (desired L * e)) (limit L); left := left m;
      mass := mass m; mass_moved := mass_moved m; offset := offset m; at_mass := at_mass m |}.
 
-(** Whether the first contact ends with the mass in its place. *)
+(** Whether the first contact ends in this tick inside the wall, so that the virtual mass takes over. *)
 Definition turns (e moved : Z) : bool := (moved <? 0) && (0 <? e).
 
 (** One tick at the penetration [e] after a displacement [moved]. *)

@@ -1,17 +1,18 @@
-(** The enhanced law's whole tick (Enhanced.v) over any number of ticks and any hand: the energy at the virtual mass, what a contact can
-    give away, and how far the offset can go.
+(** The enhanced law's whole tick (Enhanced.v) over any number of ticks and any hand: the energy at the virtual mass, and the
+    energy that a contact can give.
 
-    Mass.v has the books of the mass for any way in which it moves; here it is shown that the law's ticks are such ways. *)
+    Mass.v has the energy balance of the mass for any function that moves it. Here it is shown that the law's ticks have that
+    form. *)
 
 Require Import ZArith Lia List Bool Psatz.
 From Touchstone Require Import Guard Laws LawsArePassive Mass Enhanced.
 Import ListNotations.
 Open Scope Z_scope.
 
-(** What the format of a signal holds. *)
+(** A value in the range of a signal. *)
 Definition a_signal (x : Z) : Prop := lowest_signal <= x <= highest_signal.
 
-(** What the settings that are accepted see to. *)
+(** Inequalities that hold for the coefficients of accepted settings. *)
 Record valid (L : enhanced) : Prop := {
   limit_is_a_force : 0 <= limit L <= highest_signal;
   credit_is_stored : 0 <= credit L <= energy_cap;
@@ -28,7 +29,7 @@ Record valid (L : enhanced) : Prop := {
 
 (** * The memory's invariant *)
 
-(** After the first contact. *)
+(** The invariant after the first contact. *)
 Record carried (L : enhanced) (m : state) : Prop := {
   is_augmenting : phase m = Augmenting;
   left_is_stored : 0 <= left m <= energy_cap;
@@ -38,7 +39,7 @@ Record carried (L : enhanced) (m : state) : Prop := {
   offset_in : 0 <= offset m <= highest_signal
 }.
 
-(** In the first contact nothing but inward displacements is booked: the loan is still there. *)
+(** The invariant in the first contact. Only inward displacements have been counted, so the energy is at least the loan. *)
 Record pressed (L : enhanced) (m : state) : Prop := {
   is_first : phase m = First;
   last_inside : 0 < last m <= highest_signal;
@@ -84,7 +85,7 @@ Proof.
   numbers.
 Qed.
 
-(** The mass moves by exactly the displacement that is booked: the end of positions takes nothing away. *)
+(** The mass moves by exactly the displacement that is counted, because the new position is within the format. *)
 Lemma displacement_is_real (L : enhanced) (from drive f : Z) :
   a_signal from -> a_signal (from + displacement L from drive f).
 Proof. intros F. unfold displacement, per. set (q := Z.quot _ _). clearbody q. numbers. Qed.
@@ -108,7 +109,7 @@ Proof.
   - assert (N : f <=? 0 = false) by (apply Z.leb_gt; lia). rewrite N. rewrite Z.min_l by nia. reflexivity.
 Qed.
 
-(** Where the mass stands after a paid move: in the format, as much as it would at full force. *)
+(** After [affordable_move] the position of the mass is within the format. *)
 Lemma affordable_is_real (L : enhanced) (energy place drive wanted : Z) :
   0 <= energy -> 0 < wanted -> a_signal place ->
   let '(_, _, step) := affordable_move L energy place drive wanted in a_signal (place + step).
@@ -127,7 +128,7 @@ Section Ticks.
 Variable L : enhanced.
 Hypothesis Valid : valid L.
 
-(** Coupled to the hand: energy, force and displacement. *)
+(** Bounds of energy, force and position after a move of the mass that is coupled to the hand. *)
 Lemma move_holds (m : state) (drive wanted : Z) :
   carried L m -> 0 < wanted <= highest_signal ->
   let '(energy, f, step) := move_mass L m drive wanted in
@@ -160,7 +161,8 @@ Proof.
   - split; [lia|split; [lia | apply D; exact mass_in0]].
 Qed.
 
-(** What a tick after the first contact comes to, where it goes on: the mass has moved, coupled or left behind. *)
+(** The memory after a tick in which a contact goes on after its first reversal: the mass moved coupled to the hand, or was left
+    behind. *)
 Inductive goes_on (m : state) (e moved : Z) : state -> Prop :=
 | As_coupled (energy f step shown : Z) :
     move_mass L m (drive_of L m e moved) (wanted_of L m (next_offset L m e)) = (energy, f, step) ->
@@ -210,7 +212,7 @@ Proof.
     + constructor; fields; try lia; [reflexivity | apply signal_is_one].
 Qed.
 
-(** The exact observer: such a tick is one of Mass.v, with the mass' real displacement. *)
+(** With the exact observer such a tick is a [mass_tick] of Mass.v with the mass' real displacement. *)
 Lemma a_tick_of_the_books (m : state) (e moved : Z) (m' : state) :
   mass_exact L = true -> carried L m -> 0 < wanted_of L m (next_offset L m e) -> goes_on m e moved m' ->
   exists t : mass_tick, 0 < wants t /\ moves (left m) t = (left m', at_mass m', mass m' - mass m).
@@ -230,7 +232,7 @@ Proof.
   intros S. unfold stored. pose proof (outward_up_in (coupling L * stretch)). apply Z.div_pos; [nia | reflexivity].
 Qed.
 
-(** The mass takes its place with no more than there is. *)
+(** After [hand_over] the invariant holds, and the energy is at most the energy before, or 0 if that was negative. *)
 Lemma hand_over_holds (m : state) :
   0 < last m <= highest_signal -> 0 <= hip_force m <= limit L -> left m <= energy_cap ->
   let m' := hand_over L m in carried L m' /\ left m' <= Z.max (left m) 0.
@@ -257,7 +259,7 @@ Proof. reflexivity. Qed.
 Lemma carried_is_sound (m : state) : carried L m -> sound L m.
 Proof. intros C. unfold sound. rewrite (is_augmenting L m C). exact C. Qed.
 
-(** The invariant is kept, whatever comes in. *)
+(** Every tick keeps the invariant, for any penetration in the format and any displacement. *)
 Lemma tick_is_sound (m : state) (e moved : Z) : a_signal e -> sound L m -> sound L (enhanced_tick L m e moved).
 Proof.
   intros Se S. unfold sound in S. unfold enhanced_tick. destruct (phase m) eqn:Ph.
@@ -283,10 +285,10 @@ End Ticks.
 
 (** * Any number of ticks *)
 
-(** Penetration and displacement of each tick; the displacement need not belong to the penetrations. *)
+(** Penetration and displacement of each tick; the displacement need not be the difference of penetrations. *)
 Definition hand : Set := list (Z * Z).
 
-(** A penetration is what the format holds. The displacement may be anything. *)
+(** Each penetration is in the range of a signal. The displacements are arbitrary. *)
 Definition in_format (h : hand) : Prop := Forall (fun it => a_signal (fst it)) h.
 
 Fixpoint enhanced_run (L : enhanced) (m : state) (h : hand) : state :=
@@ -300,25 +302,25 @@ Qed.
 
 (** * The energy at the mass *)
 
-(** The memory from which the mass moves in a tick: the one handed over, where the first contact ends in it. *)
+(** The memory from which the mass moves in a tick. If the first contact ends in this tick, it is the memory after [hand_over]. *)
 Definition moves_from (L : enhanced) (m : state) (moved : Z) : state :=
   match phase m with First => hand_over L (with_left m (booked_first m moved)) | _ => m end.
 
-(** What the wall takes in a tick: from the hand in the first contact, by the force that acted; afterwards from the mass, by the force
-    on it over its real displacement. *)
+(** The energy that the wall takes in a tick. In the first contact it comes from the hand: last force times displacement. Later it
+    comes from the mass: the force on the mass times its real displacement. *)
 Definition taken_from_hand (m : state) (moved : Z) : Z := match phase m with First => hip_force m * moved | _ => 0 end.
 Definition taken_from_mass (L : enhanced) (m : state) (e moved : Z) : Z :=
   let m' := enhanced_tick L m e moved in
   match phase m' with Augmenting => at_mass m' * (mass m' - mass (moves_from L m moved)) | _ => 0 end.
 
-(** The deficit with which the first contact ends: it is forgiven. *)
+(** The size of a negative energy with which the first contact ends; the law forgives this deficit. *)
 Definition deficit (m : state) (moved : Z) : Z := match phase m with First => Z.max 0 (- booked_first m moved) | _ => 0 end.
 
-(** The books of a contact: what the wall took, what was forgiven, and the work of the tick that ended the first contact. *)
+(** Energy sums of a contact: taken by the wall, forgiven, and given in the tick that ended the first contact. *)
 Record books : Set := { took : Z; forgave : Z; at_turn : Z }.
 Definition no_books : books := {| took := 0; forgave := 0; at_turn := 0 |}.
 
-(** A contact begins with empty ones. *)
+(** The sums after a tick. They are 0 at the beginning of a contact. *)
 Definition next_books (L : enhanced) (m : state) (b : books) (e moved : Z) : books :=
   match phase m with
   | Free => no_books
@@ -336,7 +338,7 @@ Definition balanced (L : enhanced) (m : state) (b : books) : Prop :=
   /\ 0 <= forgave b <= Z.max 0 (at_turn b - credit L)
   /\ (phase m = First -> forgave b = 0 /\ at_turn b = 0).
 
-(** What the mass does in a tick of its own is paid. *)
+(** In a tick after the first contact the energy grows by at most what the wall takes from the mass. *)
 Lemma mass_is_paid (L : enhanced) (m : state) (e moved : Z) :
   valid L -> mass_exact L = true -> carried L m ->
   let m' := augmented L m e moved in
@@ -383,8 +385,8 @@ Proof.
       rewrite (is_augmenting L _ K). pose proof (left_is_stored L _ K). split; [lia|split; [lia|discriminate]].
 Qed.
 
-(** At every tick of every contact, whatever the hand does: the energy is not negative, and what the wall has given in this contact, to
-    the hand before its first reversal and to the mass after it, is at most the loan and the deficit forgiven. *)
+(** At every tick of every contact, whatever the hand does, the energy is not negative. What the wall has given in this contact,
+    to the hand before its first reversal and to the mass after it, is at most the loan and the forgiven deficit. *)
 Theorem enhanced_gives_at_most_the_loan (L : enhanced) (e0 : Z) (h : hand) :
   valid L -> mass_exact L = true -> in_format h ->
   let m := enhanced_run L (free_at e0) h in
@@ -399,14 +401,14 @@ Proof.
   inversion F; subst. apply IH; [assumption | apply tick_is_sound; assumption | apply tick_is_balanced; assumption].
 Qed.
 
-(** So a contact gives at most the larger of the loan and the work of one tick, the one that ended its first contact. *)
+(** So a contact gives at most the larger of the loan and the energy given in the tick that ended its first contact. *)
 Theorem enhanced_gives_at_most (L : enhanced) (e0 : Z) (h : hand) :
   valid L -> mass_exact L = true -> in_format h ->
   let b := books_after L (free_at e0) no_books h in
   - took b <= Z.max (credit L) (at_turn b).
 Proof. intros V Ex F b. destruct (enhanced_gives_at_most_the_loan L e0 h V Ex F). unfold b. lia. Qed.
 
-(** With either observer the energy that is looked at is never negative. *)
+(** With either observer the law's energy is never negative. *)
 Theorem enhanced_energy_is_never_negative (L : enhanced) (e0 : Z) (h : hand) :
   valid L -> in_format h -> 0 <= left (enhanced_run L (free_at e0) h) <= energy_cap.
 Proof.

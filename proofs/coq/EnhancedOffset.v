@@ -1,22 +1,23 @@
-(** The offset of the enhanced law (thesis Algorithm 3.1, lines 7 to 13) over any number of ticks: never negative, no step larger than each
-    of its three bounds, and so no further in many ticks than their sum. *)
+(** The offset of the enhanced law (thesis Algorithm 3.1, lines 7 to 13) over any number of ticks. It is never negative, no step
+    is larger than any of its three bounds, and over many ticks the offset changes by at most the sum of these steps. *)
 
 Require Import ZArith Lia List Bool Psatz.
 From Touchstone Require Import Guard Laws Enhanced EnhancedIsPassive.
 Import ListNotations.
 Open Scope Z_scope.
 
-(** The step of a tick: none where none is due. *)
+(** The largest change of the offset in a tick; zero if the law does not change the offset in this tick. *)
 Definition step_due (L : enhanced) (m : state) (e : Z) : Z := if due L m then offset_step L m e else 0.
 
-(** The largest force that can be shown where the stiffness is regulated. *)
+(** The largest force at the point (HIP or mass) where the stiffness is regulated. *)
 Definition largest_shown (L : enhanced) : Z := if at_hip L then limit L else highest_signal.
 
-(** What the settings allow of a step: by the force (3.9), and by the penetration (3.11) at the end of positions. *)
+(** The largest step that the settings allow: its bound by the force (3.9) for the largest force, or its bound by the penetration
+    (3.11) for the largest position of the format. *)
 Definition largest_step (L : enhanced) : Z :=
   Z.min (Z.max (share (of_force L) (Z.max (largest_shown L) 1)) 1) (share (of_penetration L) highest_signal).
 
-(** Where the stiffness is regulated, no less than nothing is shown and no more than the largest force. *)
+(** The regulated force is between zero and the largest force. *)
 Lemma shown_in (L : enhanced) (m : state) : valid L -> carried L m -> 0 <= regulated L m <= largest_shown L.
 Proof. intros V []. unfold regulated, largest_shown. destruct (at_hip L); lia. Qed.
 
@@ -49,8 +50,8 @@ Proof.
     set (d := offset_step L m e) in *; clearbody d; numbers.
 Qed.
 
-(** One tick of a contact after its first reversal: the offset is not negative, changes by at most each of the three bounds, only where it
-    is due, and towards the stiffness that is wanted. *)
+(** One tick of a contact after its first reversal of motion. The offset is not negative. It changes by at most each of the three
+    bounds, only in ticks in which the law changes it, and in the direction that brings the force to the wanted force. *)
 Theorem offset_in_a_tick (L : enhanced) (e0 : Z) (before : hand) (e moved : Z) :
   valid L -> in_format before -> a_signal e ->
   let m := enhanced_run L (free_at e0) before in
@@ -80,7 +81,7 @@ Fixpoint stays (L : enhanced) (m : state) (h : hand) : Prop :=
   | (e, moved) :: h => phase m = Augmenting /\ stays L (enhanced_tick L m e moved) h
   end.
 
-(** The sum of the steps that its ticks allow: each the least of its three bounds. *)
+(** The sum of the largest steps of the window's ticks, each the least of its three bounds. *)
 Fixpoint steps_due (L : enhanced) (m : state) (h : hand) : Z :=
   match h with [] => 0 | (e, moved) :: h => step_due L m e + steps_due L (enhanced_tick L m e moved) h end.
 
@@ -102,8 +103,9 @@ Proof.
   set (tail := steps_due L (enhanced_tick L m e moved) h) in *. clearbody tail. rewrite Nat2Z.inj_succ. nia.
 Qed.
 
-(** Whatever was before and whatever the hand does: over any window of a contact after its first reversal the offset goes no further than
-    the sum of the steps, nor than so many times the largest that the settings allow. At every tick it is not negative. *)
+(** Whatever happened before the window and whatever the hand does, the offset is not negative after the window. If the window is
+    in one contact after its first reversal, the offset changes by at most the sum of the steps. That sum is at most the number of
+    ticks times the largest step that the settings allow. *)
 Theorem offset_goes_no_further (L : enhanced) (e0 : Z) (before window : hand) :
   valid L -> in_format before -> in_format window ->
   let m := enhanced_run L (free_at e0) before in

@@ -1,12 +1,13 @@
-(** What a contact of the enhanced law can give at the HIP, from its first reversal on: EnhancedStorage.v says what the virtual mass keeps,
-    EnhancedIsPassive.v what pays for it, and here both are put together at the hand's side of the coupling. *)
+(** The energy that a contact of the enhanced law can give at the HIP from its first reversal on. EnhancedStorage.v states what
+    the virtual mass stores, EnhancedIsPassive.v which energy covers this. Here both are combined at the hand's side of the
+    coupling. *)
 
 Require Import ZArith Zquot Lia List Bool Psatz.
 From Touchstone Require Import Guard Laws LawsArePassive Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage.
 Import ListNotations.
 Open Scope Z_scope.
 
-(** The energy pays for what the mass gives, over any number of ticks. *)
+(** Over any number of ticks the law's energy is not negative, and grows by at most what the wall takes from the mass. *)
 Lemma energy_pays (L : enhanced) (m : state) (h : hand) :
   valid L -> mass_exact L = true -> carried L m -> in_format h -> stays L m h ->
   0 <= left (enhanced_run L m h) <= left m + over L (from_mass L) m h.
@@ -36,14 +37,14 @@ Qed.
 Lemma one_above (h : Z) : h = highest_signal -> lowest_signal = - h - 1 /\ 0 < h.
 Proof. intros ->. split; reflexivity. Qed.
 
-(** A stretch that fits is its own size. *)
+(** A stretch within the format is not changed by the format's limits. *)
 Lemma size_fits (x : Z) : Z.abs x <= highest_signal -> size (signal x) = Z.abs x.
 Proof.
   unfold size, signal. destruct (one_above highest_signal eq_refl) as [E H]. rewrite E. clear E.
   generalize dependent highest_signal. intros h H X. lia.
 Qed.
 
-(** Where the mass is put, the stretch to the HIP fits. *)
+(** At the position where the mass starts, the stretch to the HIP fits the format. *)
 Lemma stretch_fits (a q : Z) :
   0 < a <= highest_signal -> 0 <= q <= highest_signal ->
   Z.abs (a - signal (a - q)) <= highest_signal /\ Z.abs (a - q) <= highest_signal.
@@ -52,7 +53,7 @@ Proof.
   generalize dependent highest_signal. intros h H A Q. lia.
 Qed.
 
-(** Twice what is taken off for a stretch is no less than twice what its spring holds. *)
+(** The energy that is taken off for a stretch is at least that of its spring (both doubled). *)
 Lemma stored_holds (k s : Z) :
   0 <= k -> 0 <= s -> k * s <= highest_signal * gain_one ->
   k * (s * s) <= gain_one * (2 * ((outward_up (k * s) * s + 1) / 2)).
@@ -72,7 +73,8 @@ Proof.
   lia.
 Qed.
 
-(** The mass takes its place with no more, in its coupling and in the energy left together, than what the first contact left. *)
+(** When the virtual mass takes over, the coupling's energy and the energy left are together at most the energy after the first
+    contact, or zero if that energy was negative. *)
 Theorem hand_over_adds_nothing (L : enhanced) (m : state) :
   valid L -> 0 < last m <= highest_signal -> 0 <= hip_force m <= limit L ->
   let m' := hand_over L m in
@@ -102,9 +104,10 @@ Proof.
   - rewrite Z.sub_diag. assert (E : 0 * 0 = 0) by reflexivity. rewrite !E, !Z.mul_0_r. cbn [Z.add]. apply Z.le_refl.
 Qed.
 
-(** A contact from the tick at which its motion turns outward, of which [m] is the memory before: over any number of ticks, the force on the
-    HIP over the displacements that led to it gives at most what the first contact left, a quantum of force over each displacement, and what
-    the coupling gained while it was let go. What is stored and left at the end is still there. *)
+(** A contact from the tick at which its motion turns outward; [m] is the memory before that tick. Over any number of ticks the
+    force on the HIP, times the displacement before it, gives at most the sum of three energies: what the first contact left, a
+    quantum of force times the size of each displacement, and what the coupling gained while the mass was left behind. The energy
+    stored and left at the end lowers this bound. *)
 Theorem contact_gives_at_most_what_it_took (L : enhanced) (m : state) (e moved : Z) (h : hand) :
   valid L -> mass_exact L = true -> pressed L m -> turns e moved = true ->
   let from := hand_over L (with_left m (booked_first m moved)) in

@@ -1,47 +1,50 @@
-(** The storage of the enhanced law's virtual mass over any number of ticks, rounding counted: what its two ports put in is what is
-    stored and what is dissipated, and what is dissipated is a sum of squares and of remainders that have a sign.
+(** The energy that the enhanced law's virtual mass and its coupling store over any number of ticks, with rounding. The energy
+    that enters by two ports is stored or dissipated. What is dissipated is a sum of squares and of remainders that are not
+    negative.
 
-    The ports are the coupling's, at the HIP, and the wall's, at the mass; both are discrete, each force with the displacement that led
-    to it (backward Euler). Everything is a whole number, in quanta of a gain times the square of a quantum of position; twice the
-    storage stands for the storage. *)
+    One port is that of the coupling at the HIP, the other that of the wall at the mass. Both are discrete: each force is
+    multiplied by the displacement before it (backward Euler). All values are integers, in quanta of a gain times the square of a
+    quantum of position. Energies are doubled. *)
 
 Require Import ZArith Zquot Lia List Bool Psatz.
 From Touchstone Require Import Guard Laws LawsArePassive Enhanced EnhancedIsPassive EnhancedOffset.
 Import ListNotations.
 Open Scope Z_scope.
 
-(** * What is stored, and what goes in and out *)
+(** * Energy that is stored and exchanged *)
 
 Definition stretch (m : state) : Z := last m - mass m.
 
-(** [m d^2/T^2 + k_f s^2]: twice the kinetic energy of the mass and that of the coupling's spring. *)
+(** [m d^2/T^2 + k_f s^2]: twice the kinetic energy of the mass and the energy of the coupling's spring. [d] is the mass' last
+    displacement, [s] the spring's stretch. *)
 Definition storage (L : enhanced) (m : state) : Z :=
   inertia L * (mass_moved m * mass_moved m) + coupling L * (stretch m * stretch m).
 
-(** What the sum of coefficients holds beyond mass, coupling and its damper: the damper to ground, and no less. *)
+(** What [total] contains beyond mass, coupling and the coupling's damper: the damper to ground, or more. *)
 Definition ground (L : enhanced) : Z := total L - inertia L - coupling L - mass_damping L.
 
-(** Whether the HIP leaves the mass behind in a tick: coupled, the wall would pull. *)
+(** Whether the mass is left behind in a tick, because the coupling would pull the HIP. *)
 Definition leaves_behind (L : enhanced) (m : state) (e moved : Z) : bool :=
   let '(_, _, step) := move_mass L m (drive_of L m e moved) (wanted_of L m (next_offset L m e)) in
   coupled L (signal (mass m + step)) step e moved <? 0.
 
-(** The tension of the coupling after a tick: of its spring and its damper; none where the mass is left behind. *)
+(** The coupling's tension after a tick, from its spring and its damper; zero if the mass is left behind. *)
 Definition tension (L : enhanced) (m : state) (e moved : Z) : Z :=
   let m' := enhanced_tick L m e moved in
   if leaves_behind L m e moved then 0 else coupling L * stretch m' + mass_damping L * (moved - mass_moved m').
 
-(** What of that tension the force on the HIP does not show: what is rounded off, and what the limit takes. *)
+(** The tension less the force on the HIP: what is rounded off, and what the force limit takes off. *)
 Definition kept_back (L : enhanced) (m : state) (e moved : Z) : Z :=
   tension L m e moved - gain_one * hip_force (enhanced_tick L m e moved).
 
-(** What the mass' displacement leaves of the forces on it, [N0 - f - D d']: by rounding, or at the end of positions. *)
+(** The remainder [N0 - f - D d'] of the forces on the mass, from rounding or from the limit of positions. [N0] drives the mass,
+    [f] is the wall's force, [D] is [total] and [d'] the displacement. *)
 Definition residue (L : enhanced) (m : state) (e moved : Z) : Z :=
   let m' := enhanced_tick L m e moved in
   (if leaves_behind L m e moved then inertia L * mass_moved m else drive_of L m e moved)
   - at_mass m' * gain_one - total L * mass_moved m'.
 
-(** Twice what is dissipated in a tick: by backward Euler itself, by the dampers, and by rounding. *)
+(** Twice the energy dissipated in a tick: by backward Euler itself, by the dampers, and by rounding. *)
 Definition dissipated (L : enhanced) (m : state) (e moved : Z) : Z :=
   let d := mass_moved (enhanced_tick L m e moved) in
   let turned := d - mass_moved m in
@@ -51,18 +54,19 @@ Definition dissipated (L : enhanced) (m : state) (e moved : Z) : Z :=
      else (coupling L + 2 * mass_damping L) * (apart * apart) + 2 * ground L * (d * d))
   + 2 * (residue L m e moved * d).
 
-(** A mass that is left behind lets the coupling go: its spring is stretched or eased without a force. *)
+(** Twice the energy that the coupling's spring gains if the mass is left behind: the stretch then changes without a force. *)
 Definition let_go (L : enhanced) (m : state) (e moved : Z) : Z :=
   let m' := enhanced_tick L m e moved in
   if leaves_behind L m e moved then coupling L * (stretch m' * stretch m' - stretch m * stretch m) else 0.
 
-(** No difference of positions reaches the format's end: the displacement is that of the penetrations, and the stretch before and after
-    the tick, and the displacement against the mass, are what the format holds. *)
+(** No difference of positions is limited by the format. The displacement is the difference of penetrations. The stretch at the
+    new penetration, with the mass at its old and at its new place, and the displacement relative to the mass are in the range of
+    a signal. *)
 Definition fits (L : enhanced) (m : state) (e moved : Z) : Prop :=
   let m' := enhanced_tick L m e moved in
   moved = e - last m /\ a_signal (e - mass m) /\ a_signal (e - mass m') /\ a_signal (moved - mass_moved m').
 
-(** The mass has not been stopped by the end of positions. *)
+(** Position and displacement of the mass have not reached the format's limit. *)
 Definition has_room (m : state) : Prop := lowest_signal < mass m < highest_signal /\ Z.abs (mass_moved m) < highest_signal.
 
 (** * Remainders *)
@@ -95,7 +99,8 @@ Proof.
   - intros E1 E2. rewrite (B3 E1 E2). exact Q2.
 Qed.
 
-(** Rounding only dissipates, and by less than a coefficient's worth of each quantum of the displacement. *)
+(** The remainder [r] of rounding only dissipates: its work is not negative. For each quantum of displacement it is at most the
+    larger of [total] and [gain_one], if position and displacement have not reached the format's limit. *)
 Definition only_dissipates (L : enhanced) (m : state) (pull f step : Z) : Prop :=
   let r := pull - f * gain_one - total L * step in
   0 <= r * step
@@ -171,7 +176,7 @@ Qed.
 
 (** * One tick *)
 
-(** What the wall takes from the mass in it: force times displacement, as in [taken_from_mass]. *)
+(** The energy that the wall takes from the mass in a tick: force times displacement, as in [taken_from_mass]. *)
 Definition from_mass (L : enhanced) (m : state) (e moved : Z) : Z :=
   let m' := enhanced_tick L m e moved in at_mass m' * mass_moved m'.
 
@@ -183,7 +188,7 @@ Hypothesis Valid : valid L.
 Lemma ground_nonneg : 0 <= ground L.
 Proof. destruct Valid. unfold ground. lia. Qed.
 
-(** How a tick that stays in contact went. *)
+(** A tick that stays in contact has one of the forms of [goes_on] and keeps the invariant. *)
 Lemma tick_goes_on (m : state) (e moved : Z) :
   carried L m -> phase (enhanced_tick L m e moved) = Augmenting ->
   0 < wanted_of L m (next_offset L m e) <= highest_signal /\ goes_on L m e moved (enhanced_tick L m e moved)
@@ -196,8 +201,9 @@ Proof.
   split; [lia | split; assumption].
 Qed.
 
-(** The identity: what is stored and dissipated after a tick, and what the mass gave to the wall, is what was stored, what the coupling
-    took from the hand, and what its spring gained when it was let go. *)
+(** The identity of a tick. Energy stored after the tick + dissipated energy + energy that the wall took from the mass = energy
+    stored before the tick + energy that the coupling took from the hand + energy that its spring gained while the mass was left
+    behind. *)
 Lemma storage_of_a_tick (m : state) (e moved : Z) :
   carried L m -> fits L m e moved -> phase (enhanced_tick L m e moved) = Augmenting ->
   storage L (enhanced_tick L m e moved) + dissipated L m e moved + 2 * gain_one * from_mass L m e moved
@@ -216,8 +222,8 @@ Proof.
   destruct (leaves_behind L m e moved); ring.
 Qed.
 
-(** What is dissipated is a sum of squares and of a remainder that is not negative and at most as many quanta of tension as the sum of
-    coefficients (or one quantum of force) has, times the mass' displacement. *)
+(** The dissipated energy is a sum of squares and of a remainder. The remainder is not negative, and at most the larger of [total]
+    and one quantum of force, times the mass' displacement. *)
 Lemma rounding_dissipates (m : state) (e moved : Z) :
   carried L m -> phase (enhanced_tick L m e moved) = Augmenting ->
   let r := residue L m e moved * mass_moved (enhanced_tick L m e moved) in
@@ -246,7 +252,8 @@ Proof.
   unfold r. destruct (leaves_behind L m e moved); lia.
 Qed.
 
-(** A tension rounded towards zero to a force, within the format and a limit: what is left of it. *)
+(** Bounds of the difference [r] of a tension [t] and its force, which is rounded towards zero and limited to the format and to
+    [l]. *)
 Lemma rounded_off (t l shown : Z) :
   0 <= l <= highest_signal -> shown = within (Z.quot t gain_one) highest_signal -> 0 <= shown ->
   let r := t - gain_one * Z.min shown l in
@@ -270,8 +277,9 @@ Proof.
     rewrite Z.min_l by lia. rewrite Z.mul_0_r in *. lia.
 Qed.
 
-(** The force on the HIP is the coupling's tension, rounded towards zero: at most one quantum of force is kept back, and of a force that is
-    shown nothing is added. Where the limit binds, more may be kept back. *)
+(** The force on the HIP is the coupling's tension, rounded towards zero. Below the force limit the two differ by less than a
+    quantum of force, and a positive force is never larger than the tension. At the force limit the force can be smaller by
+    more. *)
 Lemma kept_back_of_a_tick (m : state) (e moved : Z) :
   carried L m -> fits L m e moved -> phase (enhanced_tick L m e moved) = Augmenting ->
   let m' := enhanced_tick L m e moved in
@@ -302,7 +310,8 @@ Fixpoint over (L : enhanced) (it : state -> Z -> Z -> Z) (m : state) (h : hand) 
 Fixpoint every (L : enhanced) (it : state -> Z -> Z -> Prop) (m : state) (h : hand) : Prop :=
   match h with [] => True | (e, moved) :: h => it m e moved /\ every L it (enhanced_tick L m e moved) h end.
 
-(** What the coupling takes from the hand, and what the force on the HIP does: each after the displacement that led to it. *)
+(** The work of the coupling's tension, of the force on the HIP, and of their difference: each times the displacement before it.
+    [way] is the size of this displacement. *)
 Definition by_tension (L : enhanced) (m : state) (e moved : Z) : Z := tension L m e moved * moved.
 Definition by_force (L : enhanced) (m : state) (e moved : Z) : Z := hip_force (enhanced_tick L m e moved) * moved.
 Definition by_kept_back (L : enhanced) (m : state) (e moved : Z) : Z := kept_back L m e moved * moved.
@@ -312,7 +321,7 @@ Definition way (m : state) (e moved : Z) : Z := Z.abs moved.
 Definition below_limit (L : enhanced) (m : state) (e moved : Z) : Prop :=
   hip_force (enhanced_tick L m e moved) < limit L \/ leaves_behind L m e moved = true.
 
-(** The storage identity over any number of ticks, for both observers: nothing is dissipated but what is not negative. *)
+(** The storage identity over any number of ticks, for both observers. The dissipated energy is not negative. *)
 Theorem storage_is_kept (L : enhanced) (m : state) (h : hand) :
   valid L -> carried L m -> in_format h -> stays L m h -> every L (fits L) m h ->
   storage L (enhanced_run L m h) + over L (dissipated L) m h + 2 * gain_one * over L (from_mass L) m h
@@ -327,8 +336,8 @@ Proof.
   cbn zeta in R. unfold by_tension at 1. lia.
 Qed.
 
-(** What is shown to the hand differs from that by what is kept back: below the limit, by less than a quantum of force over each
-    displacement. *)
+(** The work of the force on the HIP differs from that of the tension by [by_kept_back]. Below the force limit this difference is
+    at most a quantum of force times the size of each displacement. *)
 Theorem force_is_the_tension_rounded (L : enhanced) (m : state) (h : hand) :
   valid L -> carried L m -> in_format h -> stays L m h -> every L (fits L) m h ->
   over L (by_tension L) m h = gain_one * over L (by_force L) m h + over L (by_kept_back L) m h

@@ -1,8 +1,10 @@
-(** The energy guard's theorem, for every hand, every law and any number of ticks: what a hand gets out of the device's port in a
-    window is at most what the account held at its beginning, the refill meanwhile, and half a count under the force of that time.
+(** The energy guard's theorem, for every hand, every law and any number of ticks. What a hand gets out of the device's port in a
+    window of time is at most the account's capacity, the refill meanwhile, and half an encoder count times the force that acted
+    when the window began.
 
-    The specification is Guard.v; the port and its damping are Port.v. Here are the device that a guard answers for ([covers]), a
-    tick of the world ([event], [happens]), the invariant, and the theorem [any_window]. *)
+    The specification is Guard.v; the port and its damping are Port.v. This file defines the devices that a guard covers
+    ([covers]) and the events of a device with a hand ([event], [possible], [after]). It proves the invariant ([sound]) and the
+    theorem [any_window]. *)
 
 Require Import ZArith QArith Qabs Qminmax Lqa Lia List Bool.
 From Touchstone Require Import Guard Port.
@@ -15,16 +17,16 @@ Coercion inject_Z : Z >-> Q.
 
 Record device : Set := {
   c : Q;      (* its damping over a tick, without the hand: energy = c moved^2 *)
-  s : Q;      (* after which share of a tick a new force begins to act, in the mean *)
-  r : Q;      (* for which share of what is moved after the change as it is told: the same, where no position is taken there *)
-  d : Q;      (* the furthest that it moves in a tick, evenly spread: s d before the change of force, (1-s) d after it *)
+  s : Q;      (* mean delay in ticks after which a new force begins to act *)
+  r : Q;      (* fraction of the displacement after the reported change with the old force; s if no position is read there *)
+  d : Q;      (* largest displacement in a tick: at most s d before the change of force and (1-s) d after it *)
   delta : Q;  (* twice the largest error of a measured position *)
-  kappa : Q;  (* what straying from the even motion can gain of a change of force: s (1-s)/4c, or more *)
-  way_after : Q;  (* the furthest that is measured from the change on *)
-  rough : Q   (* what the position at the change is rounded by, beside its error *)
+  kappa : Q;  (* what an uneven motion can gain, divided by the change of force squared: s (1-s)/4c, or more *)
+  way_after : Q;  (* largest measured displacement after the change of force *)
+  rough : Q   (* rounding of the position at the change of force, in addition to its error *)
 }.
 
-(** The largest force that a guard ever lets through. *)
+(** The largest force that a guard ever allows: that of a full account. *)
 Definition largest (G : guard) : Z := largest_force G (capacity G).
 
 Record covers (G : guard) (D : device) : Prop := {
@@ -39,37 +41,37 @@ Record covers (G : guard) (D : device) : Prop := {
   damping_nonneg : (0 <= damping G)%Z;
   per_reach_nonneg : (0 <= per_reach G)%Z;
   overrun_nonneg : (0 <= overrun G)%Z;
-  (* only damping that is there is trusted *)
+  (* the trusted damping is at most the device's *)
   damping_is_there : damping G <= c D * gain_one;
-  (* the error of a displacement, once *)
+  (* the largest error of a displacement *)
   count_covers : delta D <= count G;
-  (* what the force in flight may cost *)
+  (* the reserve: the largest displacement under the old force after the next sample *)
   flight_covers : s D * d D + delta D * (1 # 2) <= in_flight G;
-  (* what the new force may cost, with the one in flight *)
+  (* the largest displacement for which the new force must be covered, with its own reserve *)
   reach_covers : per_reach G * ((1 - s D) * d D + in_flight G + delta D * (1 # 2)) <= gain_one * signal_one;
-  (* the change of force: what strays, what is rounded, half a count *)
+  (* the charge for a change of force: half a count, roundings, and what [late] and [stray] leave out *)
   slack_covers :
     delta D * (1 # 2) + rough D + 1
     + Qabs (r D - late G / signal_one) * way_after D
     + Qmax 0 (kappa D - stray G / signal_one) * (2 * largest G) <= slack G
 }.
 
-(** * The world, a tick at a time *)
+(** * A guard with device and hand, one event at a time *)
 
-(** A guard at work: its memory just after a tick, how far the true position is from the measured one, and what the port has taken
-    from the hand so far (its damping, as far as it is trusted, counted). *)
+(** The guard's memory just after a tick; the true position less the measured one; the energy that the port took from the hand so
+    far, with the trusted damping's; the number of events. *)
 Record world : Set := { memory_of : memory; error : Q; taken : Q; ticks : nat }.
 
 Inductive event : Set :=
-| Tick (under early rest damped : Q)              (* what the device does until and after the force changes *)
-       (error' : Q) (moved : Z)                   (* the next sample: its error, and the displacement that it shows *)
-       (before : Z)                               (* the part of it before the change, as far as one is told; else 0 *)
+| Tick (under early rest damped : Q)              (* moved before the change (estimated, true) and after it; energy dissipated *)
+       (error' : Q) (moved : Z)                   (* the next sample: its error, and the measured displacement *)
+       (before : Z)                               (* its part before the change of force; 0 if no position is read there *)
        (wanted : Z)                               (* the force that the law wants: any *)
-       (told : Z)                                 (* what came of the guarded force in the end: any *)
-| Off (early rest damped : Q) (error' : Q)         (* the force is switched off, at some time within a tick, and nobody looks *)
-| Away (damped : Q) (error' : Q).                 (* nobody looks, and no force acts: until arming *)
+       (told : Z)                                 (* the force that is finally commanded, as reported: any *)
+| Off (early rest damped : Q) (error' : Q)         (* the force is switched off within a tick, and no position is read *)
+| Away (damped : Q) (error' : Q).                 (* no force acts and no position is read, until arming *)
 
-(** What a device that is covered can do, and a hand with it. The rest is free. *)
+(** The events that are possible for a covered device with a hand. All other values are arbitrary. *)
 Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
   match e with
   | Tick under early rest damped error' moved before _ _ =>
@@ -77,17 +79,17 @@ Definition possible (G : guard) (D : device) (w : world) (e : event) : Prop :=
       /\ Qabs error' <= delta D * (1 # 2)
       /\ moved == early + rest + error w - error'
       /\ (Z.abs moved <= furthest G)%Z /\ (Z.abs before <= furthest G)%Z
-      (* what the books have for the way under the old force is as far off as a position is *)
+      (* the displacement that the guard counts under the old force is wrong by at most a position's error and rounding *)
       /\ Qabs (moved - before) <= way_after D
       /\ Qabs (error w + under - (before + r D * (moved - before))) <= delta D * (1 # 2) + rough D
   | Off early rest damped error' =>
-      (* however short each acts *)
+      (* for any duration of each force *)
       Qabs early <= s D * d D /\ Qabs rest <= (1 - s D) * d D /\ 0 <= damped /\ Qabs error' <= delta D * (1 # 2)
   | Away damped error' =>
       force (memory_of w) = 0%Z /\ older (memory_of w) = 0%Z /\ 0 <= damped /\ Qabs error' <= delta D * (1 # 2)
   end.
 
-(** What the port takes. A force begins to act at the share [s] of a tick: until then it is the older one. *)
+(** The energy that the port takes from the hand. Until the change within the tick the older force acts, then the last one. *)
 Definition port (m : memory) (e : event) : Q :=
   match e with
   | Tick _ early rest damped _ _ _ _ _ | Off early rest damped _ => older m * early + force m * rest + damped
@@ -158,7 +160,7 @@ Proof.
   apply Z.div_pos; [exact H | reflexivity].
 Qed.
 
-(** The rounding of the force is against the hand: over every reach whose reciprocal is stored, it is paid for. *)
+(** The largest force is rounded down. So over the reach, whose reciprocal is stored, its work is at most the energy [a]. *)
 Lemma force_pays (G : guard) (f a : Z) (reach : Q) :
   (0 <= per_reach G)%Z -> (0 <= a)%Z -> 0 <= reach -> per_reach G * reach <= gain_one * signal_one ->
   (Z.abs f <= largest_force G a)%Z -> Z.abs f * reach <= a.
@@ -211,7 +213,7 @@ Qed.
 Lemma reach_nonneg : 0 <= reach.
 Proof. pose proof reach_at_least. pose proof (Q_nonneg _ in_flight_nonneg). lra. Qed.
 
-(** What is let through leaves its own reserve. *)
+(** A force that the energy [a] allows has a reserve of at most [a]. *)
 Lemma reserve_of_paid (f a : Z) :
   (0 <= a)%Z -> (Z.abs f <= largest_force G a)%Z -> (reserve G f <= a)%Z.
 Proof.
@@ -251,7 +253,7 @@ Proof.
       lia. }
     constructor; cbn; intros; try lia.
     apply largest_force_nonneg; [assumption|]. unfold reserve. lia.
-  - (* a deficit is made up for *)
+  - (* an account that is negative *)
     apply Z.ltb_lt in Deficit.
     constructor; cbn; intros; try lia.
     apply largest_force_nonneg; [assumption|]. unfold reserve. lia.
@@ -285,9 +287,10 @@ Proof.
   - intros. apply largest_force_nonneg; [assumption|]. change (reserve G 0) with 0%Z. lia.
 Qed.
 
-(** * What an account is worth *)
+(** * The account is a lower bound of the energy taken *)
 
-(** One tick of the world with the book's own sum: [u] is what the code booked under the old force, up to a quantum. *)
+(** In one tick the guard's sum grows by at most the energy that the port takes. [u] is the displacement that the code counts
+    under the old force, rounded by up to a quantum. *)
 Lemma books_of_a_tick (x b u g a f1 f2 under early rest taken_out e e' m damped sigma stray' after' charge L : Q) :
   acts_late (c D) (s D) (d D) (kappa D) under early rest taken_out ->
   x == early + rest + e - e' ->
@@ -309,7 +312,7 @@ Proof.
   assert (Ha : - a <= g <= a).
   { rewrite Ea. apply Qabs_bounds. apply Qle_refl. }
   assert (A0 : 0 <= a) by lra.
-  (* the damping is there: the true displacement is at most delta shorter *)
+  (* the damping dissipates this: the true displacement is at most delta shorter than measured *)
   assert (Damp : damped <= c D * (X * X)).
   { apply Qle_trans with (c D * (m * m)); [exact Hdamp|].
     assert (m * m <= X * X); [|apply scaled; assumption].
@@ -323,13 +326,13 @@ Proof.
   assert (Round : - (g * u) <= - (g * (b + sigma * (x - b) + stray' * g)) + a).
   { assert (B : - (1) <= u - (b + sigma * (x - b) + stray' * g) <= 1) by lra.
     pose proof (product_within g (u - (b + sigma * (x - b) + stray' * g)) a 1 Ha B). lra. }
-  (* the share as stored *)
+  (* [late] as stored, in place of r *)
   assert (Share : g * ((r D - sigma) * (x - b)) <= a * (Qabs (r D - sigma) * after')).
   { assert (B : - Qabs (r D - sigma) <= r D - sigma <= Qabs (r D - sigma)).
     { apply Qabs_bounds. apply Qle_refl. }
     pose proof (product_within _ _ _ _ B Hx) as B2.
     pose proof (product_within _ _ _ _ Ha B2). lra. }
-  (* the stray as stored *)
+  (* [stray] as stored, in place of kappa *)
   assert (Stray : (kappa D - stray') * (g * g) <= a * (Qmax 0 (kappa D - stray') * (2 * L))).
   { set (rr := Qmax 0 (kappa D - stray')).
     assert (R0 : 0 <= rr) by apply Q.le_max_l.
@@ -354,7 +357,7 @@ Proof.
   lra.
 Qed.
 
-(** The damping that the code books is there, in whole quanta. *)
+(** The energy that the code counts for damping is at most what the device's damping dissipates, in spite of rounding. *)
 Lemma damped_is_there (x : Z) :
   let m := Z.max (Z.abs x - count G) 0 in
   0 <= m /\ (m <= 0 \/ m + delta D <= x \/ m + delta D <= - x) /\ damped G (Z.abs x) <= c D * (m * m).
@@ -380,7 +383,8 @@ Proof.
     nra.
 Qed.
 
-(** What the account is worth at a sample: [total] is what the window began with, what the port took since, and the refill. *)
+(** The invariant at a sample. [total] is the energy at the window's beginning, plus what the port took since and the refill. It
+    is never negative, and the account and the energy of the position error are together at most [total]. *)
 Record worth (w : world) (total : Q) : Prop := {
   nothing_lost : 0 <= total;
   account_is_there : account (memory_of w) + older (memory_of w) * error w <= total;
@@ -388,7 +392,7 @@ Record worth (w : world) (total : Q) : Prop := {
   error_is_small : Qabs (error w) <= delta D * (1 # 2)
 }.
 
-(** Everything that the hand can still take, to any instant up to the next sample, is there. *)
+(** [total] also covers what the hand can get until any instant up to the next sample. *)
 Lemma nothing_lost_within (w : world) (total early rest damped : Q) :
   worth w total -> Qabs early <= s D * d D -> Qabs rest <= (1 - s D) * d D -> 0 <= damped ->
   let m := memory_of w in
@@ -468,7 +472,7 @@ Proof.
   assert (S2 : (furthest G <? Z.abs before)%Z = false) by (apply Z.ltb_ge; assumption).
   rewrite S1, S2. cbn [orb].
   destruct (account m <? 0)%Z eqn:Deficit; cbn [fst make_up ordinary account older].
-  - (* a deficit: no force acts *)
+  - (* a negative account: no force acts *)
     apply Z.ltb_lt in Deficit. destruct Sd. destruct (deficit_without_force0 Deficit) as [F O].
     rewrite F, O in *. change (inject_Z 0) with 0 in *.
     set (u0 := before + sigma * (moved - before)).
@@ -480,7 +484,7 @@ Proof.
     assert (Min : Z.min (account m + refill G + damped G (Z.abs moved)) (capacity G)
                   <= inject_Z (account m + refill G + damped G (Z.abs moved))) by (apply Zle_Q; lia).
     rewrite !inject_Z_plus in Min. lra.
-  - (* books and reserve *)
+  - (* an ordinary tick: sum and reserve *)
     apply Z.ltb_ge in Deficit. specialize (Next Deficit).
     set (change := (force m - older m)%Z).
     set (v := ((late G * (moved - before) + stray G * change) / signal_one)%Z).
@@ -509,7 +513,7 @@ Proof.
     { apply (books_of_a_tick moved before u change (Z.abs change) (force m) (older m) under early rest out (error w) e' mm
                (damped G (Z.abs moved)) sigma stray' (way_after D) (slack G) (largest G)); try assumption.
       apply abs_Q. }
-    (* the account is the books' sum, or the reserve, or less *)
+    (* the account is the sum or the capacity, whichever is less, but at least the reserve *)
     unfold free. set (sum := booked G m moved before). set (r := reserve G (force m)).
     assert (Esum : inject_Z sum == account m + refill G + force m * moved - change * u - Z.abs change * slack G
                                    + damped G (Z.abs moved)).
@@ -545,8 +549,8 @@ Proof.
     destruct Wo'. constructor; try assumption; rewrite <- E; assumption.
 Qed.
 
-(** What may have been before the window: anything at all, overspeed included, but that measurements were wrong by no more than
-    they ever are. *)
+(** What may have happened before the window: anything, overspeed included, except that position errors stay within their bound,
+    and that [Away] has no force. *)
 Definition may_precede (w : world) (e : event) : Prop :=
   match e with
   | Tick _ _ _ _ error' _ _ _ _ | Off _ _ _ error' => Qabs error' <= delta D * (1 # 2)
@@ -575,12 +579,14 @@ Qed.
 (** At power-up: a full account, no force. *)
 Definition power_up (error0 : Q) : world := {| memory_of := full G; error := error0; taken := 0; ticks := 0 |}.
 
-(** THE THEOREM. Whatever came before, whatever the hand does in the window ([early], [rest], the errors), whatever the law wants and
-    whatever comes of its force: from the window's beginning to any instant after it, up to the next sample, the hand gets out at most
+(** The theorem. It holds whatever happened before the window, whatever the hand does in it ([early], [rest], the errors), and for
+    all forces that the law requests and that are finally commanded. From the window's beginning to any instant up to the sample
+    after its last tick, the hand gets out at most
 
       C + P T n + |f| delta/2
 
-    more than it put in and the trusted damping took. [f] is the force that was on its way when the window began. *)
+    more than it put in. Energy that the trusted damping dissipates counts as taken from the hand. [f] is the older force in the
+    memory at the window's beginning, which still acts at first. *)
 Theorem any_window (error0 : Q) (before window : list event) (early rest damped : Q) :
   Qabs error0 <= delta D * (1 # 2) ->
   let begin := run G (power_up error0) before in
@@ -613,7 +619,7 @@ Proof.
   fold w in F. unfold port_took, bound in *. lra.
 Qed.
 
-(** The force on its way is at most the largest that a full account allows. *)
+(** The force that still acts when the window begins is at most the largest force of a full account. *)
 Corollary any_window_by_settings (error0 : Q) (before window : list event) (early rest damped : Q) :
   Qabs error0 <= delta D * (1 # 2) ->
   let begin := run G (power_up error0) before in

@@ -1,5 +1,5 @@
 (** TDPA (thesis 2.1 to 2.6) and FBA (thesis 2.6a to 2.10) over the integers: what control/src/law/tdpa.rs and fba.rs compute.
-    Numbers are counts of quanta as in Guard.v. *)
+    Numbers are integers in quanta (smallest steps of the number format), as in Guard.v. *)
 
 Require Import ZArith Bool.
 From Touchstone Require Import Guard.
@@ -9,13 +9,13 @@ Definition lowest_signal : Z := - 2 ^ 31.
 Definition lowest_energy : Z := - 2 ^ 63.
 Definition energy_cap : Z := 2 ^ 62.
 
-(** [k e], a force: towards zero, not beyond the format. *)
+(** The force [k e], rounded towards zero and limited to the format. *)
 Definition spring (k e : Z) : Z := within (Z.quot (k * e) gain_one) highest_signal.
 
-(** [c moved^2], an energy: what a damper took over one displacement, its force towards zero. *)
+(** The energy [c moved^2] that a damper dissipates over one displacement; its force is rounded towards zero. *)
 Definition damping_loss (c moved : Z) : Z := spring c moved * moved.
 
-(** The memory of either law inside the wall; outside all is 0. *)
+(** The memory of both laws inside the wall. Outside the wall every value is 0. *)
 Record observed : Set := { shown : Z; energy : Z; inside : bool }.
 Definition outside : observed := {| shown := 0; energy := 0; inside := false |}.
 
@@ -23,17 +23,17 @@ Definition outside : observed := {| shown := 0; energy := 0; inside := false |}.
 
 Record tdpa : Set := {
   t_desired : Z;   (* k_de, gain *)
-  exact : bool;    (* f(n-1) times the displacement, the port's energy; else f(n), thesis (2.1) *)
+  exact : bool;    (* energy from the last force f(n-1), as at the port; else from the new force f(n), thesis (2.1) *)
   t_damping : Z;   (* c_i/T, gain *)
   t_limit : Z      (* force *)
 }.
 
-(** Thesis (2.1) to (2.4): the force after which the sum is not negative, and the sum. *)
+(** Thesis (2.1) to (2.4): the force with which the energy sum is not negative, and the new sum. *)
 Definition thesis_step (e wanted moved : Z) : Z * Z :=
   let force := if 0 <=? e + wanted * moved then wanted else e / - moved in
   (force, Z.min (e + force * moved) energy_cap).
 
-(** The port's energy, and the force that would work a deficit off over a displacement like the last. *)
+(** The exact observer's force: a deficit is corrected under the assumption that the next displacement equals the last. *)
 Definition exact_step (L : tdpa) (e wanted moved : Z) : Z :=
   let enough := Z.min (Z.abs e / Z.abs moved) highest_signal in
   let force := if (moved =? 0) || (0 <=? e + wanted * moved) then wanted
@@ -61,7 +61,7 @@ Record fba : Set := {
   f_limit : Z      (* force *)
 }.
 
-(** [sqrt(4 c_i/T)], rounded down, in the digits of a gain. *)
+(** [sqrt(4 c_i/T)], rounded down, with the fractional bits of a gain. *)
 Definition bound (c : Z) : Z := Z.sqrt (4 * c * gain_one).
 
 (** Thesis (2.7a): the largest force that an energy allows. *)

@@ -1,5 +1,5 @@
-(** What the observers of TDPA and FBA are worth over any number of ticks. A contact is a list of pairs: penetration and displacement,
-    any whatever. *)
+(** What the energy observers of TDPA and FBA ensure over any number of ticks. A contact is a list of pairs of penetration and
+    displacement, which are arbitrary. *)
 
 Require Import ZArith Lia List Bool Psatz.
 From Touchstone Require Import Guard Laws.
@@ -12,7 +12,7 @@ Proof.
   rewrite Z.quot_div_nonneg by lia. rewrite Z.mul_comm. apply Z.mul_div_le. exact B.
 Qed.
 
-(** The damper that is counted takes no more than the one that is stored, and gives nothing. *)
+(** The damper's energy as the code counts it is not negative and at most [c x^2]. *)
 Lemma loss_is_small (c x : Z) : 0 <= c -> 0 <= damping_loss c x /\ gain_one * damping_loss c x <= c * (x * x).
 Proof.
   intros Hc. unfold damping_loss, spring.
@@ -42,8 +42,8 @@ Definition contact : Set := list (Z * Z).
 Fixpoint tdpa_run (L : tdpa) (m : observed) (k : contact) : observed :=
   match k with [] => m | (e, moved) :: k => tdpa_run L (tdpa_tick L m e moved) k end.
 
-(** The thesis' sum (2.1): each force with the displacement before it, and the damping that is counted; a new contact begins with
-    nothing. *)
+(** The thesis' sum (2.1): each force times the displacement before it, plus the counted damper energy. Outside the wall the sum
+    is 0. *)
 Fixpoint thesis_sum (L : tdpa) (m : observed) (k : contact) (sum : Z) : Z :=
   match k with
   | [] => sum
@@ -70,8 +70,8 @@ Proof.
     assert (0 < energy_cap) by reflexivity. clearbody q. split; [lia|]. nia.
 Qed.
 
-(** At every tick of every contact the thesis' sum is at least what is stored, and that is never negative: the law keeps the sum that
-    it looks at from becoming negative, whatever the hand does. (It is not the energy of the port.) *)
+(** At every tick of every contact the thesis' sum is at least the law's stored energy, which is never negative, whatever the hand
+    does. (The sum is not the energy taken from the hand.) *)
 Theorem thesis_sum_is_never_negative (L : tdpa) (k : contact) :
   exact L = false -> 0 <= t_desired L -> 0 <= t_damping L -> 0 <= t_limit L ->
   0 <= energy (tdpa_run L outside k) <= thesis_sum L outside k 0.
@@ -100,7 +100,8 @@ Qed.
 Fixpoint fba_run (L : fba) (m : observed) (k : contact) : observed :=
   match k with [] => m | (e, moved) :: k => fba_run L (fba_tick L m e moved) k end.
 
-(** The port's energy with the device's own damping, times [gain_one]: each force with the displacement that it acted over. *)
+(** The energy taken from the hand and by the device's damping, times [gain_one]. Each force counts over the displacement in which
+    it acted. *)
 Fixpoint port_sum (L : fba) (m : observed) (k : contact) (sum : Z) : Z :=
   match k with
   | [] => sum
@@ -110,7 +111,8 @@ Fixpoint port_sum (L : fba) (m : observed) (k : contact) (sum : Z) : Z :=
         (if e <=? 0 then 0 else sum + gain_one * (shown m * x) + f_damping L * (x * x))
   end.
 
-(** (2.7a) as it is meant: over no displacement can a force cost more than its energy and the damping hold. *)
+(** The purpose of (2.7a): over no displacement [x] can an allowed force [f] cost more than the energy [e] and what the damping
+    dissipates. *)
 Lemma allowed_is_paid (c e f x : Z) :
   0 <= c -> 0 <= e -> 0 <= f <= allowed c e -> 0 <= gain_one * e + gain_one * (f * x) + c * (x * x).
 Proof.
@@ -160,8 +162,8 @@ Proof.
   rewrite Z.mul_0_r. reflexivity.
 Qed.
 
-(** Over any contact, at every tick: the port's energy, the device's damping counted, is not negative, and the observer never shows
-    more of it than there is. After any further displacement it still is not. *)
+(** At every tick of any contact the energy taken from the hand and by the device's damping ([port_sum]) is not negative, and the
+    observer's energy is at most that sum. After any further displacement [next] the sum is still not negative. *)
 Theorem fba_is_passive (L : fba) (k : contact) (next : Z) :
   0 <= f_desired L -> 0 <= f_damping L -> 0 <= f_limit L ->
   let m := fba_run L outside k in

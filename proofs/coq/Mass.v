@@ -1,13 +1,13 @@
-(** The virtual mass of the enhanced law (control/src/law/enhanced.rs): its energy over a whole contact, loan and forgiven deficit
-    counted. How the mass moves under a force, and which force a retreat takes, may be any functions whatever: the books do not rest on
-    them. *)
+(** The virtual mass of the enhanced law (control/src/law/enhanced.rs): its energy over a whole contact, with the loan and the
+    forgiven deficit. The mass' displacement under a force, and the force for a retreat, may be any functions; the theorems do not
+    depend on them. *)
 
 Require Import ZArith Lia List Psatz.
 From Touchstone Require Import Laws.
 Import ListNotations.
 Open Scope Z_scope.
 
-(** [EnhancedSfa::affordable_move]: energy, force and displacement of the mass. *)
+(** [EnhancedSfa::affordable_move]. The results are energy, force and displacement of the mass. *)
 Definition paid_move (displacement force_for : Z -> Z) (energy wanted : Z) : Z * Z * Z :=
   let step := displacement wanted in
   let after := energy + wanted * step in
@@ -18,7 +18,8 @@ Definition paid_move (displacement force_for : Z -> Z) (energy wanted : Z) : Z *
     if force <=? 0 then (energy, 0, displacement 0)
     else (Z.min (energy - force * retreat) energy_cap, force, - retreat).
 
-(** [EnhancedSfa::leave_behind]: the mass goes on alone, if that is paid for, and else stands still. *)
+(** [EnhancedSfa::leave_behind]: the mass moves on without the coupling if its energy covers the move, and otherwise stands
+    still. *)
 Definition coast (displacement : Z -> Z) (energy wanted : Z) : Z * Z * Z :=
   let step := displacement wanted in
   let after := energy + wanted * step in
@@ -48,7 +49,8 @@ Proof.
   destruct (0 <=? energy + wanted * displacement wanted) eqn:P; [apply Z.leb_le in P|]; lia.
 Qed.
 
-(** A tick after the first contact: coupled to the hand or left behind. *)
+(** A tick after the first contact. The mass is coupled to the hand, or left behind (uncoupled, because the coupling would
+    pull). *)
 Inductive mass_tick : Set :=
 | Coupled (displacement force_for : Z -> Z) (wanted : Z)
 | LeftBehind (displacement : Z -> Z) (wanted : Z).
@@ -61,14 +63,14 @@ Definition moves (energy : Z) (t : mass_tick) : Z * Z * Z :=
   | LeftBehind displacement wanted => coast displacement energy wanted
   end.
 
-(** Energy left, and what the wall took from the mass, after the ticks. *)
+(** Energy left, and energy that the wall took from the mass, after the ticks [ts]. *)
 Fixpoint augmented (energy : Z) (ts : list mass_tick) (took : Z) : Z * Z :=
   match ts with
   | [] => (energy, took)
   | t :: ts => let '(energy', force, moved) := moves energy t in augmented energy' ts (took + force * moved)
   end.
 
-(** The first contact: force and displacement of each tick, up to the one that turns outward. *)
+(** The energy after the first contact, from force and displacement of each of its ticks, up to the tick that turns outward. *)
 Fixpoint first_contact (energy : Z) (ticks : list (Z * Z)) : Z :=
   match ticks with
   | [] => energy
@@ -78,15 +80,18 @@ Fixpoint first_contact (energy : Z) (ticks : list (Z * Z)) : Z :=
 Fixpoint taken_first (ticks : list (Z * Z)) : Z :=
   match ticks with [] => 0 | (force, moved) :: ticks => force * moved + taken_first ticks end.
 
-(** [EnhancedSfa::hand_over]: the coupling's share is taken off where it is covered; a deficit is forgiven. *)
+(** [EnhancedSfa::hand_over]: takes off the energy [stored] in the coupling if the energy covers it. Otherwise nothing is taken
+    off, and a negative energy is forgiven: it becomes 0. *)
 Definition hand_over (energy stored : Z) : Z :=
   if 0 <=? energy - stored then energy - stored else Z.max energy 0.
 
-(** A deficit can only come of the tick that turned, and is at most that tick's work. *)
+(** The most energy that is forgiven. Only the tick that turned outward can make the energy negative, at most by that tick's
+    work. *)
 Definition forgiven (force moved : Z) : Z := Z.max 0 (- (force * moved)).
 
-(** A contact: inward ticks, the one that turns outward, and any number of ticks of the mass. Its energy is never negative; and what
-    the wall gave away in all, over the hand's displacements first and the mass' after, is at most the loan and the forgiven deficit. *)
+(** A contact has inward ticks, the tick that turns outward, and any number of ticks of the mass. Its energy is never negative.
+    The wall gives in all at most the loan and the forgiven deficit; its work counts over the hand's displacements first, then
+    over the mass'. *)
 Theorem contact_gives_at_most_the_loan
   (credit : Z) (inward : list (Z * Z)) (force moved stored : Z) (ts : list mass_tick) :
   0 <= credit <= energy_cap ->
@@ -127,7 +132,7 @@ Proof.
   destruct (moves energy t) as [[energy' f] x]. apply IH; [exact Ts' | lia].
 Qed.
 
-(** The same at the port's side of the books: what was given is no more than the loan and that deficit. *)
+(** The second part alone: the wall gives at most the loan and the forgiven deficit. *)
 Corollary given_at_most (credit : Z) (inward : list (Z * Z)) (force moved stored : Z) (ts : list mass_tick) :
   0 <= credit <= energy_cap ->
   Forall (fun it => 0 <= fst it /\ 0 <= snd it) inward ->

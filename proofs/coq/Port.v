@@ -1,12 +1,15 @@
-(** The port where the hand is, between two samples: what a force and its displacement take from the hand, and what a damper must
-    have taken out of the motion meanwhile. Positions, shares of a tick and energies are rational, in quanta: any position that a
-    hand can choose is as near to one as one likes, and every statement here is about sums and products. *)
+(** The port between hand and device, between two samples: the energy that a force takes from the hand over a displacement, and
+    the least energy that a damper dissipates meanwhile.
+
+    Positions, fractions of a tick and energies are rational numbers, in quanta (smallest steps of the number format). They come
+    as near as one likes to any position that a hand can choose, and every statement here is about sums and products. *)
 
 Require Import QArith Qabs Lqa List.
 Open Scope Q_scope.
 
-(** A part of a tick, of the given share: it moves the device by [moved], and a damping of [c] to a whole tick takes at least
-    [c moved^2 / share], however the device moves within it (Cauchy and Schwarz). In no time nothing moves. *)
+(** A part of a tick; [share] is its length in ticks. In it the device moves by [moved], and a damping of [c] over a whole tick
+    dissipates [damped]. That is at least [c moved^2 / share] for every motion within the part (Cauchy and Schwarz). In a part of
+    length zero nothing moves. *)
 Record part_of_tick (c share moved damped : Q) : Prop := {
   damps : 0 <= damped;
   damps_enough : c * (moved * moved) <= share * damped;
@@ -25,8 +28,9 @@ Proof. intros Ha H. assert (0 <= a * (y - x)) by (apply times_nonneg; lra). lra.
 Lemma cancel (a x y : Q) : 0 < a -> a * x <= a * y -> x <= y.
 Proof. intros Ha H. destruct (Qlt_le_dec y x) as [L|L]; [nra | exact L]. Qed.
 
-(** (1) of docs/energy-guard.md: the two parts of a tick together. [g] is the change of force between them, [s] the share of the
-    first. What a hand gains by straying from the even motion is paid by [kappa g^2]. *)
+(** (1) of docs/energy-guard.md: the two parts of a tick together. [g] is the change of force between them, [s] the length of
+    the first part in ticks. A hand can get energy by dividing the displacement otherwise than by [s]; [kappa g^2] covers this
+    energy. *)
 Theorem change_of_force (c s kappa early rest d1 d2 g : Q) :
   0 <= s <= 1 -> 0 <= c -> 0 <= kappa -> s * (1 - s) <= 4 * c * kappa ->
   part_of_tick c s early d1 -> part_of_tick c (1 - s) rest d2 ->
@@ -77,7 +81,7 @@ Proof.
   lra.
 Qed.
 
-(** The same with no change of force: both parts together damp at least as much as an even motion. *)
+(** The same without a change of force: both parts together dissipate at least as much as a motion of constant speed. *)
 Corollary whole_tick_damps (c s early rest d1 d2 : Q) :
   0 <= s <= 1 -> 0 <= c ->
   part_of_tick c s early d1 -> part_of_tick c (1 - s) rest d2 ->
@@ -95,10 +99,11 @@ Proof.
   - assert (E : c == 0) by lra. destruct H1, H2. rewrite E. lra.
 Qed.
 
-(** * What the guard's books ask of a device: that it acts late by a share [s] in the mean *)
+(** * What the guard requires of a device: a new force acts late, by the mean fraction [s] of a tick *)
 
-(** [early] and [rest] are the ways under the old force and under the new one, [damped] what the trusted damping took of a tick. [under]
-    is what the books have for [early]: for every change of force [g] what the difference of the two gains is paid by [kappa g^2]. *)
+(** [early] and [rest] are the displacements under the old and under the new force. [damped] is the energy that the trusted
+    damping dissipates in the tick. [under] is the displacement that the guard counts under the old force. For every change of
+    force [g], [kappa g^2] covers the energy that the difference of [early] and [under] costs. *)
 Record acts_late (c s d kappa under early rest damped : Q) : Prop := {
   damping_takes : 0 <= damped;
   early_within : Qabs early <= s * d;
@@ -107,7 +112,7 @@ Record acts_late (c s d kappa under early rest damped : Q) : Prop := {
     c * ((early + rest) * (early + rest)) - g * under - kappa * (g * g) <= damped - g * early
 }.
 
-(** A force that begins to act all at once, [s] of a tick late. *)
+(** A force that changes in one step, [s] ticks late. *)
 Theorem pure_delay_acts_late (c s d kappa early rest d1 d2 : Q) :
   0 <= s <= 1 -> 0 <= c -> 0 <= kappa -> s * (1 - s) <= 4 * c * kappa ->
   part_of_tick c s early d1 -> part_of_tick c (1 - s) rest d2 ->
@@ -119,8 +124,9 @@ Proof.
   - intros g. pose proof (change_of_force c s kappa early rest d1 d2 g Hs Hc Hk Hp P1 P2). lra.
 Qed.
 
-(** A current loop: its step response is a mean of steps at [at_share], each with its [weight]; [way] is how far the device came until
-    then. The damping of the tick is one and the same. *)
+(** A current loop, whose step response is a weighted mean of steps. A step comes after [at_share] ticks and has the given
+    [weight]. [way] is the device's displacement until the step. [until] and [after_it] are the energies that the damping
+    dissipates before and after the step; all steps share the one motion and damping of the tick. *)
 Record step_response : Set := { weight : Q; at_share : Q; way : Q; until : Q; after_it : Q }.
 
 Fixpoint mean (of_ : step_response -> Q) (steps : list step_response) : Q :=
@@ -138,7 +144,7 @@ Proof.
   pose proof (scaled _ _ _ W0 H0). specialize (IH W1 H1). lra.
 Qed.
 
-(** It counts as a pure delay of its mean, with the [kappa] of that. *)
+(** A current loop counts as a pure delay of the mean [s] of its step response, with the [kappa] of that delay. *)
 Theorem current_loop_acts_late (c d kappa moved damped : Q) (steps : list step_response) :
   0 < c -> 0 <= d ->
   Forall (fun it => 0 <= weight it) steps -> mean (fun _ => 1) steps == 1 ->
@@ -179,7 +185,7 @@ Proof.
   set (k := 1 / (4 * c)).
   assert (Ek : 4 * c * k == 1) by (unfold k; field; lra).
   assert (K0 : 0 <= k) by (apply (cancel (4 * c)); lra).
-  (* each step by itself, with its own share *)
+  (* each step by itself, with its own delay *)
   assert (Each : mean (fun it => (c * (moved * moved)) * 1 + (- 1) * (at_share it * (g * moved) + at_share it * (1 - at_share it) * k * (g * g)))
                    steps <= mean (fun it => damped * 1 + (- g) * way it) steps).
   { apply mean_le; [exact W|]. eapply Forall_impl; [|exact All]. intros it H. cbn beta in *.
@@ -193,7 +199,7 @@ Proof.
     pose proof (change_of_force c (at_share it) _ (way it) (moved - way it) _ _ g Hs C0 Kp Hp P1 P2) as P.
     assert (E : way it + (moved - way it) == moved) by ring. rewrite E in P. lra. }
   rewrite !mean_sum in Each. rewrite !Const in Each.
-  (* the mean of s (1-s) is at most that of the mean *)
+  (* the mean of all s (1-s) is at most s (1-s) of the mean s *)
   assert (Spread : mean (fun it => (g * moved + k * (g * g)) * at_share it + (- (k * (g * g))) * (at_share it * at_share it)) steps
                    <= s * (g * moved) + s * (1 - s) * k * (g * g)).
   { assert (J : mean (fun it => (2 * s) * at_share it + (- (s * s)) * 1) steps <= mean (fun it => at_share it * at_share it) steps).
@@ -213,9 +219,10 @@ Proof.
   assert (E : mean way steps + (moved - mean way steps) == moved) by ring. rewrite E. lra.
 Qed.
 
-(** A change of force that comes as it likes, at an instant that is told in some way: the tick in so many pieces, of each its share and
-    way, what the damping took of it, what was [missing] of the change, and what the books have for that, [booked_as]: [s], or where a
-    position is taken in between the mean of the part before it or of the part after it. *)
+(** A change of force with any course over the tick, which is divided into pieces. A piece has its length in ticks, its
+    displacement, the energy that the damping dissipates in it, and the fraction of the change that is still [missing] in it.
+    [booked_as] is the fraction that the guard assumes to be missing: the mean [s], or, if a position is read within the tick, the
+    mean over the part before or after this reading. *)
 Record piece : Set := { its_share : Q; its_way : Q; its_damping : Q; missing : Q; booked_as : Q }.
 
 Fixpoint sum (of_ : piece -> Q) (pieces : list piece) : Q :=
@@ -232,7 +239,8 @@ Proof.
   inversion H as [|? ? H0 H1]; subst. specialize (IH H1). lra.
 Qed.
 
-(** The damping of a piece is above each of its tangents. *)
+(** The least energy that the damping dissipates in a piece is a parabola of the displacement, which is above each of its
+    tangents. *)
 Lemma tangent (c share moved damped q : Q) :
   0 <= c -> 0 <= share -> part_of_tick c share moved damped -> c * (2 * q * moved - q * q * share) <= damped.
 Proof.
@@ -244,7 +252,8 @@ Proof.
   - assert (Z : share == 0) by lra. rewrite (N Z), Z. lra.
 Qed.
 
-(** (1) and (2) of docs/energy-guard.md: it counts as a delay of [s], with the [kappa] of what is left open. *)
+(** (1) and (2) of docs/energy-guard.md: such a change of force counts as a delay of [s] ticks. Its [kappa] covers the differences
+    of [missing] and [booked_as]. *)
 Theorem told_change_acts_late (c d kappa : Q) (pieces : list piece) :
   0 < c -> 0 <= d -> sum its_share pieces == 1 ->
   Forall (fun it => 0 <= its_share it /\ part_of_tick c (its_share it) (its_way it) (its_damping it)
@@ -291,7 +300,7 @@ Proof.
   - intros g.
     set (k := g / (2 * c)).
     assert (Ek : 2 * c * k == g) by (unfold k; field; lra).
-    (* a tangent of each piece: at the speed of the whole tick, and as much beside it as pays best *)
+    (* a tangent of each piece: at the mean speed X of the tick plus k off, with the k that gives the best bound *)
     set (off := fun it => missing it - booked_as it).
     assert (T : sum (fun it => c * (2 * (X + k * off it) * its_way it - (X + k * off it) * (X + k * off it) * its_share it)) pieces
                 <= sum its_damping pieces).

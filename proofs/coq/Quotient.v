@@ -1,4 +1,5 @@
-(** A quotient by a power of two is quicker by halves, one for each bit of the divisor. Extract.v puts it in the place of [Z.div]. *)
+(** Division by a power of two by repeated halving, once for each bit of the divisor. It is faster than [Z.div], and Extract.v
+    uses it instead. *)
 
 Require Import ZArith.
 Open Scope Z_scope.

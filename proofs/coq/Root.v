@@ -1,12 +1,13 @@
-(** Roots of whole numbers as the code finds them: digit by digit from the top (control/src/magnitude.rs, [root]), and a double word's from
-    that of its upper half (control/src/space/root.rs; Zimmermann, "Karatsuba square root", 1999). Both are [Z.sqrt]. *)
+(** Integer square roots as the code computes them: digit by digit from the highest (control/src/magnitude.rs, [root]), and the
+    root of a double word from that of its upper half (control/src/space/root.rs; Zimmermann, Karatsuba square root, 1999). Both
+    equal [Z.sqrt]. *)
 
 Require Import ZArith Lia.
 Open Scope Z_scope.
 
 (** * Digit by digit *)
 
-(** A root with one more binary digit is kept if its square is not more than the number. *)
+(** Sets the binary digit [place] of the root if the square is then not more than the number. *)
 Definition digit (n root place : Z) : Z :=
   let candidate := Z.lor root (2 ^ place) in
   if candidate * candidate <=? n then candidate else root.
@@ -46,7 +47,7 @@ Proof.
     + apply (IH (2 * q)); [|lia]. fold one. replace (2 * q * one + one) with ((2 * q + 1) * one) by ring. lia.
 Qed.
 
-(** As many digits as the root has. *)
+(** With as many digits as the root can have, the result is the root. *)
 Theorem digits_are_the_root (n : Z) (bits : nat) : 0 <= n < 4 ^ Z.of_nat bits -> digits n 0 bits = Z.sqrt n.
 Proof.
   intros H. symmetry. apply Z.sqrt_unique.
@@ -57,16 +58,16 @@ Proof.
   lia.
 Qed.
 
-(** A word's: 32 digits. *)
+(** The root of a 64-bit number: 32 digits. *)
 Definition root_by_digits (n : Z) : Z := digits n 0 32.
 
 (** * By halves *)
 
-(** The root, and what its square leaves. *)
+(** [it] is the root of [n], rounded down, and the remainder. *)
 Definition is_root (n : Z) (it : Z * Z) : Prop :=
   let (root, rest) := it in root * root + rest = n /\ 0 <= rest <= 2 * root.
 
-(** A number of four halves of a word, [half] each: its root by that of the upper two. *)
+(** The root of a number of four half words, from the root of its upper two. A half word has [half] values. *)
 Definition level (below : Z -> Z * Z) (half n : Z) : Z * Z :=
   let word := half * half in
   let (root, rest) := below (n / word) in
@@ -131,8 +132,8 @@ Proof.
   destruct (Z.leb_spec (found_digit * found_digit) have) as [fits|fits]; unfold is_root; split; lia.
 Qed.
 
-(** Nothing on the way is more than the words that the code has for it: the dividend and what its division leaves are of one, what is found,
-    the square of its last digit and the rest with what was not divided of two. *)
+(** Every intermediate value fits its type in the code. Dividend, digit and remainder of the division are words. The root found,
+    the square of its last digit and the rest are double words. *)
 Theorem level_fits (h root rest a b : Z) :
   0 < h -> h <= root < 2 * h -> 0 <= rest <= 2 * root -> 0 <= a < 2 * h -> 0 <= b < 2 * h ->
   let half := 2 * h in let word := half * half in
@@ -170,7 +171,8 @@ Proof.
   clearbody word half found_digit left over dividend. lia.
 Qed.
 
-(** Of 16 bits, one of the two highest set: a table has the largest root of those with the same first eight. *)
+(** The root of a 16-bit number with one of its two highest bits set. A table of the code has, for the highest eight bits, the
+    root of the largest number with these bits. *)
 Definition scaled_16 (n : Z) : Z * Z :=
   let most := Z.sqrt (256 * (n / 256) + 255) in
   let root := if n <? most * most then most - 1 else most in (root, n - root * root).
@@ -194,12 +196,12 @@ Proof. intros H. apply (level_is_root scaled_16 128); [lia | exact scaled_16_is_
 Lemma scaled_64_is_root (n : Z) : 2 ^ 62 <= n < 2 ^ 64 -> is_root n (scaled_64 n).
 Proof. intros H. apply (level_is_root scaled_32 32768); [lia | exact scaled_32_is_root | lia]. Qed.
 
-(** Any number, by a power of four so that its root is shifted by a power of two. *)
+(** The root of any number. The number is scaled by a power of four, so its root is scaled by a power of two. *)
 Definition whole_root (scaled : Z -> Z * Z) (bits n : Z) : Z :=
   if n =? 0 then 0
   else let pairs := (bits - 1 - Z.log2 n) / 2 in fst (scaled (n * 2 ^ (2 * pairs))) / 2 ^ pairs.
 
-(** One with one of its four highest bits set. *)
+(** The root of a number with one of its four highest bits set. *)
 Definition high_root (scaled : Z -> Z * Z) (bits n : Z) : Z :=
   if n / 2 ^ (bits - 2) =? 0 then fst (scaled (n * 4)) / 2 else fst (scaled n).
 
@@ -255,7 +257,7 @@ Proof.
     rewrite Z.mul_1_r, Z.div_1_r in found. apply found, Hscaled. lia.
 Qed.
 
-(** What is shipped: roots of 32 and of 64 bits. *)
+(** The shipped functions: roots of 32-bit and 64-bit numbers. *)
 Definition root_32 : Z -> Z := whole_root scaled_32 32.
 Definition root_high_32 : Z -> Z := high_root scaled_32 32.
 Definition root_64 : Z -> Z := whole_root scaled_64 64.

@@ -1,7 +1,9 @@
-(** The guards that ship: the coefficients that [Guard::new] makes of the default settings (compared by proofs/tests/spec_guard.rs),
-    at four delays, cover the device that the settings describe; and what the theorem comes to for them, in microjoules.
+(** The shipped guards: the coefficients that [Guard::new] computes from the default settings at four delays (compared by
+    proofs/tests/spec_guard.rs). They cover the device that the settings describe, and the theorem's bound for them is given in
+    microjoules.
 
-    45 mJ, 0.5 mW, 80 % of 4e-4 N m s/rad, 60 rad/s, 1 kHz, 40,000 counts. *)
+    The settings: capacity 45 mJ, refill 0.5 mW, trusted damping 80 % of 4e-4 N m s/rad, overspeed 60 rad/s, control rate 1 kHz,
+    40,000 encoder counts a turn. *)
 
 Require Import ZArith QArith Qabs Qminmax Lqa List.
 From Touchstone Require Import Guard Port GuardLosesNothing.
@@ -21,13 +23,14 @@ Definition shipped (late_ stray_ in_flight_ overrun_ : Z) : guard := {|
   overrun := overrun_
 |}.
 
-(* as shipped, and with a delay of 0.1, 0.5 and 1 ms *)
+(* delay 0 as shipped, and delays of 0.1, 0.5 and 1 ms *)
 Definition at_once : guard := shipped 0 0 1319 13107205.
 Definition tenth : guard := shipped 1677722 1179672 102246 14417926.
 Definition half : guard := shipped 8388609 3276823 505953 19660808.
 Definition whole : guard := shipped 16777216 24 1010587 26214409.
 
-(** 0.06 rad in a tick; a count of 2 pi/40,000 and a quantum of rounding at either end; 0.32 N m/rad over a tick. *)
+(** The knob with a delay of [s] ticks: at most 0.06 rad in a tick, a trusted damping over a tick of 0.32 N m/rad. A displacement
+    is wrong by at most one encoder count, 2 pi/40,000 rad, and one quantum of rounding at each end. *)
 Definition knob (s : Q) : device := {|
   c := 32 # 100;
   s := s;
@@ -46,8 +49,8 @@ Theorem tenth_covers : covers tenth (knob (1 # 10)). Proof. by_numbers. Qed.
 Theorem half_covers : covers half (knob (1 # 2)). Proof. by_numbers. Qed.
 Theorem whole_covers : covers whole (knob 1). Proof. by_numbers. Qed.
 
-(** A force that begins to act all at once makes this knob one that acts late by [s]; so does a current loop whose step response has the
-    mean [s] (current_loop_acts_late). *)
+(** If a force changes in one step after the fraction [s_] of a tick, this knob satisfies [acts_late] with that fraction. So it
+    does if a current loop's step response has the mean [s_] (current_loop_acts_late). *)
 Theorem knob_acts_late (s_ early rest d1 d2 : Q) :
   0 <= s_ <= 1 ->
   let D := knob s_ in
@@ -64,7 +67,7 @@ Qed.
 (** A quantum of energy is 2^-48 J. *)
 Definition microjoules (quanta : Q) : Q := quanta * 1000000 / inject_Z (2 ^ 48).
 
-(** What the theorem comes to for coefficients and a device of which two numbers are known. *)
+(** [any_window_by_settings] in microjoules: [most] bounds its constant terms, [per_tick] the refill of a tick. *)
 Lemma window_in_microjoules (G : guard) (D : device) (most per_tick : Q) (error0 : Q) (before window : list event)
     (early rest damped : Q) :
   covers G D ->
@@ -92,8 +95,8 @@ Proof.
   unfold Qdiv in *. lra.
 Qed.
 
-(** In a window of [n] ticks any hand gets out at most 45.059 mJ + n 0.0005 mJ: with any law before the guard, at any of these
-    delays, whatever was before. *)
+(** In a window of [n] ticks any hand gets out at most 45.059 mJ + n 0.0005 mJ, with any law before the guard, at each of these
+    delays, whatever happened before the window. *)
 Theorem shipped_window (G : guard) (D : device) (error0 : Q) (before window : list event) (early rest damped : Q) :
   In (G, D) ((at_once, knob 0) :: (tenth, knob (1 # 10)) :: (half, knob (1 # 2)) :: (whole, knob 1) :: nil) ->
   Qabs error0 <= delta D * (1 # 2) ->

@@ -1,5 +1,6 @@
-(** What is claimed, of what, and that nothing is assumed for it. The gate compares all that Coq says here with claims.txt, so that no
-    claim goes, and none says less, without that file changing. What a tick of guard and laws is, is compared with the code. *)
+(** Prints the definitions that the claims use, the claims, and what they assume: nothing. The gate (cargo xtask prove --theorems)
+    compares what Coq prints with claims.txt. So no claim can be removed or weakened without a change of that file. compare.ml
+    compares the definitions of a tick of guard and laws with the code. *)
 
 Require Import ZArith QArith Qabs Qminmax List.
 From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldChange Shipped GuardSettings AcceptedIsValid AcceptedCovers
@@ -8,7 +9,7 @@ From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldCh
 Open Scope Q_scope.
 Set Printing Width 140.
 
-(** * What the claims are made of *)
+(** * Definitions that the claims use *)
 
 Print Port.part_of_tick.
 Print Port.acts_late.
@@ -127,7 +128,8 @@ Check digits_are_the_root.
 Check level_fits.
 Check halves_are_the_root.
 
-(** All of them, so that what they assume is asked once: the question goes through all that they are made of, which takes a while. *)
+(** All claims in one term, so that Coq lists their assumptions once. That search goes through everything a term depends on, and
+    is slow. *)
 Definition claims :=
   (change_of_force, pure_delay_acts_late, current_loop_acts_late, told_change_acts_late, any_window, any_window_by_settings,
    once_a_tick, read_in_between, knob_acts_late, shipped_window, accepted_is_valid, accepted_covers,

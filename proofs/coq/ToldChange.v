@@ -1,5 +1,6 @@
-(** What a guard is told of the instant at which its force changed: nothing, or where the device was then. Either way what the books have
-    for the way under the old force is no further off than a position is, as a tick of the theorem asks ([possible]). *)
+(** A guard may learn the position at the change of force, or must estimate which part of a displacement passed before the change.
+    In both cases its error about the displacement under the old force is at most that of a position, and of rounding. The theorem
+    requires this of a tick ([possible]). *)
 
 Require Import ZArith QArith Qabs Lqa Lia.
 From Touchstone Require Import Guard Port GuardLosesNothing.
@@ -11,7 +12,7 @@ Variables (G : guard) (D : device).
 Hypothesis Shares : 0 <= r D <= 1.
 Hypothesis Exact : 0 <= delta D /\ 0 <= rough D.
 
-(** Positions are taken once a tick: the way under the old force counts as its share of the whole. *)
+(** With one position a tick, the displacement under the old force is estimated as the fraction [s] of the whole. *)
 Theorem once_a_tick (w : world) (early rest damped error' : Q) (moved wanted told : Z) :
   r D == s D -> inject_Z (furthest G) <= way_after D ->
   acts_late (c D) (s D) (d D) (kappa D) (s D * (early + rest)) early rest damped ->
@@ -34,9 +35,11 @@ Proof.
     pose proof (scaled _ _ _ S0 (proj1 E')). pose proof (scaled _ _ _ S0 (proj2 E')). lra.
 Qed.
 
-(** A position is taken in between as well, with an error of its own: [u] is moved until then and [v] from then on, and of the change of
-    force [h1] and [h2] are missing in the mean. What the guard is told is how far the device has moved since all of the change would have
-    had to come at once, but for the share [r] that it takes off by itself, and rounded. *)
+(** A second position is read within the tick, with its own error [read_error]. The device moves by [u] until this reading and by
+    [v] after it. [h1] and [h2] are the mean fractions of the change of force that are still missing before and after the reading.
+
+    The guard gets [before]. The fraction [1 - r] of the remaining displacement [moved - before] must be, up to the rounding
+    [rough], the measured displacement weighted with the fractions [1 - h1] and [1 - h2] of the change that act. *)
 Theorem read_in_between (w : world) (h1 h2 u v early rest damped read_error error' : Q) (moved before wanted told : Z) :
   0 <= h2 <= h1 -> h1 <= 1 ->
   early + rest == u + v ->

@@ -1,5 +1,5 @@
-(* Reads ticks of the shipped code (examples/trace.rs) and runs the extracted specification on them: every memory and every answer
-   must be the same, to the last bit. So must what a guard is made of, which settings are refused, and roots. *)
+(* Reads ticks of the shipped code (examples/trace.rs) and runs the extracted specification on them: every memory and every result
+   must be equal to the last bit. So must a guard's coefficients, the refusal of settings, and roots. *)
 
 open Specified
 
@@ -27,7 +27,7 @@ let fail line why = Printf.printf "after %d ticks: %s: %s\n" !ticks line why; ex
 let check line same = if same then incr ticks else fail line "the specification says otherwise"
 let settled count line same = if same then incr count else fail line "the specification says otherwise"
 
-(* Of the enhanced law, in how many ticks what a comparison must have seen was so. *)
+(* Counts the enhanced law's ticks in each of the situations that the traces must contain. *)
 let seen = Array.make 7 0
 let reached after m =
   let both = m.phase = Augmenting && after.phase = Augmenting in

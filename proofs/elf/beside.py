@@ -14,7 +14,7 @@ from machine import END, PC, Machine, runs
 from paths import Path
 from whole import Counts
 
-#: Memory that Unicorn is given beside the program's: structures and stack.
+#: Memory for structures and stack, which Unicorn gets in addition to the program's sections.
 FREE, FREE_SIZE = 0x2000_0000, 0x4_0000
 RETURN = END & ~0xfff
 
@@ -92,7 +92,7 @@ def same_as_unicorn(tick, decoder, board, count, kept):
 def any_inputs(tick, chance):
     given = samples.Given(chance)
     tick.begin(samples.Bare(), given)
-    # A choice that there is none of is no input of any function.
+    # Enumerations and flags hold one of their values: no function gets any other byte as input.
     for placed in (tick.law, tick.state):
         for name, field in placed.fields.items():
             if field.size == 1:

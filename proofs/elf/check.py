@@ -20,9 +20,9 @@ from program import NoFunction, Program
 from ticks import TICKS
 from traced import is_read
 
-#: Inputs that run in Unicorn and in the checker's own machine, of each tick.
+#: Number of inputs of each tick that run both in Unicorn and in the checker's own machine.
 BESIDE = 1000
-#: Seconds that a tick's proof may take.
+#: Longest time that a tick's proof may take, in seconds.
 DEADLINE_S = 900
 
 
@@ -32,7 +32,7 @@ def main(words):
     program = Program(path, functions)
     kinds = [kind for kind in TICKS if only in kind.name]
     if not kinds:
-        # Nothing looked at is nothing proved.
+        # If no tick has this name, nothing is checked, which must not count as a success.
         print(f"no tick has `{only}` in its name; there are {', '.join(kind.name for kind in TICKS)}", file=sys.stderr)
         return 2
     ticks = []

@@ -133,7 +133,7 @@ def shifted_by(kind, a, n):
     if kind == "ror":
         raise Unknown("a rotation by a register")
     amount, a = z3.ZeroExt(24, n), w.term(a)
-    # Beyond the width the solver's shifts end as the machine's do.
+    # For shifts by the word's width or more, the solver's results are those of the machine.
     return w._normal({"lsl": a << amount, "lsr": z3.LShR(a, amount), "asr": a >> amount}[kind])
 
 

@@ -11,10 +11,11 @@ import thumb
 import words as w
 from flags import Unknown
 
-#: Where a function returns to when it is done.
+#: Return address of the function under test. A path that arrives at this address has ended.
 END = 0x3000_0100
 STACK = 0x2001_f000
-#: Instructions on one path; more is a loop that the checker does not know the end of.
+#: Largest number of instructions on one path. A longer path is an error, because it may be a loop whose end the checker does not
+#: know.
 LONGEST = 20_000
 
 GENERAL = {getattr(c, f"ARM_REG_R{i}"): i for i in range(13)} | {
@@ -67,7 +68,7 @@ class Machine:
         other.steps = thumb.Steps(other)
         return other
 
-    # What an instruction asks for.
+    # Access to registers, flags and memory for the instructions.
 
     def register(self, reg):
         if reg not in GENERAL:
@@ -131,7 +132,7 @@ class Machine:
         kept = w.and_(self.load(at & ~3), w.MASK ^ mask)
         self.store(at & ~3, w.or_(kept, w.and_(w.lsl(value, low), mask)))
 
-    # Steps.
+    # Execution of instructions.
 
     def execute(self, insn, name):
         """One instruction that is to be done, whatever its condition."""

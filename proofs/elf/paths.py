@@ -18,7 +18,7 @@ class Pool:
     """Inputs that satisfy what is assumed, with their true products: a condition that differs among them follows from nothing, and one
     that holds of one is possible, without a question."""
 
-    #: How many are asked.
+    #: Largest number of inputs on which a condition is evaluated.
     LOOKED_AT = 48
 
     def __init__(self):
@@ -99,8 +99,9 @@ class Path:
     """
 
     QUICK_MS = 400
-    #: What would only make a number shorter is waited for no longer. What is missed the next questions miss, so this is several times what
-    #: a run by itself needs: with 1 to 3 s it has an answer, and two side by side on a slow machine had none.
+    #: Time limit in ms for a question that would only narrow a number's bounds. Later questions lack an answer that did not come
+    #: in time. So the limit is several times what a single run needs: with 1 to 3 s such a run gets its answers, but two runs at
+    #: the same time on a slow machine got none.
     SOON_MS = 10_000
 
     def __init__(self, timeout_ms=60_000):
@@ -167,7 +168,7 @@ class Path:
                 return False
             self.answers[key] = found, condition
             if found:
-                # What has been found once need not be found again in the midst of another question.
+                # The solver gets the condition as a fact, so that later questions need not derive it again.
                 self.know(condition)
         return self.answers[key][0]
 
@@ -205,7 +206,8 @@ class Path:
         self.pool.models = self.pool.where(w.truth(condition))
         self.all.push()
         self.know(w.truth(condition))
-        # What followed still follows; what did not may follow now.
+        # With one more assumption, every condition that followed still follows. A condition that did not follow may follow now,
+        # so its answer is dropped.
         self.answers = {key: answer for key, answer in self.answers.items() if answer[0]}
         try:
             yield True

@@ -39,9 +39,10 @@ class Products:
     def __init__(self, path):
         self.path = path
         self.rows = []
-        #: How many of them are of what is assumed: each other one is in order with these.
+        #: Number of first rows that come from the tick's assumptions; `None` while these are being made. Each later product gets
+        #: facts that compare it with these rows.
         self.assumed = None
-        #: Signed products: the magnitude's, whether it was negated, and the number.
+        #: Signed products: the product of the magnitudes, whether it was negated, and the signed number.
         self.signs = []
 
     def magnitude(self, a, b, expected=None):
@@ -91,7 +92,7 @@ class Products:
         facts = []
         for x, y, length in ((a, b, bits[0]), (b, a, bits[1])):
             facts.append(z3.Implies(x == 0, product == 0))
-            # Of a factor below 2^n: at most 2^n - 1 times the other.
+            # If a factor is below 2^n, the product is at most 2^n - 1 times the other factor.
             longest = z3.ZeroExt(32, y)
             facts.append(z3.ULE(product, (longest << length) - longest))
             for factor in FACTORS:

@@ -24,7 +24,8 @@ class Program:
         self.elf = ELFFile(open(path, "rb"))
         self.sections = []
         for section in self.elf.iter_sections():
-            # What is written to while it runs has no bytes that could be relied on; code that is copied to fast memory has.
+            # Writable data change while the program runs, so their bytes in the file are left out. Code that start-up copies to
+            # fast memory is in a writable section too, but does not change.
             loaded = section["sh_flags"] & 2 and section["sh_type"] == "SHT_PROGBITS"
             writable, executable = section["sh_flags"] & 1, section["sh_flags"] & 4
             if loaded and (not writable or executable):
@@ -66,7 +67,7 @@ class Program:
             raise NoFunction(f"{len(fitting)} functions are called {pattern}")
         return fitting.pop()
 
-    # Where fields are.
+    # Layout of structures.
 
     def structure(self, name):
         """The description of a type, by its whole name."""
@@ -75,7 +76,8 @@ class Program:
             for unit in self.elf.get_dwarf_info().iter_CUs():
                 for die in unit.iter_DIEs():
                     if die.tag in ("DW_TAG_structure_type", "DW_TAG_enumeration_type") and "DW_AT_name" in die.attributes:
-                        # A variant is described as a structure of its name within its enumeration: no type of its own.
+                        # The debug information describes a variant of an enumeration as a structure inside the enumeration's
+                        # structure. Such a variant is no type of its own.
                         if "DW_AT_byte_size" in die.attributes and die.get_parent().tag != "DW_TAG_structure_type":
                             self._types.setdefault(die.attributes["DW_AT_name"].value.decode(), die)
         return self._types[name]
@@ -91,7 +93,7 @@ class Program:
         found = {}
         for child in inner:
             name = named(child)
-            # A number in a type of its own is that number.
+            # The only field of a newtype has the path of the newtype itself.
             path = prefix if name in ("__0", "bits") else f"{prefix}.{name}".lstrip(".")
             place = at + child.attributes["DW_AT_data_member_location"].value
             found |= self.fields(child.get_DIE_from_attribute("DW_AT_type"), place, path)

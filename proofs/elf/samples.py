@@ -4,7 +4,7 @@ import random
 import words as w
 from whole import Counts
 
-#: The ends of the formats and of what is allowed, and their neighbours.
+#: Ends of the number formats and of the allowed ranges, and the neighbours of these ends.
 EDGES = [0, 1, 2, 3, 0xffffffff, 0xfffffffe, 1 << 24, (1 << 24) - 1, 1 << 29, (1 << 29) - 1, (1 << 29) + 1, (1 << 31) - 1, 1 << 31,
          (1 << 31) + 1, 1 << 12, 0xff000000, 0xe0000001]
 

@@ -11,7 +11,7 @@ from whole import equal
 GAIN, SIGNAL = 12, 24
 HIGHEST, LOWEST = (1 << 31) - 1, -(1 << 31)
 
-# What all do with numbers: `rounding.rs`.
+# Arithmetic that all of them use: `rounding.rs`.
 
 
 def cut(of, dividend, digits):
@@ -164,7 +164,7 @@ def switched_off(of, k, m):
     return GuardMemory(account)
 
 
-# `drive/src/command.rs`: the torque of a motor on this board's bridge, as the current that it is told.
+# `drive/src/command.rs`: converts a torque into the current command of a motor on the board's three-phase bridge.
 
 Motor = namedtuple("Motor", "amps_per_nm nm_per_amp limit")
 Command = namedtuple("Command", "q limited derated torque left")

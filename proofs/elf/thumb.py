@@ -23,7 +23,8 @@ class Steps:
         """A register, shifted or not, or a number; and the shifter's carry."""
         if op.type == c.ARM_OP_IMM:
             number = op.imm & w.MASK
-            # A rotated constant gives its highest bit; an 8-bit one leaves the carry, which an arithmetic instruction does not look at.
+            # The shifter's carry of a rotated constant is the constant's highest bit. An 8-bit constant leaves the carry as it
+            # is. Arithmetic instructions do not use this carry.
             rotated = number > 0xff and not self.is_splat(number)
             return number, (number >> 31 == 1) if rotated else carry
         if op.type != c.ARM_OP_REG:
@@ -126,7 +127,7 @@ class Steps:
     def bic(self, insn):
         d, n, m = self.three(insn)
         if m.type == c.ARM_OP_REG and m.reg == n.reg and m.shift.type == c.ARM_SFT_ASR and m.shift.value >= 31 and not insn.update_flags:
-            # A number without its sign's copies is that number, or 0 if it is negative.
+            # `a AND NOT (a ASR 31)` is max(a, 0) for a signed number `a`.
             a = self.register(n)
             self.m.set_register(d.reg, w.choose(w.less(a, 0), 0, a))
             return
@@ -169,7 +170,7 @@ class Steps:
         if m.type == c.ARM_OP_IMM:
             r, carry = shifted(kind, a, m.imm, self.m.flags.c)
         else:
-            # Its carry is not written down: whoever asks for it is told so.
+            # The carry of this shift is not modelled; an instruction that uses the carry later is an error.
             r, carry = shifted_by(kind, a, self.register(m)), None
         self.m.set_register(d.reg, r)
         self.m.set_flags(insn, self.logical_flags(r, carry))
@@ -260,7 +261,7 @@ class Steps:
         self.extended(insn, w.sign_extended, 16)
 
     def saturating(self, insn, f):
-        # QADD and QSUB have their operands the other way round: Rd, Rm, Rn.
+        # The operands of QADD and QSUB are in the order Rd, Rm, Rn.
         d, m, n = self.three(insn)
         a, b = (w.sign_extended(self.register(x), 1) for x in (m, n))
         self.m.set_register(d.reg, saturated(self.m.path, f(a, b, 33), 33))
@@ -325,7 +326,7 @@ class Steps:
         self.transferred(insn, 1, lambda reg, at: self.m.store(at, self.m.register(reg)))
 
     def ldrd(self, insn):
-        # Both are read before either register changes, should one be the base.
+        # Both words are read before a register changes, because one of the registers may be the base.
         values = []
         self.transferred(insn, 2, lambda reg, at: values.append((reg, self.m.load(at))))
         for reg, value in values:
@@ -377,7 +378,7 @@ class Steps:
         end = w.add(start, 4 * len(regs)) if insn.writeback else None
         self.many(insn, base, regs, start, end, lambda reg, at: self.m.store(at, self.m.register(reg)))
 
-    # Where to go on.
+    # Branches.
 
     def b(self, insn):
         self.m.go(insn.operands[0].imm)

@@ -12,7 +12,7 @@ FIXED32 = "touchstone_control::number::fixed_point::Fixed32"
 #: Half of the format's largest energy.
 ENERGY_CAP = 1 << 62
 QUARTER = spec.HIGHEST >> 2
-#: What the guard's account and refill stay below.
+#: Upper bound of the guard's capacity and refill; both are below it.
 MOST_STORED = (QUARTER + 1) << spec.SIGNAL
 SELF, STATE, OUT = 0x2000_1000, 0x2000_2000, 0x2000_3000
 
@@ -165,7 +165,7 @@ class OfGuard(Tick):
         yield of.times(k.damping, k.furthest) >> spec.GAIN <= QUARTER
         yield of.times(k.stray, largest + largest) >> spec.SIGNAL <= QUARTER
         yield of.times(largest, k.in_flight) <= k.capacity
-        # The invariant of the memory.
+        # The invariant of the guard's memory.
         yield m.account <= k.capacity
         for force in (m.force, m.older):
             yield from (force <= largest, force >= -largest)
@@ -270,7 +270,7 @@ class OfMotor(Tick):
     def drawn(self, chance, given):
         super().drawn(chance, given)
         self.draw(given, "limit", chance.getrandbits(31) >> chance.randrange(31))
-        # Where the derating ends, and the map meets what is left.
+        # Edges: deratings around 0 and 1 (65536), and map currents around the current limit.
         whole = 1 << 16
         if chance.random() < 0.6:
             self.draw(given, "derating", chance.choice((0, whole - 1, whole, whole + 1, w.MASK)))
@@ -288,7 +288,7 @@ class OfMotor(Tick):
         expected |= {name: rotor.get(name) for name in ("tick", "angle", "advance")}
         for name, value in expected.items():
             yield name, self.command.get(name, memory), value
-        # What a reader of the source would want of it: the current is within what the temperature leaves of the limit.
+        # A claim beside the specification: the current is within the part of the limit that the temperature leaves.
         yield "within the limit", w.choose(of.settled(found.q <= found.left), 1, 0, 1), 1
         yield "within the limit, the other way", w.choose(of.settled(found.q >= -found.left), 1, 0, 1), 1
         yield from self.law.unchanged(memory)

@@ -9,9 +9,10 @@ import sys
 import spec
 from whole import Counts
 
-#: Ticks, and ends of a force, that a trace has at least.
+#: Least number of ticks, and of switched-off forces, in a trace.
 LEAST = 1000, 10
-#: What a trace says of others than the guard; any other word may be of the guard, and is none that is passed over.
+#: First words of the trace's lines that do not concern the guard; these lines are skipped. Any other unknown word counts as a
+#: difference.
 OTHERS = {"enhanced", "fba", "law", "made", "mass", "refused", "root_32", "root_64", "root_high_32", "root_high_64", "settings", "tdpa"}
 
 

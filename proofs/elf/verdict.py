@@ -10,11 +10,12 @@ from machine import SP, Machine, runs
 from paths import Oracle, Path, Undecided
 from whole import Counts, NotAWord
 
-#: A counterexample whose products are none is asked for again, at most so often, with the products of its factors told.
+#: If a counterexample has wrong products, the solver is asked again with the true products of its factors, at most this many
+#: times.
 REFINED = 60
-#: Inputs that say which conditions are open.
+#: Number of sample inputs; they show without the solver which conditions are sometimes true and sometimes false.
 SAMPLES = 400
-#: Of these, how many are tried on each path by themselves.
+#: Number of known inputs that are tried on each path before the solver is asked.
 TRIED = 24
 
 
@@ -140,13 +141,13 @@ def refuted(tick, decoder, path, inputs, claims, found):
             lies = [(a, b, product) for a, b, product in path.products.rows if value(product) != value(a) * value(b)]
             if not lies:
                 return {name: value(x) for name, x in inputs.items()}
-            # Its inputs may be wrong all the same, with the products that they have.
+            # The inputs may be a counterexample even with the true products.
             values = {name: value(x) for name, x in inputs.items()}
             if is_wrong(tick, decoder, values):
                 return values
             found.refined += 1
             for a, b, product in lies:
-                # What the products with either factor are.
+                # Tells the solver the true products with each of the two factors.
                 for x, y in ((a, b), (b, a)):
                     path.know(z3.Implies(y == value(y), product == z3.ZeroExt(32, x) * value(y)))
         found.why = f"{REFINED} counterexamples, of each of which a product is none"

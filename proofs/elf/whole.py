@@ -183,7 +183,7 @@ class Counts:
         self.path.lockstep = True
         product = self.path.products.signed(word(a), word(b))
         self.path.lockstep = False
-        # As many bits as its factors' bounds give it.
+        # The bounds of the factors give the bounds of the product.
         ends = [x * y for x in (low(a), high(a)) for y in (low(b), high(b))]
         most = 1 << self.path.products.length
         return product if isinstance(product, int) else shrunk(product, max(min(ends), -most), min(max(ends), most))

@@ -21,7 +21,8 @@ def truth(c):
     return z3.BoolVal(c) if isinstance(c, bool) else c
 
 
-# Of a sum whose upper half is asked for alone: which sum that was, so that the two halves are one number again.
+# For each upper part that `part` has extracted: the whole from which it comes, so that `join` can put the two parts together
+# again.
 _HALVES = {}
 
 
@@ -117,7 +118,7 @@ def join(high, low, low_width=WORD, high_width=WORD):
     """Two words as one."""
     if known(high, low):
         return high << low_width | low
-    # Two halves that were chosen alike were chosen as a whole.
+    # Two halves that are choices by the same condition are joined to one choice of the whole.
     if all(not isinstance(x, int) and z3.is_app_of(x, z3.Z3_OP_ITE) for x in (high, low)) and high.arg(0).eq(low.arg(0)):
         halves = [(_whole(high.arg(i)), _whole(low.arg(i))) for i in (1, 2)]
         first, second = (join(h, l, low_width, high_width) for h, l in halves)

@@ -1,9 +1,10 @@
 """Wrong changes of a function's machine code, by rule: each must be refuted, and what refutes it must be wrong in Unicorn as well."""
 
 NOP, WIDE_NOP = 0xbf00.to_bytes(2, "little"), bytes.fromhex("aff30080")
-#: Of a kind of change, at most so many of a function.
+#: Largest number of changes of one kind in a function.
 OF_A_KIND = 3
-#: Instructions that are left out; a store to the stack is not, since what then is loaded there nothing has stored, at which the checker stops.
+#: Instructions that a change may remove. The list has no plain stores, which also save registers to the stack: without such a
+#: store the checker would stop with an error when the word is loaded.
 LEFT_OUT = ("smlal", "umlal", "mla", "strd", "strb")
 
 
@@ -62,7 +63,7 @@ def changes(tick, decoder):
         try:
             insn, name = decoder[at]
         except Exception:
-            # What no path reaches may be a table.
+            # Bytes that are no instruction are a table, which no path reaches as code.
             at += 2
             continue
         for rule in RULES:

@@ -32,7 +32,7 @@ def obligations(s):
     G, x, d, B = I("G"), I("x"), I("d"), 1 << 24
     floor = [G >= 0, x >= 0, d * B <= G * x, G * x < d * B + B]
     yield "P2: a scaled signal is at most the product", floor, d * B <= G * x, (floor[:2] + floor[3:], d * B <= G * x)
-    # P5 in steps: one nonlinear fact each.
+    # P5, in steps of one nonlinear fact each.
     F, b, t, k, D = I("F"), I("b"), I("t"), I("k"), I("D")
     P = 1 << 12
     pos = [F >= 0, b >= 0, t >= 0, k >= 0, E >= 0]
@@ -40,9 +40,9 @@ def obligations(s):
     u, v = I("u"), I("v")
     four = [u >= 0, v >= 0, k >= 0, E >= 0, u <= 4 * P * k, v <= E]
     yield "P5: bound^2 root^2 <= 4 P c E", four, u * v <= 4 * P * k * E, (four[:5], u * v <= 4 * P * k * E)
-    # P (E + f D) + k D^2 >= 0 where (P f)^2 <= 4 P k E; times 4k it is (2kD + P f)^2 + 4kPE - (P f)^2.
+    # P (E + f D) + k D^2 >= 0 if (P f)^2 <= 4 P k E. Multiplied by 4k, the left side is (2kD + P f)^2 + 4kPE - (P f)^2.
     h = I("h")
-    # The products as such: that they are squares and products is the next obligation.
+    # Here `square`, `hh` and `kpe` are any numbers. The next two obligations show that they stand for a square and for products.
     square, hh, kpe = I("square"), I("hh"), I("kpe")
     yield ("P5: times 4k, a square and what the bound leaves", [square >= 0, hh <= 4 * kpe], square + 4 * kpe - hh >= 0,
            ([hh <= 4 * kpe], square + 4 * kpe - hh >= 0))
@@ -50,7 +50,7 @@ def obligations(s):
     yield ("P5: the square is the energy, times 4k", [],
            (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D + k * D * D),
            ([], (2 * k * D + h) * (2 * k * D + h) + 4 * k * P * E - h * h == 4 * k * (P * E + h * D - k * D * D)))
-    # P6: twice the storage before and after a tick of the virtual mass, as an identity in what is lost.
+    # P6: an identity for twice the energy stored before and after a tick of the virtual mass, and the energy that is lost.
     M, kf, C, Gd, d0, d1, s0, X, fp, N0, res = (I(n) for n in "M kf C Gd d0 d1 s0 X fp N0 res".split())
     total = M + kf + C + Gd
     s1 = s0 + X - d1
@@ -62,7 +62,8 @@ def obligations(s):
             + 2 * C * (X - d1) * (X - d1) + 2 * residue * d1)
     yield ("P6: storage identity of the virtual mass", [], after + 2 * fp * d1 + lost == before + 2 * force * X,
            ([], after + 2 * fp * d1 + lost - 2 * residue * d1 == before + 2 * force * X))
-    # The reciprocal: m d + e = K, 1 <= e <= d; the quotient of n by d is that of (n + 1) m by K. All times d.
+    # The reciprocal m of a divisor d: m d + e = K, 1 <= e <= d. The quotient of n and d equals that of (n + 1) m and K. The
+    # inequalities are multiplied by d.
     n, e, K, W = I("n"), I("e"), I("K"), 1 << 32
     dm, nm, ne, qK = I("dm"), I("nm"), I("ne"), I("qK")
     room = [n >= 0, d >= 1, d < W, n < d * (W // 2), e >= 1, e <= d]
@@ -85,7 +86,7 @@ def obligations(s):
            (factors[:3] + [a * b1 <= q * b1], a * b1 <= q * b2))
     yield ("P11: the product with the largest number", [], (W // 2 - 1) * b1 == W // 2 * b1 - b1,
            ([], (W // 2 - 1) * b1 == W // 2 * b1 + b1))
-    # t is what the factor lacks of the largest below a power of two, which is a + 1 + t.
+    # The power of two is a + 1 + t: the factor a is t less than the largest number below that power.
     yield ("P11: a product with what is below a power of two", [t >= 0, b1 >= 0], a * b1 <= (a + 1 + t) * b1 - b1,
            ([b1 >= 0], a * b1 <= (a + 1 + t) * b1 - b1))
     yield ("P11: the products of two parts are together that of the whole", [f == a - b1], b1 * b2 + f * b2 == a * b2,
@@ -93,15 +94,15 @@ def obligations(s):
     below = [E >= 0, a > 0, q >= 0, q * a <= E, E < q * a + a]
     yield ("P11: a quotient fits a word where the dividend is less than half a word of divisors", [*below, E < W // 2 * a], q < W // 2,
            (below, q < W // 2))
-    # t is what the quotient lacks of the first that does not fit: W / 2 = q + 1 + t.
+    # W / 2, the first quotient that does not fit, is q + 1 + t.
     yield ("P11: and does not where it is not: below it, so is the dividend", [a > 0, t >= 0, E < q * a + a], E < (q + 1 + t) * a,
            ([a > 0, E < q * a + a], E < (q + 1 + t) * a))
     yield ("P11: the root of less than half a double word's square fits a word", [q >= 0, q * q <= E, E < W // 2 * (W // 2)], q < W // 2,
            ([q >= 0, q * q <= E], q < W // 2))
 
-    # P3: what is known of a product's floor, p P <= a b < p P + P, beside what the checker proves: that the code's is that. A factor may
-    # be 0, so a product of both signs is 0 or below by these; which of two factors is the negative one is the same; cutting at the end of the
-    # format keeps the sign, and cuts no share.
+    # P3: facts of a product that is rounded down, p P <= a b < p P + P. The model checker proves that the code rounds so. A
+    # factor may be 0, so a product of factors with different signs is 0 or negative. It does not matter which of the two factors
+    # is negative. The limit at the end of the format keeps the sign and never applies to a share.
     p, P = I("p"), I("P")
     floor = [P > 0, p * P <= a * b1, a * b1 < p * P + P]
     yield ("P3: a product of numbers that are not negative, rounded down, is not negative", [*floor, a >= 0, b1 >= 0], p >= 0,
@@ -109,12 +110,12 @@ def obligations(s):
     yield ("P3: nor is that of two negative ones", [*floor, a <= 0, b1 <= 0], p >= 0, ([*floor, a <= 0], p >= 0))
     yield ("P3: that of one that is and one that is not is not above 0", [*floor, a >= 0, b1 <= 0], p <= 0,
            ([*floor, a >= 0], p <= 0))
-    # A share s P^-1 with s <= P - 1: t is what s lacks of that, so x s = x P - x - x t; xt stands for x t.
+    # A share is s / P with s <= P - 1. With t = P - 1 - s the product x s is x P - x - x t; xt stands for x t.
     x, xt = I("x"), I("xt")
     share = [P > 0, p * P <= x * P - x - xt, x * P - x - xt < p * P + P]
     yield ("P3: a share of what is not negative is not more", [*share, x >= 0, xt >= 0], p <= x, ([*share, x >= 0], p <= x))
     yield ("P3: nor further from 0 of what is negative", [*share, x <= 0, xt <= 0], p >= x, ([*share, x <= 0], p >= x))
-    # The same to the nearest, with a share of 2 H = 2^16 parts; r stands for the product.
+    # The same with rounding to the nearest and shares in units of 1/(2 H), with 2 H = 2^16; r stands for the product.
     H = 1 << 15
     near, nearest = [p * 2 * H <= r + H, r + H < p * 2 * H + 2 * H], r == x * 2 * H - x - xt
     yield ("P3: to the nearest, a share of what is not negative is not more", [*near, nearest, x >= 0, xt >= 0], p <= x,
@@ -124,7 +125,7 @@ def obligations(s):
     yield "P3: to the nearest, a share of what is not negative is not negative", [*near, r >= 0], p >= 0, (near, p >= 0)
     yield "P3: to the nearest, and of what is not above 0 not above 0", [*near, r <= 0], p <= 0, (near, p <= 0)
     yield ("P3: a product has the sign of its factors", [a >= 0, b1 >= 0], a * b1 >= 0, ([a >= 0], a * b1 >= 0))
-    # h is half the words, of which x is one; t is what its magnitude lacks of it.
+    # h is half the number of words, 2^31. The magnitude of a word is h - t.
     yield ("P3: a product is at most that with half the words", [k >= 0, t >= 0], k * (h - t) <= k * h, ([k >= 0], k * (h - t) <= k * h))
 
 

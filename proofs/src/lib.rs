@@ -13,13 +13,13 @@
 // The list of functions that a property replaces is long.
 #![recursion_limit = "1024"]
 
-/// An assertion for places where no cover follows in the same block. (A cover is a situation that the model checker must be able to
-/// reach.) It is a cover too, because an assertion that is never reached proves nothing. If a cover follows, that cover shows that
-/// the assertion is reached, and `assert!` is enough.
+/// An assertion for places where no cover follows in the same block. (A cover is a situation that the model checker must be able
+/// to reach.) The macro is a cover too, because an assertion that is never reached proves nothing. If a cover follows, that cover
+/// shows that the assertion is reached, and `assert!` is enough.
 ///
 /// The proof gate checks that every assertion has one of these two forms. Assertions with a message, which belong to replacements
 /// of the code, are exempt. So the gate switches off the checker's own reachability checks of assertions, which took a quarter of
-/// its time.
+/// the checker's time.
 macro_rules! assert_reached {
     ($condition:expr $(,)?) => {{
         #[cfg(kani)]

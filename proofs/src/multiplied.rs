@@ -224,8 +224,8 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes that a product is in order with the products of the factors [`facts::FACTORS`], which are known without a
-    /// multiplication.
+    /// Assumes that `found`, the product of `a` and `b`, is at most `factor · b` for each factor of [`facts::FACTORS`] that is at least
+    /// `a`, and the same with `a` and `b` exchanged. The products with these factors need no multiplication.
     pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;

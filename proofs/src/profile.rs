@@ -20,7 +20,8 @@ use touchstone_control::{Fixed32, Force, Number, Si};
 
 type N = Fixed32;
 
-/// A point of a torque profile, from the source of inputs: -10,000 to 10,000.
+/// A point of a torque profile from the source of inputs, in ten-thousandths of the profile's largest force: with a shortcut from
+/// -10,000 to 10,000, else any `i16`, of which the property must reject the values outside.
 fn profile_point<S: Source>(s: &mut S) -> i16 {
     let any = s.i16();
     if s.shortcut() { any % (WHOLE + 1) } else { any }

@@ -75,13 +75,13 @@ property! {
         cover!(s, state.contact == Contact::Free, "free");
     }
 }
-/// A position or force as its 32-bit word.
+/// The bits of an 8-bit position or force as an integer.
 fn bits(x: <N as Number>::Signal) -> i32 {
     x.to_bits().into()
 }
 
 property! {
-    /// P1 (energy): the exact observer's energy grows by last force times displacement, for numbers of 16 bits.
+    /// P1 (energy): the exact observer's energy grows by last force times displacement, for positions and forces of 8 bits.
     equation "E(n) = E(n-1) + f(n-1) (x(n) - x(n-1))"
     over "start, two ticks of position and force"
     by kissat fn p1_observer_exact(s) {

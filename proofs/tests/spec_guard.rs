@@ -218,7 +218,8 @@ fn the_theorem_is_about_the_shipped_guards() {
 }
 
 /// Checks that `Guard::new` refuses a displacement in flight (under a force after the sample that ends it) of more than a quarter
-/// of the format. It is slightly more if the delay is a whole tick and the largest displacement is a quarter of the format.
+/// of the format. The displacement in flight is slightly more if the delay is a whole tick and the largest displacement is a
+/// quarter of the format.
 #[test]
 fn a_way_in_flight_beyond_a_quarter_is_refused() {
     let device = GuardedDevice {

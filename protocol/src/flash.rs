@@ -41,8 +41,9 @@ enum Page<'b> {
     Whole(Slot<'b>),
 }
 
-/// Reads the settings with which the device starts: the newest stored ones of a readable layout, or `defaults` where nothing was
-/// ever stored. If something was stored but none of it is usable, returns the defaults with the reason.
+/// Reads the settings with which the device starts: the newest stored ones of a readable layout, or `defaults` if nothing was
+/// ever stored. If the newest ones are not valid, or none of the stored data has a readable layout, returns the defaults with the
+/// reason.
 pub fn load<F: NorFlash>(
     flash: &mut F,
     pages: Range<u32>,
@@ -78,7 +79,8 @@ pub fn load<F: NorFlash>(
 /// Writes an image of the settings into the next slot and reads it back to compare.
 ///
 /// # Errors
-/// The flash reported an error, or the data read back differ. The settings stored before are still readable.
+/// The image is too long for a slot, the flash reported an error, or the data read back differ. The settings stored before are
+/// still readable.
 pub fn save<F: NorFlash>(flash: &mut F, pages: Range<u32>, image: &[u8]) -> Result<(), FlashError> {
     let mut buffer = [0xff; SLOT_MAX];
     let mut newest: Option<(u32, u32)> = None;

@@ -10,7 +10,8 @@ use postcard::ser_flavors::crc::CrcModifier;
 use postcard::ser_flavors::{Cobs, Slice};
 use serde::{Deserialize, Serialize};
 
-/// Longest payload of a frame in bytes. Tests check that all settings together fit, and an environment where there is one.
+/// Longest payload of a frame in bytes. Tests check that all settings together fit, and with the feature `large` also an
+/// environment.
 pub const PAYLOAD_MAX: usize = if cfg!(feature = "large") { 640 } else { 512 };
 /// Bytes of the CRC-32 in a frame.
 const CRC_BYTES: usize = 4;

@@ -23,12 +23,13 @@ pub enum FaultCode {
     OverVoltage = 2,
     /// The bus voltage is below its limit. Value: mV.
     UnderVoltage = 3,
-    /// The power stage is too hot, or its temperature sensor is broken or shorted. Value: 0.1 degrees Celsius.
+    /// The power stage is too hot, or its temperature sensor is broken or shorted. Value: temperature in units of 0.1 °C;
+    /// `i32::MAX` if the sensor gives no plausible value.
     OverTemperature = 4,
-    /// Several encoder readings in a row were bad, and to the last one the encoder did not answer. Value: the number of bad
+    /// Several encoder readings in a row were bad, and in the last one the encoder did not answer. Value: the number of bad
     /// readings.
     EncoderSilent = 5,
-    /// The encoder's count moved further in one tick than the shaft can turn. Value: counts.
+    /// The encoder's count moved further in one tick than the shaft can turn. Value: counts since the last good reading.
     EncoderJump = 6,
     /// A control tick began too late, took too long, or was left out, or the current loop was late in several PWM periods in a row.
     /// Value: processor cycles of lateness or of the tick, or the number of missed ticks or late PWM periods.
@@ -60,8 +61,8 @@ pub enum FaultCode {
     BrownOut = 18,
     /// The program panicked. Value: the place of the panic as a number, from the crash record in RAM.
     Panic = 19,
-    /// The current sensors' readings at zero current are implausible. Value: the worst reading, counts of the analogue-to-digital
-    /// converter.
+    /// The current sensors' readings at zero current are implausible. Value: the mean reading that is furthest from the expected
+    /// one, or the scatter of the readings, in codes of the analogue-to-digital converter.
     CurrentSensor = 20,
     /// The motor is too hot by the model of its windings. Value: mean square of its current, in thousandths of the square of its
     /// continuous current.
@@ -234,7 +235,8 @@ impl Machine {
         }
     }
 
-    /// Handles one event. Returns whether the state changed; a command that changes nothing was not allowed.
+    /// Handles one event. Returns whether the state changed. A command that does not change the state was not allowed, or was
+    /// `Stop` in the state `Stopped`.
     pub fn handle(&mut self, event: Event) -> bool {
         let next = match (self.state, event) {
             // The first fault is the cause and stays.
@@ -263,7 +265,8 @@ impl Machine {
         command: Option<Command>,
     ) -> Outputs {
         if let Some(context) = fault {
-            // A command to stop in the tick of a fault would hide the fault, so the sender has to repeat it.
+            // A command `Stop` in the tick of a fault is ignored, because it would clear the fault before anyone read it. The
+            // sender has to repeat the command.
             self.handle(Event::Fault(context));
             return self.outputs();
         }
@@ -336,7 +339,7 @@ mod tests {
             machine.tick(None, false, None);
             assert_eq!(machine.state(), State::Calibrating);
         }
-        // A calibration that ends in the tick in which a command begins another one is not that other one.
+        // The end of an earlier calibration does not end a calibration that a command starts in the same tick.
         let mut other = Machine::new();
         other.tick(None, true, Some(Command::Calibrate));
         assert_eq!(other.state(), State::Calibrating);

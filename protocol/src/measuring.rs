@@ -21,7 +21,8 @@ pub enum MeasuringPart {
     /// encoder's own zero.
     #[cfg(feature = "large")]
     Forward,
-    /// The shaft turns slowly in the direction of falling encoder counts.
+    /// The shaft turns slowly in the direction of falling encoder counts. The telemetry's position is measured as in
+    /// [`Self::Forward`].
     #[cfg(feature = "large")]
     Backward,
 }
@@ -32,8 +33,8 @@ pub enum MeasuringPart {
 pub struct MeasuringTick {
     /// The step of the measurement.
     pub part: MeasuringPart,
-    /// Current on the d axis of the current loop's frame, mA. The frame follows the rotor's field, in `Low` and `High` the fast
-    /// field. The q-axis current is [`crate::Telemetry::current_q_ma`].
+    /// Current on the d axis of the current loop's frame, mA. The frame follows the rotor's field; in the steps `Low` and `High`
+    /// it follows the fast turning field instead. The q-axis current is [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,
     /// Voltage on the d axis of the same frame, mV.
     pub voltage_d_mv: i32,

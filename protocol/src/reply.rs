@@ -26,7 +26,8 @@ pub enum FromDevice {
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
-    /// Reply to `Hello`. It must stay the first variant, with the protocol version as its first field: see [`version_of_hello`].
+    /// Reply to `Hello`. This variant must stay the first one, with the protocol version as its first field: see
+    /// [`version_of_hello`].
     Identity(Identity),
     /// Answer to `Status`: the device's state.
     Status(Status),
@@ -72,7 +73,8 @@ pub enum Refusal {
     RingRuns,
     /// The frame's CRC was right, but the device's firmware has no such request.
     NotUnderstood,
-    /// The encoder's alignment with the motor cannot be stored, or none is stored for an automatic start.
+    /// The encoder's alignment or the cogging map cannot be stored, the cogging cannot be measured, or no usable alignment is
+    /// stored for an automatic start. Holds the reason.
     #[cfg(feature = "large")]
     Unkept(crate::settings::kept::Unkept),
 }

@@ -54,8 +54,8 @@ pub enum Request<'a> {
         /// Index of the first requested record; 0 is the oldest.
         first: u16,
     },
-    /// Starts telemetry with one record every `decimation` control ticks; 0 stops it. This is not a setting: a reset stops
-    /// telemetry.
+    /// Sends one telemetry record every `decimation` control ticks; 0 stops telemetry. Does not change the settings: after a
+    /// reset or a change of settings the setting `telemetry.decimation` applies again.
     Telemetry {
         /// Control ticks between two records.
         decimation: u16,
@@ -65,8 +65,8 @@ pub enum Request<'a> {
     /// Requests the environment: the walls, end stops and detents that the knob renders.
     #[cfg(feature = "large")]
     Environment,
-    /// Replaces the environment (walls, end stops, detents), also while the device is armed. The message includes how fast the
-    /// force may change meanwhile.
+    /// Replaces the environment (walls, end stops, detents), also while the device is armed. The environment includes the rate at
+    /// which the force may change meanwhile.
     #[cfg(feature = "large")]
     SetEnvironment(crate::settings::environment::Surround),
     /// Requests the data stored for the next start, and how the automatic start went since power came on.

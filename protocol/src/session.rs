@@ -41,8 +41,8 @@ pub trait Backend {
     /// # Errors
     /// The flash could not be written. The settings stored before are still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// Carries out a command and returns whether it had an effect. `None` means that the result comes later: the device then calls
-    /// [`Session::commanded`] with it.
+    /// Carries out a command and returns whether the command had an effect. `None` means that the result comes later: the caller
+    /// of the session then passes the result to [`Session::commanded`].
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Starts telemetry with one record every `decimation` control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
@@ -225,7 +225,8 @@ impl Session {
         }
     }
 
-    /// Returns the answer to the command that waits for the device, after the device has accepted or refused it.
+    /// Returns the answer to the command that waits for the device, after the device has accepted or refused the command. Returns
+    /// [`Answered::Unreadable`] if no command waits.
     #[inline(never)]
     pub fn commanded(&mut self, accepted: bool, device: &impl Backend) -> Answered {
         let Some((id, command)) = self.waiting.take() else {
@@ -398,8 +399,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the settings into flash. Refused while calibrating or armed, and in `Ready`, where a command to arm may come: erasing
-    /// a page stalls the processor for longer than that command takes.
+    /// Writes the settings into flash. Refused while calibrating or armed. Also refused in `Ready`, where a command to arm may
+    /// come: erasing a flash page stalls the processor for longer than such a command takes.
     #[inline(never)]
     fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {

@@ -186,7 +186,7 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
 /// Decodes the settings of an image. `check` validates them.
 ///
 /// # Errors
-/// The image is damaged, of another layout, or not valid.
+/// The image is damaged, of an unknown layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     decode_with(image, check).map(|start| start.settings)
@@ -195,7 +195,7 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
 /// Decodes the settings of an image. `check` validates them.
 ///
 /// # Errors
-/// The image is damaged, of another layout, or not valid.
+/// The image is damaged, of an unknown layout, or not valid.
 #[cfg(not(feature = "large"))]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     let (_, content) = content(image)?;

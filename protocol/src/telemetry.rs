@@ -11,16 +11,16 @@ use serde::{Deserialize, Serialize};
 /// busy one about 32, and none more than [`TELEMETRY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Number of the tick since the reset, modulo 2^32. A gap between records means that the serial port was too slow for the
-    /// missing ones.
+    /// Number of the tick since the reset, modulo 2^32. A gap larger than the telemetry's decimation means that the serial port
+    /// was too slow for the missing records.
     pub tick: u32,
     /// Position in encoder counts from the calibrated zero.
     pub count: i32,
     /// Depth of the knob inside the wall, rad; negative outside.
     #[serde(with = "bits")]
     pub penetration_rad: I8F24,
-    /// How far the knob has moved into the wall since the last change of the force, rad. The change counts as a single step at its
-    /// mean time. 0 if the device does not measure the position at the change.
+    /// How far the knob has moved into the wall since the last change of the force, rad. The force changes gradually; the value
+    /// is as if the whole change had come at one instant. 0 if the device does not measure the position when the force changes.
     #[serde(with = "bits")]
     pub since_change_rad: I8F24,
     /// Torque that the control law commands, N·m, positive out of the wall.
@@ -149,7 +149,8 @@ pub struct RingChunk {
     pub records: Vec<RingRecord, RING_CHUNK>,
 }
 
-/// One tick's record in the ring buffer. It is coarser than [`Telemetry`], so that a second fits into the smaller board's memory.
+/// One tick's record in the ring buffer. The record is coarser than [`Telemetry`], so that the records of a second fit into the
+/// smaller microcontroller's RAM.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RingRecord {
     /// Low 16 bits of the tick's number.

@@ -51,7 +51,7 @@ macro_rules! unwrap {
             pub fn turns(&self, counts_per_rev: u32) -> Option<(i64, u32)> {
                 let counts = i64::from(counts_per_rev);
                 let turns = self.count.checked_div_euclid(counts)?;
-                // 0 <= rest < counts_per_rev, so it fits.
+                // 0 <= rest < counts_per_rev, so the rest fits into 32 bits.
                 let rest = self.count.checked_rem_euclid(counts)?;
                 Some((turns, u32::try_from(rest).ok()?))
             }
@@ -86,7 +86,7 @@ mod tests {
         let mut count = Unwrap16::new(0, 0);
         assert_eq!(count.update(32_767), 32_767);
         let mut count = Unwrap16::new(0, 0);
-        // With one count more, the way back is the shorter one.
+        // A movement by half the range reads as a movement in the other direction.
         assert_eq!(count.update(32_768), -32_768);
     }
 

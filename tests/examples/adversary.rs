@@ -58,8 +58,8 @@ impl Account {
 
 const SEED: u64 = 1;
 
-/// The control laws that the hands meet: plain springs and dampers, a hostile damper that drives the device the way it moves, every
-/// law with the settings of the DLR thesis, and the shipped law.
+/// The control laws that the hands meet: plain springs and dampers, a hostile damper that drives the device in its direction of
+/// motion, every law with the thesis' settings, and the shipped law.
 fn laws() -> Vec<(String, PortLaw)> {
     let spring = |k, b| PortLaw::from(SpringDamper { k, b });
     let mut laws = vec![

@@ -1,8 +1,8 @@
 //! The table of single faults on all boards, or on those named: what a hand gets until the device is off.
 //!
 //! `cargo run --profile test -p touchstone-tests --example single_faults -- FOLDER [BOARD...]` writes `cells.csv` (every cell) and
-//! `page.md` (what the documentation shows) into the folder, and prints the faults that a board does not find. `cargo xtask faults`
-//! runs it.
+//! `page.md` (what the documentation shows) into the folder, and prints the faults that a board does not detect. `cargo xtask
+//! faults` runs it.
 
 use rayon::prelude::*;
 use std::error::Error;

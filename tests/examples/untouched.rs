@@ -53,7 +53,7 @@ fn one(
     hz: f64,
     seconds: u32,
 ) {
-    // Where the account is known to run empty, ten minutes show it.
+    // Without a refill, or with an estimated change of force, the account is known to run empty, and ten minutes show this.
     let dry = refill_w == 0.0 || change == ChangeOfForce::Estimated;
     let seconds = if dry { seconds.min(600) } else { seconds };
     let mut port = Port::new(law, delay, true, true);
@@ -67,7 +67,7 @@ fn one(
         |port: &Port, seconds: u32| port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);
     port.guard = Some(settings);
     let outcome = play(&port, seconds);
-    // The capacity is so large that the account is never full or empty.
+    // With a capacity of 1 J the account is never full or empty.
     port.guard = Some(GuardSettings {
         capacity: Si::ONE,
         refill: Si::ZERO,

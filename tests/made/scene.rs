@@ -19,7 +19,7 @@ const SHARE: f64 = PATIENCE_S / work::LONG_S;
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
-    // `1e300`, for which `Display` would write 301 digits.
+    // Writes `1e300` in this form; `Display` would write 301 digits.
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
@@ -135,7 +135,7 @@ pub enum Ended {
     Long,
 }
 
-/// Processor time of this thread in s, which other programs do not affect. Where the system does not report it, returns the time
+/// Processor time of this thread in s, which other programs do not affect. If the system does not report it, returns the time
 /// since `begun`.
 fn processor_s(begun: Instant) -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat");

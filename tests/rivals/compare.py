@@ -174,7 +174,7 @@ def main():
         ours = ([], [])
         # The engines run in turns, so that a disturbance by other programs does not hit one engine alone.
         for _ in range(rounds):
-            # Timed by the clock, in pieces short enough that some of them are not disturbed.
+            # Elapsed time, in pieces so short that other programs do not disturb all of them.
             for _ in range(10):
                 out = subprocess.run([program, "time", name, str(4 * ticks)], check=True, capture_output=True, text=True).stdout
                 for times, word in zip(ours, out.split()):

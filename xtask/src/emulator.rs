@@ -103,7 +103,7 @@ fn missing() -> Option<Outcome> {
 }
 
 /// Reports the first folder with white space in its path. The build of the emulator library Unicorn calls a shell script by an
-/// unquoted path, which such a path makes fail.
+/// unquoted path, so white space in the path makes the build fail.
 fn with_space(folders: &[PathBuf]) -> Option<Outcome> {
     let has_space = |folder: &&PathBuf| folder.to_string_lossy().contains(char::is_whitespace);
     folders.iter().find(has_space).map(|folder| {

@@ -5,8 +5,8 @@
 //! - in the source: float types, literals and casts outside the parts that the feature `float` enables;
 //! - in the code compiled for this machine: float operations in an example that uses all that the firmware uses, and in every function
 //!   that the example calls in other crates;
-//! - in the code compiled for the microcontroller, where the compiler supports it: calls that stand for float operations, since a soft-float
-//!   target has no float instructions.
+//! - in the code compiled for the microcontroller, if an installed compiler supports it: calls that stand for float operations,
+//!   since a soft-float target has no float instructions.
 //!
 //! The two checks of compiled code also find calls to panics, of which set-up and control periods must have none.
 

@@ -1,6 +1,6 @@
 //! Stores in a file whether each deliberately wrong change was caught, so that an interrupted run can continue.
 //!
-//! A stored result counts only for the same sources, the same change and, where one is given, the same tested program.
+//! A stored result counts only for the same sources, the same change and, if one is given, the same tested program.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};

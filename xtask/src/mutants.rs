@@ -1,5 +1,5 @@
-//! `cargo xtask prove --mutants`: mutation tests. Each mutant is a small wrong change of the code, and its entry in the list names
-//! a proof and a test. The proof must refute the changed code. With `--tests`, the test must fail.
+//! `cargo xtask prove --mutants`: mutation tests. Each mutant is a small wrong change of the code, and its entry in the list
+//! names a proof, a test, or both. The proof must refute the changed code. With `--tests`, the named test must fail instead.
 //!
 //! A mutant is caught when the named proof (harness) ran alone and one of its assertions failed. A change that does not compile, a
 //! time-out or an unreachable cover is not a catch.

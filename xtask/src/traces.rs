@@ -1,5 +1,5 @@
-//! `cargo xtask traces [--write]`: draws the signals to expect at the first power-up of a board, as pictures for the build guide
-//! `docs/first-power`.
+//! `cargo xtask traces [--write]`: draws the signals to expect at the first power-up of a board, as pictures for the build guide,
+//! in the folder `docs/first-power`.
 //!
 //! The boards' firmware runs in the emulator, which records the signals as tables; an example program draws them. `--write`
 //! replaces the committed pictures. Without it the step compares them with the new ones.

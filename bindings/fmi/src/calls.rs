@@ -8,7 +8,8 @@ use std::path::Path;
 use touchstone_fmu::Half;
 use touchstone_fmu::model::Model;
 
-/// Runs a call on its instance. A panic is a mistake of this library; it must not unwind into the importing program.
+/// Runs a call on its instance. Returns `Error` for a null pointer. A panic, which only a bug of this library causes, becomes
+/// `Fatal`, because a panic must not unwind into the importing program.
 pub(crate) fn on(
     pointer: *mut c_void,
     call: impl FnOnce(&mut Instance) -> fmi3Status,
@@ -83,7 +84,7 @@ pub extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
     foreign::free(instance);
 }
 
-/// Accepted without effect: there are messages on errors only, and always.
+/// Accepted without effect: errors and warnings always cause a message, and nothing else does.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn fmi3SetDebugLogging(
@@ -147,6 +148,7 @@ pub extern "C" fn fmi3Terminate(instance: *mut c_void) -> fmi3Status {
 pub extern "C" fn fmi3Reset(instance: *mut c_void) -> fmi3Status {
     on(instance, |instance| {
         instance.is_running = false;
+        instance.is_warned = false;
         match instance.model.reset() {
             Ok(()) => Done,
             Err(error) => instance.log.say(Error, &error.to_string()),
@@ -154,7 +156,7 @@ pub extern "C" fn fmi3Reset(instance: *mut c_void) -> fmi3Status {
     })
 }
 
-/// Reads variables into an array; each array comes with its length.
+/// Reads variables into an array. Each pair holds an array's pointer and length.
 fn get<T: Copy>(
     instance: *mut c_void,
     (references, count): (*const u32, usize),
@@ -264,7 +266,7 @@ pub extern "C" fn fmi3DoStep(
     last_s: *mut f64,
 ) -> fmi3Status {
     on(instance, |instance| {
-        // All three answers are no: steps are never cut short.
+        // A step always runs to its end: no event handling, no termination, no early return.
         for answer in [event, terminate, early_return] {
             foreign::put(answer, 0, false);
         }

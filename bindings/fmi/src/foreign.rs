@@ -1,4 +1,4 @@
-//! Follows the pointers that an importing program hands over. Only this module does.
+//! Dereferences the pointers that the importing program passes. No other module dereferences a pointer.
 #![allow(unsafe_code)]
 
 use crate::fmi3Status;
@@ -26,12 +26,12 @@ pub struct Instance {
 pub struct Log {
     /// The function; `None` if the program gave none.
     pub call: Option<LogMessage>,
-    /// A pointer of the program, handed back with each message.
+    /// A pointer of the program, passed back to it with each message.
     pub environment: *mut c_void,
 }
 
 impl Log {
-    /// Passes a message to the importing program, and returns its status.
+    /// Passes a message to the importing program, and returns `status`.
     pub fn say(&self, status: fmi3Status, message: &str) -> fmi3Status {
         let category = match status {
             fmi3Status::Warning => c"logStatusWarning",
@@ -49,7 +49,7 @@ impl Log {
     }
 }
 
-/// Hands an instance over to the importing program.
+/// Converts an instance to the pointer that the importing program gets. Only `free` frees the instance.
 pub(crate) fn give(instance: Instance) -> *mut c_void {
     Box::into_raw(Box::new(instance)).cast()
 }
@@ -77,7 +77,7 @@ pub(crate) fn text<'a>(pointer: *const c_char) -> Option<&'a str> {
     unsafe { CStr::from_ptr(pointer) }.to_str().ok()
 }
 
-/// Borrows an array of inputs; `None` for a null pointer with a length.
+/// Borrows an array of inputs; `None` for a null pointer with a length above 0.
 pub(crate) fn array<'a, T>(pointer: *const T, length: usize) -> Option<&'a [T]> {
     match (length, pointer.is_null()) {
         (0, _) => Some(&[]),
@@ -87,7 +87,7 @@ pub(crate) fn array<'a, T>(pointer: *const T, length: usize) -> Option<&'a [T]> 
     }
 }
 
-/// Writes a value of an output array; `index` is below the array's length.
+/// Writes a value of an output array; `index` must be below the array's length. Returns false for a null pointer.
 pub(crate) fn put<T>(pointer: *mut T, index: usize, value: T) -> bool {
     if !pointer.is_null() {
         // SAFETY: not null; the importing program owns the array, and the callers count no further than its length.

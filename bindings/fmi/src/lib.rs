@@ -21,13 +21,14 @@ pub enum fmi3Status {
     Warning = 1,
     /// Not used.
     Discard = 2,
-    /// The call did nothing; a message says why. The instance can be used further.
+    /// The call failed; a message says why. A part of its work may be done, such as the first of several inputs. The instance can
+    /// be used further.
     Error = 3,
     /// The instance cannot be used any more.
     Fatal = 4,
 }
 
-/// The mark of the version, for which the export looks in the library.
+/// Text with the version of the FMU code. The export refuses a library without this text.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub static TOUCHSTONE_FMI: &[u8] = touchstone_fmu::MARK.as_bytes();

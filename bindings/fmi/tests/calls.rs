@@ -184,7 +184,7 @@ fn wrong_calls_are_errors_with_a_message() {
     }
     assert_eq!(said.len(), 15, "{said:?}");
     said.clear();
-    // A law that is given too long steps warns once.
+    // The law's half warns once if a step has several control periods.
     assert_eq!(step(law, 0.0, 4.0 * period_s), Done);
     assert_eq!(is_told(&mut said), fmi3Status::Warning);
     assert_eq!(step(law, 4.0 * period_s, 4.0 * period_s), Done);

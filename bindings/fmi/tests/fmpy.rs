@@ -1,7 +1,7 @@
-//! Tests of the FMUs with FMPy, another program. It validates the FMUs, and the pair that it runs gives results equal to the
-//! scene's run in every bit.
+//! Tests of the FMUs with FMPy, an independent program for FMUs. FMPy validates the FMUs and runs law and plant in turn. The
+//! results must equal those of the scene's run in every bit.
 //!
-//! Skipped, with a line that says so, where Python has no `fmpy`. `TOUCHSTONE_PYTHON` names another Python.
+//! Skipped, with a line that says so, if Python has no `fmpy`. The environment variable `TOUCHSTONE_PYTHON` names another Python.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -16,21 +16,21 @@ class TouchstoneTeleopConfig(TeleoperatorConfig):
     device: str = "omega3"
     #: Object in the workspace: none, plane, inclined or sphere.
     wall: str = "none"
-    #: Rate of wall and guard, Hz. An Inverse3 has its own.
+    #: Rate of wall and guard, Hz. An Inverse3 ignores it: Haply's service sets the rate.
     rate_hz: int = 1000
     #: Stiffness of the wall, N/mm. None: the tuned wall of device and rate, else 5, or 1 for an Inverse3.
     stiffness_n_per_mm: float | None = None
     #: Largest force on the hand, N. None: the device's.
     force_limit_n: float | None = None
-    #: Time for which a force of the follower acts that no newer one replaces, s.
+    #: Time for which the follower's last force acts in full, s.
     stale_after_s: float = 0.05
-    #: Time in which it then fades to nothing, s.
+    #: Time in which this force then fades to 0, s.
     fade_s: float = 0.05
     #: Lateness of a control period that ends the loop, s.
     late_limit_s: float = 0.01
     #: Whether to ask for real-time priority.
     priority: bool = True
-    #: Force Dimension's library. None: the usual places.
+    #: Path of Force Dimension's library. None: the usual places are searched (docs/devices.md).
     library: str | None = None
     #: HOST:PORT of Haply's service. None: localhost:10001.
     service: str | None = None

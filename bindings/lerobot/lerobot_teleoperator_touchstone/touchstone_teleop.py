@@ -42,7 +42,7 @@ class TouchstoneTeleop(Teleoperator):
 
     @property
     def is_connected(self) -> bool:
-        # The base class asks after a constructor that failed, too.
+        # The base class reads this property also after a constructor that failed. `_device` may not exist then.
         device = getattr(self, "_device", None)
         return device is not None and device.is_running
 

@@ -25,7 +25,8 @@ pub struct PyHapticDevice {
 }
 
 impl PyHapticDevice {
-    /// Waits for the end of the thread, which was asked to stop or stops by a fault.
+    /// Waits for the end of the thread, and keeps its result. The thread must have a reason to end: `stop` is set, or a fault
+    /// occurred.
     fn wait(&self) {
         let mut thread = locked(&self.thread);
         if let Some(thread) = thread.take() {
@@ -174,7 +175,7 @@ impl PyHapticDevice {
         let age_s = plain("age_s", age_s)?;
         let age = Duration::try_from_secs_f64(age_s)
             .map_err(|_| PyValueError::new_err(format!("age_s = {age_s}: give at least 0 s")))?;
-        // At most 3 s, which is old in any case.
+        // Limited to 3 s: a force of this age has faded to 0 in any case (`stale_after_s` and `fade_s` are at most 1 s each).
         let taken = self.forces.send(force_n, age.min(Duration::from_secs(3)));
         debug_assert!(taken, "its components are finite");
         Ok(())

@@ -179,7 +179,7 @@ impl PyGuard {
         Ok(PyArray1::from_vec(py, allowed))
     }
 
-    /// Reports that a smaller force than the allowed one was commanded.
+    /// Reports that the motor got the smaller force `force_n_m` instead of the allowed one.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
@@ -291,7 +291,7 @@ impl PyWall {
         Ok(PyArray1::from_vec(py, forces))
     }
 
-    /// Reports to the wall's estimator and energy guard that a smaller force than the wall's was commanded.
+    /// Reports to the wall's estimator and energy guard that the motor got the smaller force `force_n_m` instead of the wall's.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())

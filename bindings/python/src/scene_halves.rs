@@ -21,7 +21,7 @@ fn wrong(error: touchstone_sim::error::Error) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Largest torque (N·m) or angle (rad) that the simulation takes.
+/// Largest torque (N·m) or angle (rad) that the simulation accepts.
 const MOST: f64 = 1e6;
 
 fn within(name: &str, value: f64) -> PyResult<f64> {
@@ -36,7 +36,8 @@ fn within(name: &str, value: f64) -> PyResult<f64> {
 /// Device and hand of a scene, without its control law: step by step, with a torque that the caller computes.
 #[pyclass(name = "Plant", module = "touchstone", subclass)]
 pub struct PyPlant {
-    // A `Mutex` only makes the class `Sync`, as Python needs. It is never locked, because every call has the object for itself.
+    // The `Mutex` only makes the class `Sync`, which PyO3 requires. It is never locked, because every method has exclusive access
+    // (`&mut self`).
     half: Mutex<PlantHalf>,
     scene: Scene,
     ticks: u64,
@@ -211,8 +212,8 @@ impl PyLaw {
     /// Runs one control period: takes the device's true angle, rad, and returns the torque command, N·m in the direction of
     /// positive angles.
     ///
-    /// `changed_at_rad` is `Plant.changed_at_rad`: the angle at which the last torque began to act, where the scene's guard
-    /// measures it.
+    /// `changed_at_rad` is `Plant.changed_at_rad`: the true angle at which the motor's torque last changed, rad; `None` if the
+    /// scene's guard does not measure this angle.
     #[pyo3(signature = (angle_rad, changed_at_rad=None))]
     fn tick(&mut self, angle_rad: f64, changed_at_rad: Option<f64>) -> PyResult<f64> {
         let angle_rad = within("angle_rad", angle_rad)?;
@@ -227,7 +228,7 @@ impl PyLaw {
         Ok(answer.torque_n_m)
     }
 
-    /// Starts anew, with a full energy account.
+    /// Puts the controller back to its initial state, with a full energy account.
     fn reset(&mut self) -> PyResult<()> {
         *self = Self::made(self.scene.clone())?;
         Ok(())

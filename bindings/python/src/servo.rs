@@ -1,4 +1,4 @@
-//! The thread of a haptic device: opens it, and plays wall, follower and guard on it.
+//! The thread of a haptic device: opens the device, and renders wall and follower's forces on it through the guard.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,7 +33,7 @@ pub struct Wanted {
     pub priority: bool,
 }
 
-/// What the servo loop last did; Python reads it at any time.
+/// State after the servo loop's last control period; Python may read it at any time.
 #[derive(Clone, Copy, Default)]
 pub struct Seen {
     pub position_m: [f64; 3],
@@ -63,10 +63,11 @@ pub struct Opened {
 /// Beginning of the message if a device did not confirm its release.
 const MAY_BE_ON: &str = "THE MOTORS MAY STILL BE ON";
 
-/// How a servo loop ended: its report, or why there was none.
+/// How a servo loop ended: its report, or an error message.
 pub type Ended = Result<ServoReport, String>;
 
-/// The wall with the follower's forces. It also writes what it does to [`Shared`], where Python reads it.
+/// The wall with the follower's forces. After each control period it writes its state to [`Shared`], where Python reads the
+/// state.
 struct Watched<'m> {
     law: FollowedWall<'m>,
     shared: Arc<Shared>,
@@ -83,7 +84,7 @@ impl ForceLaw for Watched<'_> {
     fn commanded(&mut self, force_n: [f64; 3]) {
         self.law.commanded(force_n);
         self.ticks += 1;
-        // If Python reads at this moment, this tick is not shown, because the loop must not wait.
+        // If Python reads at this moment, this tick is not written, because the loop must not wait.
         if let Ok(mut seen) = self.shared.seen.try_lock() {
             *seen = Seen {
                 position_m: self.position_m,
@@ -176,7 +177,8 @@ fn chosen(
     (settings, about)
 }
 
-/// The thread: opens the device, reports that it is open, and plays wall and guard on it until it is stopped.
+/// The body of the thread: opens the device, reports that the device is open, and renders wall and guard on it until
+/// `shared.stop` is set or a fault occurs.
 pub fn played(
     wanted: &Wanted,
     forces: FollowerForces,

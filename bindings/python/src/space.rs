@@ -178,14 +178,14 @@ impl PySpaceGuard {
                 .map(|(at, wanted)| self.allowed(at, wanted).to_vec())
                 .collect()
         });
-        // Made of no rows, the array would have no columns.
+        // Without rows, `from_vec2` would make an array without columns.
         if allowed.is_empty() {
             return Ok(PyArray2::zeros(py, [0, 3], false));
         }
         Ok(PyArray2::from_vec2(py, &allowed)?)
     }
 
-    /// Reports that a force smaller than the allowed one was commanded, N.
+    /// Reports that the motors got the smaller force `force_n` instead of the allowed one.
     fn commanded(&mut self, force_n: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         let force = three("force_n", &force_n)?;
         let force = Vector(force.map(Force::<N>::from_f64));
@@ -366,7 +366,7 @@ impl PySpaceWall {
         Ok(array(py, self.wall.tick(three("measured_m", &measured_m)?)))
     }
 
-    /// Starts anew before the first touch, with a full energy account.
+    /// Puts the wall back to its state before the first touch, with a full energy account.
     fn reset(&mut self) -> PyResult<()> {
         self.wall = CellWall::new(&self.cell).map_err(refused)?;
         Ok(())
@@ -378,7 +378,7 @@ impl PySpaceWall {
         self.wall.account_j()
     }
 
-    /// Whether the last tick was above the guard's over-speed limit; its force is 0.
+    /// Whether the device was faster than the guard's over-speed limit in the last tick; the force of such a tick is 0.
     #[getter]
     fn too_fast(&self) -> bool {
         self.wall.is_too_fast()

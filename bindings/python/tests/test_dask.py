@@ -32,7 +32,7 @@ def _map(out, side, **options):
 def _same(one, other):
     one, other = ({file.name: file.read_bytes() for file in folder.iterdir()} for folder in (one, other))
     assert one.keys() == other.keys()
-    # `results.json` has the command, which is another.
+    # `results.json` contains the command, which differs.
     assert [name for name in one if one[name] != other[name]] in ([], ["results.json"])
 
 

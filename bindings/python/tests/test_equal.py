@@ -13,7 +13,7 @@ except touchstone.Failed as missing:
     pytest.skip(str(missing), allow_module_level=True)
 
 
-#: Of three axes: results, and no trace.
+#: Scenes of three axes, which have results but no trace.
 SPACE = ["delta-ball"]
 SCENES = [name for name in ALL if name not in SPACE]
 

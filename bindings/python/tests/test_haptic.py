@@ -49,13 +49,13 @@ def pushed_down(wall):
 
 
 def test_a_wall_holds_against_a_follower():
-    # The hand alone has 0.26 N/mm, and the wall 25.
+    # The hand (0.3 N/mm in series with its pad's 2 N/mm) has 0.26 N/mm, the wall 25 N/mm.
     assert -1e-3 < pushed_down("plane") < 0.0
     assert pushed_down(None) < -4e-3
 
 
 def test_a_handle_that_begins_deep_inside_is_not_thrown_out():
-    # Pushing it out would give the hand more than the guard has.
+    # Pushing the handle out would give the hand more energy than the guard allows.
     with touchstone.HapticDevice("simulated", wall="plane", hand_m=[0.0, 0.0, -0.02], **CALM) as device:
         faded_in(device)
         assert device.position_m[2] < -0.015
@@ -73,7 +73,7 @@ def test_a_followers_force_moves_the_hand_and_fades_without_a_newer_one():
         assert device.position_m[0] - begun[0] > 2e-3
         device.send_force([1.5, 0.0, 0.0])
         sent = time.monotonic()
-        # It acts whole for 50 ms, and is nothing after 100 ms; the rest is for a machine that does not let the threads run at once.
+        # The force acts in full for 50 ms, and is 0 after 100 ms. The longer limit is for a machine that runs the threads late.
         wait_for(lambda: not device.force_n.any(), seconds=0.4)
         assert time.monotonic() - sent > 0.05
 

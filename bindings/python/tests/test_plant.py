@@ -109,7 +109,7 @@ def test_three_axes_step_by_step_give_the_bits_of_the_run(scene):
         forces.append(plant.step(wall.tick(plant.measured_m)).tolist())
     results = touchstone.run(scene)["runs"][0]
     numbers = {**results, **results.get("numbers", {})}
-    # The stiffness at rest of the last quarter of the hold, calculated as the program does, in its order.
+    # The stiffness at rest in the last quarter of the hold, with the program's calculation in the program's order of operations.
     hold = [tick for tick, phase in enumerate(phases) if phase == "hold"]
     late = hold[len(hold) - int(len(hold) * 0.25) :]
     force = depth = 0.0
@@ -142,7 +142,7 @@ def test_a_guard_on_three_axes_bounds_what_a_hostile_force_gives():
     place, force, speed, total, worst = numpy.zeros(3), numpy.zeros(3), numpy.zeros(3), 0.0, 0.0
     for _ in range(5000):
         speed = numpy.clip(speed + chance.normal(0.0, 0.05, 3), -0.5, 0.5)
-        # Back from the edge, as a hand does.
+        # Turns back beyond 80 mm, as a hand does.
         speed[abs(place) > 0.08] *= -numpy.sign(place * speed)[abs(place) > 0.08]
         total = max(0.0, total + float(force @ (speed * 1e-3)))
         worst = max(worst, total)

@@ -22,7 +22,7 @@ def _blocks(language):
 
 def test_three_commands_give_a_verdict_without_rust(tmp_path):
     install, *commands = _blocks("sh")[0].splitlines()
-    # The tests run in an environment in which this was done.
+    # The tests run in an environment in which the package is already installed.
     assert install.startswith("pip install ")
     assert len(commands) == 2
     (tmp_path / "bin").mkdir()

@@ -31,7 +31,7 @@ def _files(folder):
 
 
 def _same(one, other):
-    # `results.json` has the command, which is another.
+    # `results.json` contains the command, which differs.
     one, other = _files(one), _files(other)
     assert one.keys() == other.keys()
     assert [name for name in one if one[name] != other[name]] in ([], ["results.json"])

@@ -1,9 +1,9 @@
 //! Replaces an environment (walls, detents, torque profile) by another while a hand touches it.
 //!
-//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The new environment has
-//! the force `g`. The difference `d` between the old force and `g` is added to `g`, and fades at a set rate `r`. So the commanded
-//! force is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most
-//! `r T` per tick of length `T` to the changes of `g`.
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The new environment
+//! has the force `g`. The difference `d` between the old force and `g` is added to `g`, and fades at a configured rate `r` in
+//! N·m/s (N/s). The commanded force is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change
+//! of environment adds at most `r T` per tick of length `T` to the changes of `g`.
 //!
 //! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
 //! hand that is deep inside it, the wall pushes the hand out with at most the energy in the account.
@@ -37,8 +37,8 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// Clears all memory in place when the force is switched on (arming). The guard's energy account starts at the given energy, or
-    /// is kept if none is given.
+    /// Clears all memory in place when the force is switched on (arming). The guard's energy account starts at the given energy,
+    /// or keeps its energy if none is given.
     pub fn begin(&mut self, account: Option<Energy<N>>) {
         for wall in self.walls.iter_mut().flatten() {
             wall.forget();
@@ -56,9 +56,9 @@ impl<N: Number> Environment<N> {
         self.carried = None;
     }
 
-    /// Makes this environment continue for the running environment `before`. Both have the same settings of law and guard. Walls
-    /// that are in both environments keep their memory. The difference between the last force of `before` and the force of this
-    /// environment shrinks by `per_tick` in each tick.
+    /// Makes this environment replace the running environment `before`. Both must be made with the same settings of law and
+    /// guard. Walls that are in both environments keep their memory. The difference between the last force of `before` and the
+    /// force of this environment shrinks by `per_tick` in each tick.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before
@@ -77,7 +77,7 @@ impl<N: Number> Environment<N> {
     }
 
     /// Same as [`Environment::take_over`], if a controller of a single wall ran before. Takes the settings of that wall, which is
-    /// solid above its surface, and the position and force of its last tick.
+    /// solid above its surface, and the position and force of the controller's last tick.
     pub fn take_over_from(
         &mut self,
         before: &Controller<N>,
@@ -104,7 +104,8 @@ impl<N: Number> Environment<N> {
         });
     }
 
-    /// Adds the fading difference to the replaced environment's force to `own`, the force of this environment.
+    /// Adds the fading difference to `own`, the force of this environment. The difference is the replaced environment's last
+    /// force less this environment's first.
     #[cold]
     #[inline(never)]
     pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {
@@ -125,7 +126,7 @@ impl<N: Number> Environment<N> {
         own + left
     }
 
-    /// Whether the force of a replaced environment is still fading.
+    /// Whether the difference to the force of a replaced environment is still fading.
     #[must_use]
     pub fn is_changing(&self) -> bool {
         self.carried.is_some()

@@ -33,9 +33,9 @@ pub struct DetentSettings {
 /// Detents whose force over the position is a triangle wave. The force is 0 at a detent, where the device rests. It is largest a
 /// quarter of a pitch (distance between detents) to either side, and 0 again halfway between two detents.
 ///
-/// The force has no jump, so a device halfway between two detents does not chatter. It depends on the position alone: the work over
-/// a whole pitch is 0, and from a detent to the halfway point it is `A P/4` (largest force `A`, pitch `P`). Sampling the position
-/// adds energy, as with walls; the energy guard counts it.
+/// The force has no jump, so a device halfway between two detents does not chatter. It depends on the position alone: the work
+/// over a whole pitch is 0, and from a detent to the halfway point it is `A P/4` (largest force `A`, pitch `P`). Sampling the
+/// position adds energy, as with walls; the energy guard counts that energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
     ring: Ring,
@@ -46,16 +46,17 @@ pub struct Detents<N: Number> {
 /// Evenly spaced positions, around a turn or along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ring {
-    /// Positions around a turn: their number, and one of them as a fraction of the distance to the next, in units of 2^-32.
+    /// Positions around a turn: their number per turn, and the angle of one of them modulo the distance between neighbours, in
+    /// units of 2^-32 of that distance.
     Turn { per_turn: i32, centre: i32 },
-    /// Positions along an axis: 1 over the distance between neighbours, and one of them.
+    /// Positions along an axis: 2^32 over the distance between neighbours in rad (m), and one of the positions.
     Axis { per_pitch: u64, centre: Si },
 }
 
 /// A quarter of the distance between two detents (pitch), in units of 2^-32 of that distance.
 const QUARTER: u32 = 1 << 30;
 
-/// The most detents per turn: more would be closer than the smallest allowed distance between detents.
+/// The most detents per turn: with more, the distance between detents would be below the smallest allowed one.
 pub(super) const MOST: u16 = 6283;
 
 impl DetentSettings {
@@ -142,7 +143,7 @@ impl Ring {
         }
     }
 
-    /// Distance from the nearest position, as a fraction of the distance between positions, in units of 2^-32.
+    /// Signed distance from the nearest position, as a fraction of the distance between positions, in units of 2^-32.
     #[inline]
     pub(super) fn beyond<N: Number>(&self, at: &impl Reading<N>) -> i32 {
         match *self {
@@ -154,8 +155,8 @@ impl Ring {
     }
 }
 
-/// Same as [`Ring::beyond`], for positions whose distance is set as an angle. It needs 64-bit arithmetic, so a separate function
-/// keeps the usual path fast.
+/// Same as [`Ring::beyond`], for positions whose distance is set as an angle. The calculation needs 64-bit arithmetic, so a
+/// separate function keeps the usual path fast.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {

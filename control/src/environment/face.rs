@@ -46,7 +46,8 @@ pub struct Reached {
     pub face: Face,
 }
 
-/// A surface within this angle of zero, rad, is measured from zero; one further away is measured from a number of whole turns.
+/// A surface within this angle of zero, rad, is measured from zero; a surface further away is measured from a number of whole
+/// turns.
 const FROM_ZERO: Si = Si::lit("100");
 
 /// A turn in rad with 64 fractional bits.
@@ -97,7 +98,8 @@ pub fn turn_of(angle: Si) -> i32 {
     .cast_signed()
 }
 
-/// A measured position of the device. For the mirrored position, every method must give exactly the mirrored value, bit for bit.
+/// A measured position of the device. For the position mirrored at 0, every method must give exactly the negative value, bit for
+/// bit; `penetration` must give the same value for the mirrored wall.
 pub trait Reading<N: Number> {
     /// Position along the axis, rad (m).
     fn angle(&self) -> Si;

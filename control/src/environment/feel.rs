@@ -9,9 +9,9 @@
 //! distance from a position ----> click              /
 //! ```
 //!
-//! This sum is added to the forces of walls, detents and profile, before the force limit and the energy guard. All parts calculate
-//! with differences of positions, so they are the same after any number of turns. For mirrored motions they give mirrored forces,
-//! bit for bit.
+//! This sum is added to the forces of walls, detents and profile, before the force limit and the energy guard. All parts
+//! calculate with differences of positions, so they are the same after any number of turns. For a motion mirrored at 0 they give
+//! the negative forces, bit for bit.
 //!
 //! A texture needs no part of its own: it is a [torque profile](super::profile) with many copies in a turn.
 
@@ -24,11 +24,11 @@ use crate::{Compliance, Force, Number, Position, Ratio, Settings, Si};
 /// Settings of the parts of a feel; an absent part gives no force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FeelSettings {
-    /// A spring that draws to a centre.
+    /// A spring that pulls the device to a centre position.
     pub spring: Option<CentreSettings>,
     /// Friction in proportion to the speed.
     pub viscous: Option<ViscousSettings>,
-    /// Friction of one size at every speed, and at rest.
+    /// Friction whose size does not depend on the speed, also at rest.
     pub dry: Option<DrySettings>,
     /// A short pulse when the device crosses one of many positions.
     pub click: Option<ClickSettings>,
@@ -72,9 +72,9 @@ pub struct ClickSettings {
     pub spacing: Spacing,
     /// One of these positions, rad (m).
     pub centre: Si,
-    /// Force of the pulse, N·m (N), 0 to the force limit: first against the motion, then as long with it.
+    /// Force of the pulse, N·m (N), 0 to the force limit: first against the motion, then for as long with the motion.
     pub strength: Si,
-    /// Length of the pulse, s, 0.001 to 0.1; at least two ticks.
+    /// Length of the pulse, s, 0.001 to 0.1. The pulse lasts at least two ticks.
     pub duration_s: Si,
 }
 
@@ -235,7 +235,7 @@ impl ClickSettings {
         let limit = settings.force_limit;
         within("environment.click.strength_n_m", strength, Si::ZERO, limit)?;
         within("environment.click.duration_s", length, shortest, longest)?;
-        // At most 0.05 s at 100,000 Hz.
+        // At most 5,000 ticks (0.05 s at 100,000 Hz), which fits 16 bits.
         let half = length.saturating_mul(Si::saturating_from_num(settings.rate_hz)) / 2;
         let click = Click {
             pulse: Force(N::saturating_signal(strength)),
@@ -308,7 +308,7 @@ impl<N: Number> Feel<N> {
 /// A spring whose force stays at its largest value beyond some stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<N: Number> {
-    /// Stiffness, N·m/rad (N/m), in the number format's finest factor.
+    /// Stiffness, N·m/rad (N/m), stored in the number format of a compliance, which has finer steps than that of a stiffness.
     pub stiffness: Compliance<N>,
     /// Largest force.
     pub most: Force<N>,
@@ -385,19 +385,20 @@ impl<N: Number> Dry<N> {
 /// A click: a short pulse when the device crosses a position. Its first half acts against the motion, its second half with it, so
 /// that the device keeps its momentum.
 ///
-/// A position clicks again only after the device was at least a quarter of the distance to the next position away. So a device that
-/// rests or trembles on a position is quiet. A device that moves more than that quarter in a tick may make no click.
+/// A position clicks again only after the device has moved away from it by at least a quarter of the distance to the next
+/// position. So a device that rests or trembles on a position is quiet. A device that moves more than that quarter in a tick may
+/// make no click.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Click<N: Number> {
     /// Force in either half of the pulse.
     pub pulse: Force<N>,
     /// Ticks in either half of the pulse.
     pub half: u16,
-    /// Whether the device approaches the nearest position from below; `None` after a click there.
+    /// Whether the device approaches the nearest position from below; `None` at the start and after a click there.
     pub side: Option<bool>,
     /// Whether the last crossing was towards larger positions.
     pub upward: bool,
-    /// Ticks that are left of the pulse.
+    /// Remaining ticks of the pulse.
     pub left: u32,
 }
 
@@ -410,7 +411,7 @@ impl<N: Number> Click<N> {
     #[inline]
     pub fn tick(&mut self, beyond: i32) -> Force<N> {
         if beyond.unsigned_abs() >= QUARTER {
-            // Exactly halfway, neither position is nearer, so that mirrored motions have mirrored clicks.
+            // Exactly halfway neither position is nearer, so `side` stays as it is. Then mirrored motions have mirrored clicks.
             if beyond != i32::MIN {
                 self.side = Some(beyond < 0);
             }

@@ -1,13 +1,13 @@
 //! Rendered inertia: the part of a knob's feel that makes the device heavier to speed up and to slow down.
 //!
 //! The force of a mass needs the acceleration, which an encoder gives late and in steps. This part needs no acceleration: it
-//! **drags a virtual mass** behind the device by a damper `b`, with the force `f = b (v - u)` on a mass of velocity `u`. Let `y` be
-//! the distance by which the device is ahead of that mass, and `p` the bandwidth in rad/s. With a mass `m = b/p` the distance is a
-//! high-pass of the displacement, `y' = v - p y`, and the force is `b y'`. The device has the mechanical impedance `m p s/(s + p)`:
-//! that of the mass `m` for motions slower than `p`, of the damper for faster ones. The force stays that of a damper at all
-//! frequencies.
+//! **drags a virtual mass** behind the device by a damper `b`, with the force `f = b (v - u)` for velocities `v` of the device
+//! and `u` of the mass. Let `y` be the distance by which the device is ahead of that mass, and `p` the bandwidth in rad/s. With a
+//! mass `m = b/p` the distance is a high-pass of the displacement, `y' = v - p y`, and the force is `b y'`. The part adds the
+//! mechanical impedance `m p s/(s + p)` to the device: that of the mass `m` for motions slower than `p`, that of the damper for
+//! faster ones. At no frequency is the force larger than that of the damper `b` alone.
 //!
-//! A damper to a free mass has no source of energy. What sampling and delay add is bounded as for
+//! A damper to a free mass has no source of energy. The energy that sampling and delay add is bounded as for
 //! [viscous friction](super::ViscousSettings::most), and the energy guard counts it.
 //!
 //! At constant speed the mass has the device's speed, `y` is constant, and the force is 0. A device at rest has a force of exactly
@@ -36,9 +36,10 @@ pub struct InertiaSettings {
 }
 
 impl InertiaSettings {
-    /// The largest virtual mass, kg·m² (kg), for a device with these settings that renders viscous friction of the damping `beside`
-    /// as well. The damper that drags the mass and that friction together are at most the largest viscous friction behind the same
-    /// filter, `J/(4 (T + delay + 1/(2π 100 Hz)))`; the mass is the damper over `2π` times the bandwidth.
+    /// The largest virtual mass, kg·m² (kg), for a device with these settings. `beside` is the damping of the viscous friction
+    /// that the device renders as well. The damper that drags the mass and that friction together are at most the largest viscous
+    /// friction behind the same filter, `J/(4 (T + delay + 1/(2π 100 Hz)))`; the mass is the damper over `2π` times the
+    /// bandwidth.
     #[must_use]
     pub fn heaviest(&self, settings: &Settings, beside: Si) -> Si {
         let damper = ViscousSettings {
@@ -73,7 +74,7 @@ impl InertiaSettings {
             damping: Si::ZERO,
             bandwidth_hz: FILTER_HZ,
         };
-        // Roundings alone could exceed the largest damping.
+        // Rounding alone could raise the damping above its largest value.
         damper.damping = self.inertia.saturating_mul(pole).min(damper.most(settings));
         Ok(Dragged {
             kept: Ratio(N::ratio(kept).ok_or(too_large)?),
@@ -95,8 +96,8 @@ pub struct Dragged<N: Number> {
 }
 
 impl<N: Number> Dragged<N> {
-    /// Runs one control period: takes the displacement since the last tick, returns the force against the motion of the device past
-    /// the mass.
+    /// Runs one control period: takes the displacement since the last tick, returns the force against the device's motion
+    /// relative to the mass.
     ///
     /// The product rounds towards zero, so the distance of a device at rest ends at exactly zero.
     #[inline]

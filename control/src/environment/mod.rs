@@ -79,7 +79,7 @@ impl<N: Number> Walled<N> {
     }
 }
 
-/// Walls, detents and a torque profile on one axis, behind one energy guard.
+/// Walls, detents, a torque profile and further parts of a feel on one axis, behind one energy guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
@@ -144,7 +144,7 @@ impl<N: Number> Environment<N> {
         let slots = environment.walls.iter_mut();
         let pulse = Impact::pulse_of(settings).map_err(Refused::Law)?;
         // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
-        // from the last one.
+        // from the previous wall.
         let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {
@@ -215,8 +215,8 @@ impl<N: Number> Environment<N> {
         Self { guard, ..self }
     }
 
-    /// Runs one control period: takes the device's position, and its displacement since the force changed (where that is measured).
-    /// Returns the force against `+x`.
+    /// Runs one control period: takes the device's position, and its displacement since the last change of force (`None` if the
+    /// position is not measured at that change). Returns the force against `+x`.
     ///
     /// If a later stage changes that force, the caller must report it with [`Environment::commanded`].
     #[inline]
@@ -254,7 +254,8 @@ impl<N: Number> Environment<N> {
             wanted = wanted + side.seen(force);
         }
         if let Some(feel) = &self.feel {
-            // The position as these parts need it. An environment without such parts is three instructions longer on a Cortex-M4.
+            // These parts need the position in two more forms. Without such parts, this check costs an environment three
+            // instructions on a Cortex-M4.
             let (beyond, now) = (feel.beyond(at), at.on_steps(self.step));
             wanted = self.felt_onto(beyond, now, wanted);
         }
@@ -286,7 +287,7 @@ impl<N: Number> Environment<N> {
         displacement(self.last, now)
     }
 
-    /// Runs the guard on positions without an end, since a knob can turn beyond the last position of [`Guarded::tick`], 128 rad
+    /// Runs the guard on positions of any size, because a knob can turn beyond the largest position of [`Guarded::tick`], 128 rad
     /// with 32 bits. A test checks that both functions give the same energy account, bit for bit.
     #[inline(always)]
     fn guarded(

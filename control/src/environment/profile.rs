@@ -92,7 +92,7 @@ pub struct ProfileSettings {
 pub struct Profile<N: Number> {
     place: Place,
     shape: Shape,
-    /// The profile's largest force, as the factor of a sum of points: see [`Profile::force`].
+    /// The profile's largest force, as a factor on the interpolated points: see [`Profile::drawn`] and `PER_WHOLE`.
     strength: Compliance<N>,
     most: Force<N>,
 }
@@ -189,7 +189,7 @@ impl<N: Number> Profile<N> {
     #[must_use]
     pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
         let (way, rest) = (i64::from(way), (1_i64 << 32).wrapping_sub(i64::from(way)));
-        // Exact, as the sum is at most 10,000 times 2^32.
+        // Exact, because the sum is at most 10,000 times 2^32.
         let sum = i64::from(before)
             .wrapping_mul(rest)
             .wrapping_add(i64::from(after).wrapping_mul(way));
@@ -225,8 +225,8 @@ const fn steps_of(fraction: u32, steps: u32) -> (u32, u32) {
     ((place >> 32) as u32, place as u32)
 }
 
-/// The position among the `points` of one copy of a repeated profile. `part` is the fraction of the copy before the position, in
-/// units of 2^-32.
+/// The position among the points of one copy of a repeated profile; `points` is their number. `part` is the fraction of the copy
+/// before the position, in units of 2^-32.
 #[inline]
 #[must_use]
 pub const fn repeated_between(part: u32, points: u32) -> Between {
@@ -236,8 +236,9 @@ pub const fn repeated_between(part: u32, points: u32) -> Between {
     Between { before, after, way }
 }
 
-/// The position among the points of a profile that is not repeated. The distance is measured from the nearer end, so that the
-/// mirrored profile has the mirrored roundings.
+/// The position among the points of a profile that is not repeated. `per_length` is 2^32 over the length in rad (m), `last` the
+/// index of the last point. The distance is measured from the nearer end, so that the mirrored profile has the mirrored
+/// roundings.
 #[cold]
 #[inline(never)]
 #[must_use]

@@ -15,7 +15,7 @@ pub enum Refused {
     Wall(u8, SettingsError),
     /// The distance between detents is out of its range; holds the given distance, rad (m).
     Pitch(Si),
-    /// The number of detents, or of a profile's copies, per turn is 0 or too large; holds the given number.
+    /// The number of detents, or of a profile's copies, per turn is outside 1 to 6283; holds the given number.
     PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {

@@ -5,8 +5,8 @@ use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Number of past commands that the estimator remembers. With a delay of more than one tick, up to two, the last command but two
-/// still acts during the last tick.
+/// Number of past commands that the estimator remembers. With a delay of more than one tick (the longest is two), the third-last
+/// command still acts during the last tick.
 pub const TAPS: usize = 3;
 /// Largest number of commanded forces that are not yet in effect when a position is sampled.
 pub const UNDER_WAY: usize = 2;
@@ -16,9 +16,10 @@ pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 /// The exact motion of an inertia `J` with damping `b` over a time `t` in ticks, under torques that are each held for a tick. `T`
 /// is the tick in seconds.
 ///
-/// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`. A displacement `d` per tick moves the device by `V
-/// d` and becomes `(1 - β V) d`. An acceleration of 1 per tick² moves it by `X` and adds `V` to the displacement per tick. A
-/// command of 1 N·m that acts from `s` to `r` ticks before the end moves it by `q (X(s) - X(r))`, with `q = T²/J`.
+/// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`. A displacement `d` per tick moves the device by
+/// `V d` and becomes `(1 - β V) d`. An acceleration of 1 per tick² moves the device by `X` and adds `V` to the displacement per
+/// tick. A command of 1 N·m, out of the wall, that acts from `s` to `r` ticks before the end moves the device outward by `q
+/// (X(s) - X(r))`, with `q = T²/J`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<N: Number, const COMMANDS: usize> {
     /// Displacement over the time span for each unit of displacement per tick at its start.
@@ -69,13 +70,13 @@ impl DeviceInTicks {
         (reach, drift)
     }
 
-    /// The motion over one tick, from one sample to the next; `None` where a weight does not fit its format.
+    /// The motion over one tick, from one sample to the next; `None` if a weight does not fit its format.
     pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
         // The command given i + 1 ticks before the sample began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
-    /// The motion from a sample to the time at which the command that follows it begins to act; `None` where a weight does not fit
+    /// The motion from a sample to the time at which the command that follows it begins to act; `None` if a weight does not fit
     /// its format.
     pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
         self.flow(self.delay, |i| i)
@@ -88,7 +89,7 @@ impl DeviceInTicks {
         time: Exact,
         end: impl Fn(Exact) -> Exact,
     ) -> Option<Flow<N, COMMANDS>> {
-        // `clamp` is not used, as it panics for a negative time.
+        // `clamp` is not used, because it panics for a negative time.
         let inside = |t: Exact| t.max(Exact::ZERO).min(time);
         let taken = |before: Exact, after: Exact| {
             before.saturating_sub(after).saturating_mul(self.per_torque)
@@ -124,8 +125,8 @@ impl DeviceInTicks {
 }
 
 impl<N: Number> Flow<N, 0> {
-    /// The motion over one tick of a device without damping and without commands. A velocity of 1 per tick moves it by 1, an
-    /// acceleration of 1 per tick² by 1/2. `None` where a weight does not fit its format.
+    /// The motion over one tick of a device without damping and without commands. A velocity of 1 per tick moves the device by 1,
+    /// an acceleration of 1 per tick² by 1/2. `None` if a weight does not fit its format.
     #[must_use]
     pub fn free() -> Option<Self> {
         let weight = <N::Wide as Wide>::weight;
@@ -153,9 +154,9 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
-    /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). It requires that no weight exceeds the time
-    /// in ticks. In each tick, commands up to the force limit must change the position, and the displacement per tick, by less than
-    /// 2 rad.
+    /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). The conditions are: no weight is
+    /// negative; `reach` and `drift` are at most the time in ticks, `loss` at most 1. Commands up to the force limit change the
+    /// position, and the displacement per tick, by less than 2 rad in one tick and 4 rad in two.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;

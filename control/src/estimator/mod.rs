@@ -7,18 +7,19 @@
 //! `α`, `β`, `γ`:
 //!
 //! ```text
-//! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects     V, X, ρ: one tick of the damped device
-//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J                            x_i, v_i: weights of that command
+//! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects
+//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J;  x_i, v_i: weights of the command f(n-1-i)
 //! r  = e - x⁻                               measured less expected position
 //! x  = x⁻ + α r    d = d⁻ + β r    g = g + γ r
 //! ```
 //!
-//! The three poles of the estimator's error are equal, `z = exp(-2π p T)` for a bandwidth `p`: `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V
-//! β = 2 + ρ - 3z - α - X γ`. Then the same model predicts the state for the time at which the next command begins to act, with the
-//! commands that are already given but not yet in effect. The law gets that prediction.
+//! Here `V`, `X` and `ρ = 1 - b T V/J` are the coefficients of [`Flow`] over one tick `T`. The three poles of the estimator's
+//! error are equal, `z = exp(-2π p T)` for a bandwidth `p`: `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then
+//! the same model predicts the state for the time at which the next command begins to act, with the commands that are already
+//! given but not yet in effect. The law gets that prediction.
 //!
-//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, for any assumed inertia
-//! and torque constant. So a wrong inertia costs accuracy while the device moves, and none when it is held.
+//! **At rest the position is exact** to within a step of the number format: `g` sums up `r` until `r` is zero, for any assumed
+//! inertia and torque constant. So a wrong inertia costs accuracy while the device moves, and none while the device is held.
 //!
 //! **Nothing overflows**, and no sum has to saturate. A state that leaves `|r| < 8 rad`, `|d| < 4 rad` per tick or `|g| < 4 rad`
 //! per tick², which no real device does, is reset to the measured position. So `|x| <= 128 + 8`. Commands take less than 2 rad in
@@ -54,7 +55,7 @@ pub struct Estimator<N: Number> {
     /// Gains `α`, `β`, `γ` of the difference between measured and predicted position. They correct the estimates of position,
     /// displacement per tick, and the hand's push (as an acceleration).
     pub correction: [Weight<N>; 3],
-    /// Largest force that the estimator accepts as a command; a larger one is limited to it.
+    /// Largest force that the estimator accepts as a command; a larger force is limited to this value.
     pub limit: Force<N>,
 }
 
@@ -78,8 +79,8 @@ pub struct EstimatorState<N: Number> {
     pub commands: [Part<N>; TAPS],
 }
 
-/// Bits of the largest plausible motion: 2^2 rad per tick or rad per tick². An estimate above it is reset to the measured position,
-/// as no device moves so fast.
+/// Bits of the largest plausible motion: 2^2 rad per tick or rad per tick². An estimate above this limit is reset to the measured
+/// position, because no device moves so fast.
 pub(crate) const LARGEST_MOTION_BITS: u32 = 2;
 /// Bits of the largest plausible error of a prediction, 2^3 rad. If measured and expected position differ by more, the estimate is
 /// reset to the measured position.
@@ -96,8 +97,8 @@ impl<N: Number> EstimatedMotion<N> {
     }
 }
 
-/// Corrects the motion that the model expects by the measured position: the estimate at this sample from that at the sample before.
-/// `None` if no device could have moved like that.
+/// Calculates the estimate at this sample: the motion that the model expects from the estimate at the sample before, corrected by
+/// the measured position. `None` if the motion is implausible by `LARGEST_SURPRISE_BITS` or `LARGEST_MOTION_BITS`.
 #[inline(always)]
 pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     tick: &Flow<N, COMMANDS>,
@@ -133,7 +134,7 @@ fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
 
 impl<N: Number> Estimator<N> {
     /// Whether no sum of the estimator in a tick can overflow with these coefficients. The proof in `proofs/src/estimator.rs`
-    /// assumes that it returns true.
+    /// assumes that this function returns true.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         let limit = N::widen(self.limit.0).torque_part();
@@ -162,8 +163,9 @@ impl<N: Number> Estimator<N> {
         }
     }
 
-    /// The estimated motion at this sample, from that at the sample before and the measured position. `None` if no device could
-    /// have moved like that.
+    /// The estimated motion at this sample, from the estimate at the sample before and the measured position. `None` if the
+    /// motion is implausible: 8 rad or more between measured and expected position, or a displacement or push of 4 rad or more
+    /// per tick or tick².
     #[inline(always)]
     pub fn corrected(
         &self,
@@ -174,8 +176,8 @@ impl<N: Number> Estimator<N> {
         corrected(&self.tick, &self.correction, before, commands, measured)
     }
 
-    /// Reports to the estimator the force that was commanded after a tick (positive out of the wall), after every stage that may
-    /// change it.
+    /// Reports to the estimator the force that was commanded after a tick (positive out of the wall), as changed by all later
+    /// stages.
     #[inline(always)]
     pub fn commanded(&self, state: &mut EstimatorState<N>, force: Force<N>) {
         let [last, before, _] = state.commands;

@@ -57,9 +57,9 @@ pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
 ///
 /// - `bandwidth_hz`, `p`: from a 500th to a fifth of the control rate. The three poles of the estimator's error are `exp(-2π p T)`.
 /// - `inertia`: so large that the force limit, or 0.76 N·m if that is larger, accelerates the device by at most 1 rad per tick²;
-///   at most 6e7 `T²`.
-/// - `damping`: only a damping over inertia up to `2π p` is modelled. With more damping the device would coast to rest faster than
-///   the estimator can follow, so the rest counts as a part of the hand's push.
+///   at most `6e7 T²` kg·m².
+/// - `damping`: only a damping over inertia up to `2π p` is modelled. With more damping the device would coast to rest faster
+///   than the estimator can follow, so the excess counts as a part of the hand's push.
 /// - `delay_s`: a delay longer than two ticks is predicted for two ticks, so that one scene serves several control rates.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
@@ -71,8 +71,8 @@ impl EstimatorSettings {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
-        // The inertia over T² bounds `q f` to 1 and `q (X(2) - X(1))`, which is 3/2 q, to 2. (From T² alone, a high rate would
-        // leave no digits.)
+        // The limits on the inertia over T² keep `q f` at most 1 and `q (X(2) - X(1)) = 3/2 q` below 2, with `q = T²/J`. (The
+        // inertia is multiplied by the squared rate, because T² itself would have too few digits at a high rate.)
         let (lightest, heaviest) = (
             force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },
@@ -92,8 +92,8 @@ impl EstimatorSettings {
 
     /// Torque that accelerates the inertia by 1 rad per tick², N·m. On three axes it is the force in N for 1 m per tick².
     ///
-    /// The function is separate because of the stack analysis. If one function divides three times, the compiler of small programs
-    /// makes an indirect call, which the analysis cannot follow.
+    /// The function is separate because of the stack analysis, which cannot follow the indirect call that the compiler of small
+    /// programs otherwise makes.
     #[inline]
     fn inertia_in_ticks(&self, rate: Si) -> Si {
         self.inertia.saturating_mul(rate).saturating_mul(rate)
@@ -140,7 +140,7 @@ impl EstimatorSettings {
 
 impl DeviceInTicks {
     /// The gains `α`, `β`, `γ` with which the difference of measured and predicted position corrects position, displacement per
-    /// tick and the hand's push. They put all three poles of the estimator's error at `exp(-angle)`. `None` where one gain does not
+    /// tick and the hand's push. They put all three poles of the estimator's error at `exp(-angle)`. `None` if one gain does not
     /// fit its format.
     pub fn correction<N: Number>(&self, angle: Exact) -> Option<[Weight<N>; 3]> {
         let fast = approach(angle);

@@ -4,7 +4,8 @@ use super::{Guard, GuardState};
 use crate::{Energy, Force, Number, Position, Si};
 
 /// An energy guard with its memory. It shuts the force off (trips) after overspeed, or if the law requests a force at the end of
-/// the range of positions. From then on it allows no force until [`Guarded::resumed`] starts it again.
+/// the range of positions. From then on it allows no force; [`Guarded::resumed`] lets a new guard continue with its energy
+/// account.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guarded<N: Number> {
     /// The guard's coefficients.
@@ -25,7 +26,7 @@ pub struct Guarded<N: Number> {
 
 /// Angle in rad, to either side, from which on no force is commanded. Beyond the largest [`Si`] number, a measured angle would
 /// stand still while the device moves on. This limit lies before that number by twice the largest displacement that any guard
-/// accepts per tick (1,000 rad/s at one tick per second) and some counts.
+/// accepts per tick (1,000 rad/s at one tick per second) and by 48 rad more for encoder counts.
 pub const FURTHEST_ANGLE: Si = Si::lit("2147481600");
 
 /// Displacement from the position `last` to the position `now`; 0 if `last` is `None`. Both are whole steps of the number format.
@@ -70,13 +71,13 @@ impl<N: Number> Guarded<N> {
     }
 
     /// Runs one control period. Takes the measured penetration, the penetration at which the force changed since the last tick
-    /// (where it is measured), and the force that the law requests. Returns the force that is allowed.
+    /// (`None` if it is not measured), and the force that the law requests. Returns the force that is allowed.
     ///
-    /// While a force acts, every counted displacement is the true one, although positions beyond the end of the position format are
-    /// measured as that end. A force is allowed only at a position before `edge`, so the next position is at most one displacement
-    /// beyond `edge`, unless it counts as overspeed. A force still in effect ends with the sample after that one, at most at the
-    /// format's end. Beyond `edge` no force acts, so a motion there costs no energy, and the measured displacement is at most the
-    /// true one.
+    /// While a force acts, every counted displacement is the true one, although positions beyond the end of the position format
+    /// are measured as that end. A force is allowed only at a position before `edge`, so the next position is at most one
+    /// displacement beyond `edge`, unless that displacement counts as overspeed. A force still in effect ends with the sample
+    /// after that one, at most at the format's end. Beyond `edge` no force acts, so a motion there costs no energy, and the
+    /// measured displacement is at most the true one.
     #[inline]
     pub fn tick(
         &mut self,
@@ -120,8 +121,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// Same as [`Guarded::tick`], for positions that may exceed the range of the number format. Takes the last position, this one,
-    /// and the displacement since the force changed (where it is measured).
+    /// Same as [`Guarded::tick`], for positions that may exceed the range of the number format. Takes the last position, this
+    /// one, and the displacement since the force changed (`None` if it is not measured).
     ///
     /// Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
     /// distance, are the same at every turn and never reach an end. The price is that a turn has a relative error of 10^-8 at 32

@@ -10,11 +10,12 @@
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick. `f` is the force, and
-//! `g = f(n-1) - f(n-2)` its last change. `s` is the fraction of a tick after which a force begins to act. `c` is the trusted
-//! damping over the tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples
-//! without being seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a
-//! force that still acts after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
+//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick. `f` is the force, and `g
+//! = f(n-1) - f(n-2)` its last change. `s` is the fraction of a tick after which a force begins to act. `c` is the trusted
+//! damping over the tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two
+//! samples without being measured. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the
+//! reserve for a force that still acts after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the
+//! remaining terms.
 //!
 //! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
 //! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
@@ -53,7 +54,7 @@ pub struct Guard<N: Number> {
     /// The guard charges this distance times the size of a change of force, for position errors. It is half an encoder count and
     /// the errors of rounding.
     pub slack: Position<N>,
-    /// Largest allowed force for each joule in the account: 1 over the sum of `furthest`, two counts and roundings, or less where
+    /// Largest allowed force for each joule in the account: 1 over the sum of `furthest`, two counts and roundings, or less if
     /// the number format has no room for that force. Rounded down.
     pub per_reach: Stiffness<N>,
     /// Largest displacement over which a force still acts after the next sample, plus half an encoder count, rounded up.
@@ -136,7 +137,7 @@ impl<N: Number> Guard<N> {
     ///
     /// After a tick that commands no force, only the older force still acts, for at most the delay of a change. The reserve for
     /// that force is taken off the account. If no tick ended the force, it is unknown how long it acted. But the account covered
-    /// every displacement, so setting it to zero is safe.
+    /// every displacement, so setting the account to zero is safe.
     #[cold]
     pub fn switched_off(&self, state: &mut GuardState<N>) {
         let account = if state.force == Force::zero() {
@@ -170,8 +171,8 @@ impl<N: Number> Guard<N> {
             .booked(state, moved, distance, before_change)
             .min(self.capacity);
         // The last force was chosen so that the account keeps the reserve after any displacement that is not overspeed. The sum
-        // takes the worst case of each of its terms, so it can be lower than the reserve. Both are lower bounds of the true energy,
-        // and the larger one counts.
+        // takes the worst case of each of its terms, so the sum can be lower than the reserve. Both are lower bounds of the true
+        // energy, and the larger one counts.
         let free = account.minus_fitting(reserve).max(Energy::zero());
         let limit = self.largest_force(free);
         let force = wanted.min(limit).max(Force::zero() - limit);

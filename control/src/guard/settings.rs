@@ -31,7 +31,7 @@ struct Derived {
     distance: Si,
     /// Largest displacement in a tick plus an encoder count, rounded up.
     reach: Si,
-    /// Mean fraction of a tick after which a force begins to act. It is exact, as the control rate is a whole number.
+    /// Mean fraction of a tick after which a force begins to act. The value is exact, because the control rate is a whole number.
     late: Si,
 }
 
@@ -169,8 +169,8 @@ impl<N: Number> Guard<N> {
         )?;
         quarter(Field::GuardOverspeed, derived.distance)?;
         quarter(Field::GuardRefill, over(settings.refill, rate))?;
-        // The largest force for which the account's sum has room. If the capacity pays for a larger force, the guard allows less
-        // force for each joule.
+        // The largest force for which the account's sum has room. If the capacity would allow a larger force, the guard allows
+        // less force for each joule.
         let room = [
             const { Si::lit("31.9") },
             const { Si::lit("0.49") },
@@ -222,7 +222,7 @@ impl<N: Number> Guard<N> {
             .saturating_add(derived.distance)
             .saturating_add(settings.overspeed / 256);
         let quanta = 1 + i64::from(left_out.saturating_to_num::<u16>());
-        // Below 2^48, as a step of the format is at most 1 as a setting.
+        // Below 2^48, because a step of the format is at most 1, which is 2^32 steps of [`Si`].
         let left_out = Si::from_bits(step.to_bits().wrapping_mul(quanta));
         // A measured position at the change of force is rounded by a step of the format.
         let rounded_change = match settings.change {

@@ -43,15 +43,16 @@ impl Random {
 }
 
 /// The true energy that the guard's account is compared with: the work of each force over its displacement, and what the trusted
-/// damping dissipated. An exact integer in units of 2^-48 J. The damping comes from the settings and not from the guard's stored
-/// coefficient.
+/// damping dissipated. The value is an exact integer in units of 2^-48 J. The damping comes from the settings and not from the
+/// guard's stored coefficient.
 struct Truth {
     joules: i128,
 }
 const JOULE: i128 = 1 << 48;
 
 impl Truth {
-    /// Adds the work and the dissipation of one displacement. It takes `thousandths` of a tick; the dissipation is rounded down.
+    /// Adds the work and the dissipation of one displacement, which lasts `thousandths`/1000 of a tick. The dissipation is
+    /// rounded down.
     fn moved(&mut self, force: i64, moved: i64, thousandths: i128) {
         let (force, moved) = (i128::from(force), i128::from(moved));
         // The trusted damping per tick is 0.32 N·m/rad: 0.8 of 4e-4 N·m·s/rad, at 1 kHz.
@@ -68,12 +69,11 @@ impl Truth {
 /// Checks that a hand never gets out more energy than was taken from the guard's energy account. The motions are random and
 /// hostile.
 ///
-/// The true position is anywhere within half an encoder count of the measured one. The force acts a tenth, a half or a whole tick
-/// late.
+/// The true position is anywhere within half an encoder count of the measured one. The force acts at once, or a tenth, a half or
+/// a whole tick late.
 #[test]
 fn the_account_is_never_above_the_truth() {
-    // The largest energy error: half a count at each end of the compared time span, under the largest force that a full account
-    // allows. In steps of the energy format.
+    // The largest error of a measured position, half an encoder count, in steps of the position format.
     let half_count = (0.000_157_079_633 / 2.0 * f64::from(1 << 24)) as i64;
     for (delay, late) in [
         ("0", 0),
@@ -93,8 +93,8 @@ fn the_account_is_never_above_the_truth() {
             let (mut shown, mut before) = (0_i64, 0_i64);
             let (mut at, mut told) = (0_i64, 0_i64);
             for tick in 0..2_000_u64 {
-                // The hand moves at random, or outward where the force is high and inward where it is low, at some speed. Before
-                // the force changes in a tick it moves so that the change gives it energy.
+                // The hand moves at random, or alternates between inward and outward motion at a nearly constant speed. The part
+                // of the displacement before the force changes differs at random from the mean part.
                 let speed = furthest >> (round % 6 * 2 + 1);
                 let part = |thousandths: i128| (i128::from(furthest) * thousandths / 1000) as i64;
                 let whole = if round % 2 == 0 {
@@ -141,8 +141,7 @@ fn the_account_is_never_above_the_truth() {
                         force(wanted.clamp(-(1 << 28), 1 << 28)),
                     )
                     .unwrap();
-                // The force that the account already counts acts at the measured position, which is within half a count of the true
-                // one.
+                // The account counts the force at the measured position, which is within half a count of the true one.
                 let error_now = -i128::from(error) * i128::from(shown);
                 let account = i128::from(state.account.0.to_bits());
                 assert!(
@@ -170,8 +169,8 @@ fn the_account_is_never_above_the_truth() {
     }
 }
 
-/// Checks the largest force for random energies in the account: its work over the largest displacement is never more than that
-/// energy, and no allowed force is wasted. There is no delay and no position error.
+/// Checks the largest force for random energies in the account: the work of that force over the largest displacement is never
+/// more than that energy, and no allowed force is wasted. There is no delay and no position error.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
     let exact = GuardedDevice {
@@ -306,7 +305,7 @@ fn what_was_commanded_in_the_end_is_what_is_booked() {
         half > full * 49 / 100 && half < full * 53 / 100,
         "{half} of {full}"
     );
-    // A report of a force larger than the allowed one is limited to the allowed one.
+    // A reported force larger than the allowed one is limited to the allowed one.
     guard.commanded(&mut told, force(1 << 23));
     assert_eq!(told.force, Force::zero());
 }

@@ -4,7 +4,7 @@ use super::{Law, Sample, Spring, SpringState, View};
 use crate::velocity::{Velocity, VelocityState};
 use crate::{Force, Number};
 
-/// A [`Spring`] on the measured penetration, with a damper whose velocity comes from a filter.
+/// A [`Spring`] on the penetration that the law gets, with a damper whose velocity comes from a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damped<N: Number> {
     /// Spring and damper.

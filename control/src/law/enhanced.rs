@@ -11,20 +11,20 @@
 //! exactly `E/f`. With no energy left the mass stands still, and the force neither jumps up nor falls to zero. `E >= 0` holds for
 //! every input.
 //!
-//! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in
-//! that coupling. But a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at
-//! most the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The thesis'
-//! controller shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is explicit.
-//! The observer starts each contact with the energy `energy_credit`, and over one contact the mass can never give more than that
-//! beyond what it took.
+//! **Loan (credit).** A wall that balances a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2
+//! k_f)` in that coupling. But a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose
+//! coupling is at most the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The
+//! thesis' controller shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is
+//! explicit. The observer starts each contact with the energy `energy_credit`, and over one contact the mass can never give more
+//! than that beyond what it took.
 //!
 //! **A damper beside the augmented wall.** In every phase the force of a damper is added to the wall's force: `B/T` (virtual
 //! damping over control period) times the hand's displacement `Δe`. The sum never pulls and stays within the force limit. For a
-//! desired stiffness up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves the
-//! damper out. So the energy that the damper takes is never given back through the offset, and the offset regulates the stiffness
-//! of the wall alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the
-//! motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness
-//! `k`, absorbs that energy. The energy guard bounds the total energy that a hand gets out.
+//! desired stiffness up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves
+//! the damper out. So the energy that the damper takes is never given back through the offset, and the offset regulates the
+//! stiffness of the wall alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement.
+//! So when the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of
+//! stiffness `k`, absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
 //! Settings can select the thesis' form: no damper, the thesis' observer, and an offset that changes on inward motion only.
 
@@ -51,7 +51,7 @@ pub struct Augmentation<N: Number> {
 
 impl<N: Number> Augmentation<N> {
     /// Step of the soft spring's offset in a tick, never negative. It is the smallest of three: the ideal step, from the error
-    /// `wanted - shown` of the force; a limit by the commanded force `shown`; a limit by the penetration `e`.
+    /// `wanted - shown` of the force; a limit by `shown`, the force of the last tick; a limit by the penetration `e`.
     ///
     /// A force of zero counts as one step of the number format; otherwise the offset could never grow again from a force of exactly
     /// zero.
@@ -71,8 +71,8 @@ impl<N: Number> Augmentation<N> {
     }
 }
 
-/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller desired stiffness the law is a plain spring
-/// (thesis §3.1), which another type calculates.
+/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller desired stiffness [`super::Spring`] takes its
+/// place (thesis §3.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
     /// Desired stiffness of the wall, `k_de`.
@@ -154,7 +154,7 @@ impl<N: Number> EnhancedSfa<N> {
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, &self.series), Position::zero()),
             FirstContact::KeepForce => {
-                // The stretches of coupling and soft spring at which both hold the force of the last tick.
+                // The stretches of coupling and soft spring at which both give the force of the last tick.
                 let position = e - state.force.lift().per(&self.by_coupling);
                 (
                     position,
@@ -226,7 +226,7 @@ impl<N: Number> EnhancedSfa<N> {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
             }
             ObserverForm::Thesis => {
-                // As in Fig. 3.18 of the thesis, the last displacement of the mass stands for the next one.
+                // As in Fig. 3.18 of the thesis, the last displacement of the mass is used in the place of the next one.
                 let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
                 state.energy = Energy(after).min(self.energy_cap);
                 let step = self.mass.displacement(mass.position, drive, Force(force));
@@ -270,7 +270,7 @@ impl<N: Number> EnhancedSfa<N> {
 
     /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull the hand, so the coupling does
     /// not pull the mass. The mass moves on as if it were not coupled, if the stored energy suffices, and otherwise stands still.
-    /// (Coefficients beyond inertia and ground damping act as one more damper to ground here.)
+    /// (The divisor still contains the coupling's stiffness and damping, which act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,
@@ -318,17 +318,17 @@ impl<N: Number> EnhancedSfa<N> {
             *energy = after.min(self.energy_cap);
             return (wanted, step);
         }
-        // Here `wanted > 0` and `step < 0`. At full force the energy pays for an outward motion of `E/f`, which is less than the
-        // step.
+        // Here `wanted > 0` and `step < 0`. At full force the energy suffices for an outward motion of `E/f`, which is less than
+        // the step.
         let (retreat, rest) = energy.affordable(wanted);
         let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
         if force <= Force::zero() {
-            // The mass is pulled out faster than that even without the wall's force: no force, no work.
+            // The mass moves out further than that even without the wall's force: no force, no work.
             let step = self.mass.displacement(from, drive, Force::zero());
             return (Force::zero(), step);
         }
         // The energy less the work, written as a sum of non-negative terms: the remainder of the division, and what the smaller
-        // force saves. (The cap never binds here; it lets a solver see the bound by a comparison.)
+        // force saves. (The cap never binds here; with it a solver finds the bound by a comparison.)
         *energy = (rest + (wanted - force) * retreat).min(self.energy_cap);
         (force, -retreat)
     }

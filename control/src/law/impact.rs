@@ -1,14 +1,15 @@
 //! A short torque at the touch (event-based haptics): it takes the device's momentum away in the first control periods inside a
 //! wall.
 //!
-//! A stiff spring alone needs a quarter of its period to stop a device, which feels like foam. People judge hardness by the first
-//! milliseconds of a tap (Kuchenbecker, Fiene and Niemeyer, IEEE TVCG 12(2) 219, 2006). A braking pulse at the entry stops the
-//! device in one or two control periods (Salcudean and Vlaar, J. Dyn. Sys. Meas. Control 119(1) 127, 1997).
+//! A stiff spring alone needs a quarter of the oscillation period of device and spring to stop the device, which feels like foam.
+//! People judge hardness by the first milliseconds of a tap (Kuchenbecker, Fiene and Niemeyer, IEEE TVCG 12(2) 219, 2006). A
+//! braking pulse at the entry stops the device in one or two control periods (Salcudean and Vlaar, J. Dyn. Sys. Meas. Control
+//! 119(1) 127, 1997).
 //!
-//! At the first control period inside the wall the pulse has the impulse `s J v`: a fraction `s` of the momentum of the inertia `J`
-//! at the speed `v`. Each period adds as much of it to the law's force as the force limit leaves. What is left is dropped when the
-//! motion turns and when the device leaves the wall. The energy guard limits the sum of both forces. Speed and inertia are those of
-//! the state estimator; a law on measured states has no pulse.
+//! At the first control period inside the wall the pulse has the impulse `s J v`: a fraction `s` of the momentum of the inertia
+//! `J` at the speed `v`. Each control period adds as much of the remaining impulse to the law's force as the force limit allows.
+//! The rest is dropped when the motion turns or the device leaves the wall. The energy guard limits the sum of both forces. Speed
+//! and inertia are those of the state estimator; a law on measured states has no pulse.
 
 use super::{Sample, Vibration};
 use crate::{Force, Number, Position, Stiffness};
@@ -21,8 +22,8 @@ pub struct Impact<N: Number> {
     pub brake: Stiffness<N>,
     /// Largest sum of the law's force and the pulse.
     pub limit: Force<N>,
-    /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface are faster, so they
-    /// are no new touch.
+    /// Control periods outside the wall after which an entry is a new touch. Noise and chatter at the surface return sooner, so
+    /// they are no new touch.
     pub apart: u16,
     /// The part of the pulse's impulse that has not been added to the force yet, divided by the control period.
     pub left: Force<N>,

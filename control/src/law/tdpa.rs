@@ -6,10 +6,10 @@
 //! correction. For every force that grows with `e`, and its potential energy `G`, `f(n) Δe(n) >= G(n) - G(n-1)`. So the sum never
 //! becomes negative, and the law is the plain spring.
 //!
-//! With the exact observer the energy up to now is known. The next displacement is not known and is assumed to equal the last.
-//! Where the motion continues at least as fast, a deficit is gone after one tick. Where the motion turns, the correction itself
-//! gives away up to `|f|·|Δe|` more. A motion that turns at every tick makes this loss happen at every tick, without end. The law
-//! whose bound holds for every next displacement is [`super::Fba`].
+//! With the exact observer the energy up to now is known. The next displacement is not known and is assumed to equal the last. If
+//! the motion continues at least as fast, a deficit is gone after one tick. If the motion turns, the correction itself gives away
+//! up to `|f|·|Δe|` more. A motion that turns at every tick makes this loss happen at every tick, without end. The law whose
+//! bound holds for every next displacement is [`super::Fba`].
 //!
 //! In a tick without a displacement, equation (2.2) of the thesis divides by zero. Nothing can be corrected over a displacement of
 //! zero, so the deficit stays in `E` for the next tick with a motion.
@@ -18,7 +18,7 @@ use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 
-/// Time-domain passivity control around a virtual spring: reduces the spring's force where the wall would give more energy than it
+/// Time-domain passivity control around a virtual spring: reduces the spring's force if the wall would give more energy than it
 /// took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
@@ -71,8 +71,8 @@ impl<N: Number> Tdpa<N> {
             return wanted;
         }
         let enough = energy.per_displacement(moved);
-        // A deficit is paid back against the motion: by more push inward, or by a pull outward. A surplus that does not suffice for
-        // the outward motion is spent to the last step of the energy format.
+        // A force against the motion makes up a deficit: a larger push while the hand moves inward, a pull while it moves
+        // outward. A surplus that does not suffice for the outward motion is used up to the last step of the energy format.
         let pulls = energy < Energy::zero() && moved < Position::zero();
         if pulls { -enough } else { enough }
     }

@@ -112,7 +112,7 @@ impl<N: Number> Vibration<N> {
     /// Runs one control period: takes the law's input, whether this control period begins a new touch, and the force of law and
     /// pulse. Returns the force with the vibration. While the vibration lasts, that sum is between 0 and `limit`.
     ///
-    /// A separate function: inlined into the controller, its code slows every control period, also without a vibration.
+    /// The function is not inlined: its code in the controller would slow every control period, also without a vibration.
     #[inline(never)]
     pub fn with_vibration(
         &mut self,

@@ -23,7 +23,7 @@ trait Divides<W: Word>: Sized {
     fn new(divisor: W) -> Self;
     fn quotient(&self, dividend: W::Wide) -> W;
 }
-/// A plain word divides by the machine's division: a machine that divides words of twice the width gains nothing by a reciprocal.
+/// A plain word uses the machine's division: if the machine can divide words of twice the width, a reciprocal saves nothing.
 impl<W: Word> Divides<W> for W {
     fn new(divisor: W) -> W {
         divisor
@@ -91,7 +91,7 @@ macro_rules! fixed_number {
             /// Converts an SI value, which has 32 fractional bits, to an integer with `fraction` fractional bits, rounded towards
             /// zero.
             fn from_si(si: Si, fraction: u32) -> i64 {
-                // Rounds towards zero, as the absolute value is shifted and not the number.
+                // Rounds towards zero, because the absolute value is shifted and not the number.
                 let magnitude = si.to_bits().unsigned_abs();
                 let shifted = if fraction <= 32 {
                     magnitude >> (32 - fraction)

@@ -222,8 +222,8 @@ macro_rules! float_number {
     };
 }
 
-/// Square root of floating-point numbers, which `core` does not have. IEEE 754 defines every bit of the result, so it equals that
-/// of the processor and of the standard library.
+/// Square root of floating-point numbers, which `core` does not have. IEEE 754 defines every bit of the result, so the result
+/// equals that of the processor and of the standard library.
 pub(crate) trait Root {
     fn sqrt(self) -> Self;
 }

@@ -7,9 +7,9 @@
 //! | [`Fixed8`] | `I1F7`: ±1 | `I5F3` | `I2F14` | 10 fractional bits in an `i16` |
 //!
 //! Force × displacement is an **exact** energy in every fixed format: twice the fractional bits, twice the width, no rounding.
-//! Gains, filters and quotients round towards zero. (An arithmetic shift would round down: that is a bias in one direction and not
-//! passive.) Additions saturate, except in the functions whose names end in `_fitting`. `Fixed8` exists for tests of every input,
-//! not for use on devices.
+//! Other results round towards zero, unless a function's comment says otherwise. (An arithmetic shift would round down: that is a
+//! bias in one direction and not passive.) Additions saturate, except in the functions whose names end in `_fitting`. `Fixed8`
+//! exists for tests of every input, not for use on devices.
 
 mod fixed_point;
 #[cfg(feature = "float")]
@@ -143,8 +143,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
 
     /// Square root of four times a gain, rounded down, in the format of a gain: its square never exceeds `4 k`.
     fn root_of_four(k: Self::Gain) -> Self::Gain;
-    /// Distance over which the energy `e >= 0` pays for an outward motion against a force `f > 0`, and the energy left. It holds that
-    /// `f · moved + rest = e`. See [`crate::magnitude::affordable`].
+    /// The distance of an outward motion under a force `f > 0` whose work uses up the energy `e >= 0`, rounded towards zero, and
+    /// the energy left: `f · moved + rest = e`. See [`crate::magnitude::affordable`].
     fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
 
     /// Bounds a force by stored energy. Takes the stored energy `e >= 0`, the requested force `f >= 0` and the displacement `d`

@@ -28,7 +28,7 @@ macro_rules! fixed_reported {
             fn signal_from_f64(x: f64) -> <$name as Number>::Signal {
                 let (low, high) = (f64::from(<$int>::MIN), f64::from(<$int>::MAX));
                 let one = (1_u64 << <$name as Number>::Signal::FRAC_NBITS) as f64;
-                // A number beyond the range becomes the limit, as the addition below would lose its digits; a NaN passes and
+                // A number beyond the range becomes the limit, because the addition below would lose its digits; a NaN passes and
                 // becomes 0.
                 let scaled = (x * one).clamp(low, high);
                 // Adding 1.5 · 2^52 removes the digits below one, so that the sum is rounded to the nearest, ties to even.

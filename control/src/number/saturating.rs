@@ -24,7 +24,7 @@ macro_rules! saturates {
                     }
                     match self.checked_add(other) {
                         Some(sum) => sum,
-                        // If the sum does not fit, both numbers have the sign of the end that it is beyond.
+                        // If the sum does not fit, both numbers have the sign of the end of the range that the sum exceeds.
                         None if self < 0 => Self::MIN,
                         None => Self::MAX,
                     }

@@ -1,9 +1,9 @@
 //! Force bounding on three axes: a spring that gives a force vector, and one energy that bounds the length of the force.
 //!
 //! The energy `E` sums what the hand and the device's damping `c_i` give: `E += -F·Δx + (c_i/T) |Δx|²`, with the force `F` on the
-//! device, displacement `Δx` and control period `T`. The bound is `|F| <= sqrt(4 E c_i/T)`, for a damping that is the same in all directions. The
-//! coefficients are those of [`crate::law::Fba`]. Along a fixed normal, with a hand that moves along it, the force is the same as
-//! that law's.
+//! hand's point (HIP), displacement `Δx` and control period `T`. The bound is `|F| <= sqrt(4 E c_i/T)`, for a damping that is the
+//! same in all directions. The coefficients are those of [`crate::law::Fba`]. If the hand moves along a fixed normal, the force
+//! is that law's.
 
 use super::number::Spatial;
 use super::touch::{Touch, Track};

@@ -8,14 +8,14 @@
 //! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position
 //! alone, and no rounding errors add up.
 //!
-//! **It is passive with the device's own damping `b`.** The spring `k` stores `V = k z²/2`. For a displacement `Δ`, a tick in stick
-//! takes `k z·Δ` from the hand and `V` grows by `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring. A device
-//! that damps `c = b/T >= k/2` (`T` is the control period) dissipates `c Δ²`. A cut only shortens `z`. Where the normal turns, `z`
-//! and the anchor are first laid into the new tangent plane, which also shortens `z`. So `Σ (F taken + c |Δx|²) >= V >= 0` from the
-//! first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2 b/T`. Rounding adds at most the force times
-//! four steps of the position format per tick.
+//! **It is passive with the device's own damping `b`.** The spring `k` stores `V = k z²/2`. For a displacement `Δ`, a tick in
+//! stick takes `k z·Δ` from the hand and `V` grows by `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring. A
+//! device that damps `c = b/T >= k/2` (`T` is the control period) dissipates `c Δ²`. A cut only shortens `z`. When the normal
+//! turns, `z` and the anchor are first projected into the new tangent plane, which also shortens `z`. So from the first touch on,
+//! over any path, the energy that `F` takes from the hand plus `Σ c |Δx|²` is at least `V >= 0`. [`FrictionSettings::friction`]
+//! refuses a `k` above `2 b/T`. Rounding adds at most the force times four steps of the position format per tick.
 //!
-//! `μ_k > μ_s` would stop a sliding point and release a resting one, so it is refused.
+//! Settings with `μ_k > μ_s` would stop a sliding point and release a resting one, so they are refused.
 
 use super::number::Spatial;
 use super::touch::Touch;
@@ -84,7 +84,7 @@ impl<N: Spatial> Friction<N> {
                 anchor = touch.at - stretch;
             } else {
                 // The spring sticks again at three quarters of the sliding stretch, so that a slightly uneven press does not make
-                // it slide at once.
+                // the point slide again at once.
                 sliding = stretch.is_longer(Position(N::three_quarters(reach.0)));
             }
         }
@@ -175,7 +175,8 @@ impl fmt::Display for FrictionError {
 }
 
 impl FrictionSettings {
-    /// Computes the coefficients for a device with a control rate in Hz and a trusted damping in N·s/m.
+    /// Computes the coefficients, in the given unit of length, for a device with a control rate in Hz and a trusted damping in
+    /// N·s/m.
     ///
     /// # Errors
     /// A setting is outside its range or its number format.

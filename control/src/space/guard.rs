@@ -1,10 +1,10 @@
 //! The energy guard on three axes: one energy account, with forces and displacements as vectors.
 //!
-//! The theorem is that of [`crate::guard`], with scalar products for products and lengths for absolute values. The port's energy is
-//! the sum over three axes, and each axis has its own inequality. A displacement of length `d` costs a force of length `|F|` at
-//! most `|F| d`. If each coordinate of a position is right to half an encoder count `δ`, the position vector is right to `√3/2`
-//! counts. So the coefficients are those of the guard of one axis with `√3 δ` in the place of `δ`. Only the charge of each axis for
-//! a change of its own force uses `δ`. Derivation: `docs/three-axes.md`.
+//! The theorem is that of [`crate::guard`], with scalar products for products and lengths for absolute values. The port's energy
+//! is the sum over three axes, and each axis has its own inequality. A force of length `|F|` does at most the work `|F| d` over a
+//! displacement of length `d`. If each coordinate of a position errs by at most half an encoder count `δ`, the position vector
+//! errs by at most `√3/2` counts. So the coefficients are those of the guard of one axis with `√3 δ` in the place of `δ`. Only
+//! the charge of each axis for a change of its own force uses `δ`. Derivation: `docs/three-axes.md`.
 //!
 //! The guard shortens the force and never turns it.
 
@@ -186,8 +186,8 @@ impl<N: Spatial> VectorGuard<N> {
 
     /// The account's energy after a tick, before damping is added and the sum is limited to the capacity.
     ///
-    /// It fits its format for the same reason as on one axis: the scalar product of two vectors, and every part of its sum, is at
-    /// most the product of their lengths.
+    /// The sum fits its format for the same reason as on one axis: the scalar product of two vectors, and every part of its sum,
+    /// is at most the product of their lengths.
     #[inline(always)]
     fn booked(
         &self,

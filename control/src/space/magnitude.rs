@@ -17,7 +17,7 @@ use crate::law::Impact;
 pub struct Magnitude<N: Spatial, L> {
     /// The law with its memory.
     pub law: L,
-    /// The pulse that is added to the law's force at the touch; `None` for none.
+    /// Pulse and vibration that are added to the law's force at the touch; `None` for neither.
     pub impact: Option<Impact<N>>,
     track: Track<N>,
 }
@@ -32,7 +32,7 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
         }
     }
 
-    /// This law with a pulse at the touch.
+    /// This law with pulse and vibration at the touch.
     #[must_use]
     pub fn with_impact(self, impact: Option<Impact<N>>) -> Self {
         Self { impact, ..self }

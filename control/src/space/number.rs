@@ -49,7 +49,7 @@ pub trait Spatial: Number {
     /// towards zero; the result is never longer than `v`.
     fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal>;
     /// A direction turned towards another one by an angle that is given by cosine and sine. Each component is right within three
-    /// steps of the number format; the result is never longer than 1. `None` where the two directions are parallel or opposite.
+    /// steps of the number format; the result is never longer than 1. `None` if the two directions are parallel or opposite.
     fn turned(
         u: Axes<Self::Signal>,
         towards: Axes<Self::Signal>,
@@ -270,8 +270,8 @@ macro_rules! fixed_spatial {
                 [cosine, sine]: [Self::Signal; 2],
             ) -> Option<Axes<Self::Signal>> {
                 const DIGITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
-                // u × (towards × u) is the part of `towards` perpendicular to `u`, exact except that the inner product is shortened
-                // once. So no digits are lost where the two directions are nearly parallel.
+                // u × (towards × u) is the part of `towards` perpendicular to `u`, exact except that the inner product is
+                // shortened once. So no digits are lost if the two directions are nearly parallel.
                 let axis = cross(Self::long(towards), Self::long(u));
                 let axis = Self::long(Self::leading(axis)?);
                 let side = Self::unit(Self::leading(cross(Self::long(u), axis))?)?;
@@ -299,12 +299,13 @@ macro_rules! fixed_spatial {
                 if all == 0 {
                     return (Self::Signal::ZERO, None);
                 }
-                // Scales the vector so that its largest component has the highest bit but one: the root then has all its digits,
-                // and the squares fit.
+                // Scales the vector so that the second-highest bit of its largest component is set: the root then has all its
+                // digits, and the squares fit.
                 let up = all.leading_zeros().saturating_sub(1);
                 let scale = (1 as $word).wrapping_shl(up);
                 let scaled = sizes.map(|size| size.wrapping_mul(scale));
-                // Only one scaled component can have the highest bit set, the power of two; three times its square still fits.
+                // A scaled component with the highest bit set is 2^(W-1), the absolute value of the lowest number; three times
+                // its square still fits.
                 let squares = Self::squares(scaled);
                 let root = $root_high(squares);
                 // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.

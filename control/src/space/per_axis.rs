@@ -1,12 +1,12 @@
 //! Three laws of one degree of freedom, one for each axis (thesis §4.4), with three rules for when a contact ends.
 //!
-//! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes to
-//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps.
+//! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes
+//! to the side of the surface. When that side changes, the law's offset changes its side too, and the force jumps.
 //!
-//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of
-//! the laws' offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left
-//! where `e` is longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`,
-//! without a division.
+//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector
+//! of the laws' offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is
+//! left when `e` is longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i|
+//! O_i`, without a division.
 
 use super::number::Spatial;
 use super::scalar::Along;
@@ -20,7 +20,7 @@ use crate::{Energy, Force, Position};
 pub enum Leaving {
     /// Each axis ends its contact alone. A force can remain after the hand's point (HIP) has left the object.
     Decoupled,
-    /// All axes end their contact as soon as one axis does. The force drops where a coordinate of the penetration is small.
+    /// All axes end their contact as soon as one axis does. The force drops when a coordinate of the penetration is small.
     AnyAxis,
     /// All axes end their contact together, when the penetration is longer than the offset's projection on it (thesis, equation
     /// 4.8).
@@ -88,7 +88,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        // The cheapest comparison comes first: on a surface that turns it is usually the one that fails.
+        // The cheapest comparison comes first: it usually fails already if the normal turns.
         let straight = moved == touch.depth - self.track.depth();
         if straight && touch.moved.is_none() && normal == touch.normal {
             return e - self.last;

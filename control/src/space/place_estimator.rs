@@ -61,7 +61,7 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// Reports the force on the hand's point (HIP) that was commanded after a tick, after every stage that may change it.
+    /// Reports the force on the hand's point (HIP) that was commanded after a tick, as changed by all later stages.
     #[inline]
     pub fn commanded(&mut self, force: Vector<Force<N>>) {
         for ((estimator, state), force) in self.axes.iter_mut().zip(force.0) {

@@ -7,9 +7,9 @@
 //! q, u = divide(r 2^(W/2) + a, 2 s)       root = s 2^(W/2) + q       rest = u 2^(W/2) + b - q²
 //! ```
 //!
-//! Where the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes. So a root of 64 bits takes
-//! two machine divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a
-//! root of 32 bits.
+//! If the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes. So a root of a 64-bit number
+//! takes two machine divisions, and a quarter of the instructions of a root that is calculated bit by bit. Tests check every root
+//! of 16 bits, and every step of a root of 32 bits.
 
 /// For each first byte `h` of a 16-bit number, the root of the largest number with that byte: `floor(sqrt(256 h + 255))`.
 const LARGEST_ROOTS: [u8; 256] = {

@@ -4,7 +4,7 @@ use crate::law::kept::{DampedState, EnhancedState, FbaState, SfaState, TdpaState
 use crate::law::{Contact, Law, Sample, SpringState, View};
 use crate::{AnyLaw, Force, Number};
 
-/// A control law of one degree of freedom together with its memory. Walls on three axes use one along a direction.
+/// A control law of one degree of freedom together with its memory. Walls on three axes use such a law along a direction.
 pub trait Along<N: Number> {
     /// Runs one control period: takes penetration and displacement along a direction, returns the outward force.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
@@ -38,7 +38,7 @@ impl<N: Number> Along<N> for AnyLaw<N> {
     }
 }
 
-/// A single law with its memory, for use where the law is known at compile time.
+/// A single law with its memory, for use if the law is known at compile time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held<N: Number, L: Law<N>> {
     /// The control law.

@@ -1,5 +1,5 @@
-//! The surface point towards which the force is directed. It is the closest one, the point of entry, or the closest one in a cone
-//! (thesis §4.3).
+//! The surface point towards which the force is directed. This is the closest surface point, the point of entry, or the closest
+//! surface point in a cone (thesis §4.3).
 
 use super::environment::{Nearest, Surface};
 use super::number::Spatial;
@@ -13,7 +13,7 @@ pub enum Rule<N: Spatial> {
     /// The closest surface point (thesis 4.5). The force's direction can jump as the hand's point (HIP) moves.
     #[default]
     Closest,
-    /// The point where the hand's point (HIP) entered the object (thesis 4.6). The HIP is pulled back to it.
+    /// The point where the hand's point (HIP) entered the object (thesis 4.6). The HIP is pulled back to that point.
     Penetration,
     /// The closest surface point in a cone around the direction of the last tick (thesis §4.3.3). So the force's direction turns by
     /// at most half the cone's opening angle per tick.
@@ -35,7 +35,7 @@ impl<N: Spatial> Turn<N> {
 pub struct SurfacePoint<N: Spatial> {
     /// The rule that chooses the surface point.
     pub rule: Rule<N>,
-    /// Direction from the hand's point (HIP) to the closest surface point in the last tick.
+    /// Outward direction at the closest surface point in the last tick.
     side: Direction<N>,
     /// While the hand's point (HIP) is inside the object: the direction in use, and the point at which the HIP entered. `None`
     /// outside.
@@ -88,9 +88,9 @@ fn back_to<N: Spatial>(
 
 /// The closest surface point in the cone around a direction.
 ///
-/// Seen from inside, a plane's closest point in the cone lies along the plane's normal, or on the cone's edge towards it. So for an
-/// object of planes this is the shortest way out. For other objects it is the shorter one of the ways along the cone's axis and
-/// towards the closest point.
+/// From inside, the closest point of a plane within the cone lies along the plane's normal, or on the cone's edge towards that
+/// normal. So for an object of planes the result is the shortest way out within the cone. For other objects it is the shorter one
+/// of the ways along the cone's axis and towards the closest point.
 fn restricted<N: Spatial>(
     surface: &impl Surface<N>,
     turn: &Turn<N>,

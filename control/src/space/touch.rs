@@ -20,7 +20,7 @@ pub struct Touch<N: Spatial> {
 }
 
 impl<N: Spatial> Touch<N> {
-    /// The contact at a measured position, seen against the closest surface point.
+    /// The contact at a measured position, relative to the given surface point.
     #[inline(always)]
     #[must_use]
     pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {

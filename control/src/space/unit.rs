@@ -1,11 +1,11 @@
 //! The unit of length of a device, chosen when the coefficients are computed.
 //!
-//! The metre is too long a unit for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, but the effector of
-//! an omega.3 at 4 kHz has a mass over squared control period of 2.4e6 N/m. Compliances have steps of 6e-8, so the inverse of that
-//! device's soft stiffness, 2e-4 m/N, has three digits only. In centimetres the same values are 24,000 N/cm and 0.02 cm/N, with six
-//! digits. Positions then reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in units of 10 mJ. In
-//! millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes. The unit of knobs is a
-//! metre of arc, the radian. Laws do not depend on the unit: newtons stay newtons, and a tick has no length.
+//! The metre is too long a unit for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, but the effector
+//! of an omega.3 at 4 kHz has a mass over squared control period of 2.4e6 N/m. Compliances have steps of 6e-8, so the inverse of
+//! that device's soft stiffness, 2e-4 m/N, has three digits only. In centimetres the same values are 24,000 N/cm and 0.02 cm/N,
+//! with six digits. Positions then reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in units of 10 mJ. In
+//! millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes. Knobs use the radian in
+//! the place of the metre. Laws do not depend on the unit: newtons stay newtons, and a tick has no length.
 //!
 //! A value that still does not fit (0.7 kg at 10 kHz) is refused with an error that names its setting.
 
@@ -101,10 +101,11 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// Makes pulse and vibration at the touch from settings in SI units; `None` if the settings have neither.
+    /// Makes pulse and vibration at the touch from settings in SI units; `None` if the settings have neither, or use measured
+    /// states.
     ///
     /// # Errors
-    /// The pulse's coefficient does not fit the number format in this unit.
+    /// A coefficient of pulse or vibration does not fit the number format in this unit.
     pub fn impact<N: Number>(self, si: &Settings) -> Result<Option<Impact<N>>, SettingsError> {
         let estimator = EstimatorSettings {
             inertia: self.per_length(si.estimator.inertia),

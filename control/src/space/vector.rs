@@ -76,9 +76,9 @@ macro_rules! signal_vector {
             pub fn is_longer(self, limit: $quantity<N>) -> bool {
                 N::longer(self.signals(), limit.0)
             }
-            /// The vector shortened to at most a limit below the end of the number format. A vector within the limit is unchanged.
-            /// Each component of a longer one is less than two steps of the format shorter than exact. The direction is kept, except
-            /// for the rounding of each component towards zero.
+            /// The vector shortened to at most a limit below the end of the number format. A vector within the limit is
+            /// unchanged. Each component of a longer vector is less than two steps of the format too short. The direction is
+            /// kept, except for the rounding of each component towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
@@ -97,9 +97,10 @@ macro_rules! signal_vector {
                     self.cut(length, limit)
                 }
             }
-            /// Shortens the vector where it is longer than the limit.
+            /// Shortens the vector if it is longer than the limit.
             fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
-                // A length at the end of the format is saturated and says nothing, so half of the vector is measured instead.
+                // A length at the end of the format may be saturated and thus too small, so the length of half the vector is
+                // calculated instead.
                 if length + $quantity::<N>::quantum() == length {
                     return self.half_shortened(limit);
                 }
@@ -129,7 +130,7 @@ impl<N: Spatial> Vector<Force<N>> {
     }
 }
 
-/// A unit vector. It is as exact as [`Spatial::unit`] says.
+/// A unit vector; [`Spatial::unit`] gives its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Direction<N: Spatial>(pub Axes<N::Signal>);
 
@@ -211,7 +212,7 @@ impl<N: Spatial> Direction<N> {
     pub fn opposite(&self) -> Self {
         Self(self.0.map(|x| N::sub(N::Signal::default(), x)))
     }
-    /// This direction turned towards another by a given angle, right to a few steps of the number format. Unchanged where the two
+    /// This direction turned towards another by a given angle, right to a few steps of the number format. Unchanged if the two
     /// directions are parallel or opposite.
     #[inline]
     #[must_use]

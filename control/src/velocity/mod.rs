@@ -1,4 +1,4 @@
-//! Velocity from measured positions alone, for a law with virtual damping, in the place of the plain difference of two positions.
+//! Velocity from the positions that a law gets, for virtual damping, in the place of the plain difference of two positions.
 //!
 //! A difference cannot resolve less than one encoder count per tick. At 40,000 counts per turn and 1 kHz that is 0.157 rad/s, and a
 //! damper turns every such step into a step of torque. The smoother a velocity is, the larger is its delay:

@@ -66,7 +66,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
     Some(Velocity::Smoothed(Smoothed { share }))
 }
 
-/// The Kalman filter whose poles in the z-plane are at `r`. `lost` is `1 - r`; `accelerates` chooses constant acceleration.
+/// The Kalman filter for `r = sqrt(1 - α)`, as in [`Tracker`]. `lost` is `1 - r`; `accelerates` chooses constant acceleration.
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);

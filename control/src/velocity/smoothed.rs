@@ -4,8 +4,8 @@ use crate::estimator::{EstimatedMotion, LARGEST_MOTION_BITS, LARGEST_SURPRISE_BI
 use crate::number::Wide as _;
 use crate::{Number, Position};
 
-/// First-order low-pass filter of the displacement per tick: `v(n) = v(n-1) + a (x(n) - x(n-1) - v(n-1))` with the position `x` and
-/// the gain `a`. It is calculated with 54 fractional bits, so that rounding errors of a slow motion do not add up.
+/// First-order low-pass filter of the displacement per tick: `v(n) = v(n-1) + a (x(n) - x(n-1) - v(n-1))` with the position `x`
+/// and the gain `a`. The filter calculates with 54 fractional bits, so that rounding errors of a slow motion do not add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothed<N: Number> {
     /// Filter gain `1 - exp(-2π p T)` for a bandwidth `p` in Hz and the control period `T`.
@@ -13,7 +13,8 @@ pub struct Smoothed<N: Number> {
 }
 
 impl<N: Number> Smoothed<N> {
-    /// The filter's state after a position; `None` if no device could have moved like that.
+    /// The filter's state after a position; `None` if the motion is implausible by `LARGEST_SURPRISE_BITS` or
+    /// `LARGEST_MOTION_BITS`.
     #[inline(always)]
     pub fn tick(&self, before: &EstimatedMotion<N>, at: Position<N>) -> Option<EstimatedMotion<N>> {
         let position = N::widen(at.0);

@@ -18,7 +18,8 @@ pub struct Tracker<N: Number> {
 }
 
 impl<N: Number> Tracker<N> {
-    /// The filter's state after a position; `None` if no device could have moved like that.
+    /// The filter's state after a position; `None` if the motion is implausible by the state estimator's limits (8 rad between
+    /// measured and expected position, 4 rad per tick or tick²).
     #[inline(always)]
     pub fn tick(&self, before: &EstimatedMotion<N>, at: Position<N>) -> Option<EstimatedMotion<N>> {
         let nothing = Default::default();

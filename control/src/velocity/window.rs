@@ -19,15 +19,15 @@ pub struct Slope<N: Number> {
 /// last position passes every position between them by no more than `margin`. So the window is long, with little noise, while the
 /// motion is even. It is short, and follows fast, when the motion turns.
 ///
-/// Each position is tested once: the slope to it must lie within the bounds that all later positions allow.
+/// Each position is tested once: the slope to that position must lie within the bounds that all more recent positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
     /// The lengths of the possible windows, shortest first.
     pub slopes: [Slope<N>; LONGEST_WINDOW],
     /// Length of the longest window, ticks.
     pub longest: u8,
-    /// Largest distance of a position from the line through a window's first and last position. All these positions have errors of
-    /// at most half a count.
+    /// Largest allowed distance of a position from the line through the window's first and last position: one count plus rounding,
+    /// because each position has an error of at most half a count.
     pub margin: Position<N>,
 }
 

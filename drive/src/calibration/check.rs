@@ -17,8 +17,8 @@
 //!    move at all.
 //! 4. While the field moves back and forth, the check samples the angle between rotor and field at each 32nd of a turn. Friction
 //!    makes the rotor lag, once in each direction, so the mean of all samples is `φ`. It must be within 20 electrical degrees.
-//!    Between the two ends the rotor must have moved at least half as far as the field, and in the same direction. This detects a
-//!    held shaft, phases in another order, and a rotor that is stuck against the field.
+//!    Between the two ends the rotor must have moved at least half as far as the field, at most one and a half times as far, and
+//!    in the same direction. This detects a held shaft, phases in another order, and a rotor that is stuck against the field.
 //!
 //! The check cannot detect the following errors:
 //!
@@ -104,7 +104,7 @@ impl Alignment {
         self.offset.plus(turned)
     }
 
-    /// This alignment, converted for an encoder whose count 0 is moved by this many counts.
+    /// This alignment, converted for an encoder count whose 0 is at this count of the present one.
     #[must_use]
     pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
         Self {

@@ -21,9 +21,9 @@ pub struct CalibrationConfig {
     pub(super) per_period: u32,
     /// Control periods for which the rotor settles in the field. The measurement of the current sensors' offsets may take as long.
     pub(super) settle: u32,
-    /// Encoder counts within which a rotor at rest may move: a 64th of an electrical turn.
+    /// Encoder counts within which a rotor at rest may move: a 64th of an electrical turn, at least 3.
     pub(super) rest: i64,
-    /// Number of electrical turns in each direction in which samples are taken.
+    /// Angle in each direction in which samples are taken, 2^-32 electrical turns: one turn for each pole pair.
     pub(super) turns: i64,
     pub(super) pole_pairs: u8,
     pub(super) counts_per_rev: u32,

@@ -41,7 +41,7 @@ fn the_field_waits_for_a_rotor_that_swings_and_not_for_ever() {
         ticks_until_the_field_turns(|tick| 700 + i64::from(tick & 1)),
         at_rest
     );
-    // The rotor swings ten times a second by an eighth of an electrical turn (11 pole pairs), until the given time.
+    // The rotor swings ten times a second over 250 counts, a ninth of an electrical turn (7 pole pairs), until the given time.
     let swings = |until: u32| {
         move |tick: u32| {
             let phase = i64::from(tick % 100);

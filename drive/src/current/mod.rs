@@ -143,8 +143,8 @@ impl CurrentLoop {
         } else {
             self.age = self.age.saturating_add(1);
         }
-        // When a control period begins, the command of the previous one is one period old. If it is older, the previous control
-        // period did not finish.
+        // When a control period begins, the command of the previous one is one period old. If the command is older, the previous
+        // control period did not finish.
         if pend_control && self.age > u32::from(config.periods_per_tick) {
             self.report.missed = self.report.missed.wrapping_add(1);
         }
@@ -177,8 +177,8 @@ impl CurrentLoop {
         }
     }
 
-    /// Report of the last PWM period to the control interrupt. It is returned by reference, since a copy would take a tenth of the
-    /// period's instructions.
+    /// Report of the last PWM period to the control interrupt. It is returned by reference, because a copy would take a tenth of
+    /// the period's instructions.
     #[must_use]
     pub const fn report(&self) -> &CurrentReport {
         &self.report
@@ -281,7 +281,8 @@ impl CurrentLoop {
         self.give(command, Dq { d: v_d, q: v_q })
     }
 
-    /// Whether the bridge must be off: the command is too old, the processor is too late, or a check switched off (tripped).
+    /// Whether the bridge must be off. Trips if the command is too old, or if the processor was late in [`LATE_IN_A_ROW`] PWM periods
+    /// in a row. Also true if a check has tripped before.
     #[inline(always)]
     fn must_be_off(&mut self, sample: &CurrentSample) -> bool {
         if sample.late {
@@ -334,7 +335,7 @@ fn moved(command: &CurrentCommand, periods: u32) -> Angle {
 }
 
 /// `√(length² - side²)`: the largest voltage on the q axis if the vector is at most `length` long and `side` is its d component.
-/// Rounded down to 1/1,024 V; for lengths up to 63 V.
+/// Rounded down to 1/1,024 V; for lengths below 64 V.
 fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));

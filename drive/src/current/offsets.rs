@@ -12,7 +12,7 @@ pub struct Offsets {
 }
 
 impl Offsets {
-    /// Fractional bits of an offset: as a mean of many readings it is finer than a code of the converter.
+    /// Fractional bits of an offset, which is finer than a code of the converter because it is a mean of many readings.
     pub(super) const BITS: u32 = 4;
 }
 

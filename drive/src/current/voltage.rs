@@ -14,13 +14,13 @@
 //! ```
 //!
 //! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it
-//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, which
-//! is late by at least a control period. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it
-//! is -1.1e-4 N·m·s/rad, twelve times the damping of its bearings. A knob that is let go then speeds up.
+//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`,
+//! which is late by at least a control period. If `b̂` is a third too large, a negative damping remains. With the small gimbal
+//! motor this damping is -1.1e-4 N·m·s/rad, twelve times the damping of its bearings. A knob that is let go then speeds up.
 //!
-//! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same
-//! relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect against a
-//! wrong `R`, a shorted phase or an open one. The driver's own protection does, and reports by its error line. See
+//! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. This value has the
+//! same relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect
+//! against a wrong `R`, a shorted phase or an open one. The driver's own protection does, and reports by its error line. See
 //! docs/voltage-mode.md.
 
 use super::{BridgeCommand, CurrentLoop, CurrentSample, other_side};
@@ -99,7 +99,7 @@ impl CurrentLoop {
         if d != v_d || q != v_q {
             self.report.saturated = self.report.saturated.wrapping_add(1);
         }
-        // A whole turn is 2^32.
+        // `advance` is in 2^-32 turns.
         let back_emf = Volts::from_bits(product(stage.back_emf.to_bits(), command.advance, 32));
         let amps =
             |v: Volts| Amps::from_bits(product(v.to_bits(), stage.amps_per_volt.to_bits(), 16));

@@ -10,8 +10,8 @@ use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
 
 impl Device {
-    /// Stores in the telemetry record the displacement since the last change of force. It stays 0 where the position at the change
-    /// is not measured.
+    /// Stores in the telemetry record the displacement since the last change of force. The value stays 0 if the position at the
+    /// change is not measured.
     pub(super) fn since_change(
         &mut self,
         last: (Position<Fixed32>, i64),
@@ -21,8 +21,8 @@ impl Device {
         let config = self.configs.now();
         if let (Some(change), Some(until)) = (&config.change, read) {
             let record = &mut self.memory.record;
-            // The displacement is calculated from counts: they also cover angles beyond the range of positions, and have the same
-            // step in every turn.
+            // For an environment the displacement is calculated from counts, which also cover angles beyond the range of
+            // positions, and have the same step in every turn.
             let moved = if scenery.runs() {
                 config.scale.moved(record.count.saturating_sub(last.1))
             } else {
@@ -42,8 +42,8 @@ impl Device {
         }
     }
 
-    /// Handles the control period in which the outputs are switched off. If `acted` is true, the last force acted on the
-    /// displacement up to now, and the energy guard books that displacement. Otherwise the guard books the worst case.
+    /// Handles the control period in which the outputs are switched off. If `acted` is true, the last force acted over the
+    /// displacement up to now, and the energy guard accounts for that displacement. Otherwise the guard assumes the worst case.
     #[cold]
     pub(super) fn leave(
         &mut self,
@@ -55,7 +55,7 @@ impl Device {
         if acted {
             self.since_change(last, read, scenery);
             let here = self.here();
-            // The next arming clears the control law's memory, so the law's result does not matter.
+            // The outputs are off and the next arming clears the control law's memory, so the law's force does not matter.
             let _ = scenery.tick(&mut self.law, &self.configs.now().scale, &here);
             scenery.commanded(&mut self.law, Force::zero());
         }
@@ -92,20 +92,21 @@ impl Device {
         }
         let pushed = core::mem::replace(&mut self.memory.pushes, force != Force::zero());
         let is_tripped = scenery.is_tripped(&self.law);
-        // The single wall gives no force where its energy guard has tripped.
+        // Beyond its reach the single wall is off only once its energy guard has tripped.
         let beyond_reach =
             (is_tripped || scenery.runs()) && scenery.is_beyond_reach(&self.law, here.penetration);
         if is_tripped {
             if beyond_reach && !scenery.runs() {
-                // The single wall gives no force at this depth, which is no fault. The energy guard is charged for what the last
-                // force may still do.
+                // The single wall gives no force at this depth, which is no fault. The energy that the last force may still give
+                // is taken from the energy guard's account.
                 scenery.switched_off(&mut self.law);
                 scenery.again(&mut self.law, &self.configs.now().law);
             } else if pushed || view.contact != Contact::Free {
                 let speed = self.memory.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
-                // A free knob turned too fast. No force acted meanwhile, so the energy guard need not be charged.
+                // A free knob turned too fast. No force acted meanwhile, so nothing need be taken from the energy guard's
+                // account.
                 scenery.again(&mut self.law, &self.configs.now().law);
             }
         }
@@ -142,8 +143,8 @@ fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
     })
 }
 
-/// The torque towards rising positions for a force out of the wall, which acts against them. While the force fades in, it is
-/// multiplied by the fraction `share` in 2^-32; `None` leaves it whole.
+/// Converts a force (positive against rising positions) to a torque (positive towards rising positions). While the force fades
+/// in, it is multiplied by the fraction `share`, in 2^-32; `None` gives the whole force.
 #[inline(always)]
 #[must_use]
 pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {

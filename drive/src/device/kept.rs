@@ -49,8 +49,8 @@ impl Device {
         supervisor.takes_supply(self.memory.record.bus)
     }
 
-    /// Begins a calibration. If an alignment is stored, the calibration checks it; one that measures the motor finds a new
-    /// alignment instead.
+    /// Begins a calibration. If an alignment is stored, the calibration checks that alignment; but a calibration that also
+    /// measures the motor finds a new one.
     #[cold]
     #[inline(never)]
     pub(super) fn begin_with_kept(&mut self) {

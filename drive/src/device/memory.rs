@@ -25,7 +25,7 @@ pub struct Memory {
     pub saturated: u16,
     /// Whether the control law's force was not zero in its last period.
     pub pushes: bool,
-    /// Displacement from the start of the last control period to the change of force; `None` without a second encoder reading.
+    /// Displacement from the last control period's encoder reading to the second reading; `None` without a second reading.
     pub read: Option<Position<Fixed32>>,
     /// The telemetry record of the last control period.
     pub record: Record,

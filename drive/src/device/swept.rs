@@ -44,7 +44,7 @@ impl Device {
         })
     }
 
-    /// Whether the calibration has found the alignment and a cogging sweep is requested.
+    /// Whether a cogging sweep is requested and has not begun.
     pub(super) fn begins_sweep(&self) -> bool {
         self.swept.wanted != Sweep::None && self.swept.running.is_none()
     }
@@ -60,7 +60,7 @@ impl Device {
         let own_zero = shaft.own_zero(config.supervisor.shaft());
         let sweep = config.sweep;
         let rotor = self.rotor(tick, count, 1 << 16);
-        // Only at the first control period, because the encoder's own reading wraps at each turn.
+        // The zero is set only in the first control period, because the encoder's own reading wraps at each turn.
         if let (None, Some(own_zero)) = (&self.swept.running, own_zero) {
             self.memory.zero = own_zero.saturating_neg();
         }

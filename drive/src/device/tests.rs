@@ -46,8 +46,8 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
             let place = Position::from_si(at).unwrap();
             device.memory.record.penetration = if inside { place } else { -place };
             let (_, limits) = device.display(0, 1 << 16, Some(0), &mut WallAlone);
-            // The wall is off from two control periods' motion at the guard's 60 rad/s before the end of the position's number
-            // format.
+            // The wall is off beyond 127.88 rad: the number format of positions ends at 128 rad, less the motion of two control
+            // periods at the guard's 60 rad/s.
             let is_there = at > Si::lit("127.88");
             let record = device.memory.record;
             assert_eq!(record.force > Force::zero(), inside && !is_there, "{at}");
@@ -58,8 +58,8 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
     }
 }
 
-/// Turns a knob with a detent back and forth at 20 Hz, with the position measured when the force changes. Returns count, force,
-/// displacement since the change, and torque of every control period.
+/// Turns a knob with 24 detents per turn back and forth at 10 Hz, with the position measured when the force changes. Returns
+/// count, force, displacement since the change, and torque of every control period.
 #[cfg(feature = "large")]
 fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
     use touchstone_protocol::settings::environment::DetentsBeside;

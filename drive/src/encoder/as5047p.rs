@@ -40,7 +40,7 @@ const FIELD_IS_RIGHT: u16 = 1 << 8;
 pub struct Frames {
     /// The answer to [`READ_ANGLE`].
     pub angle: u16,
-    /// The answer to the register that the previous control period requested; `None` if it requested none.
+    /// The answer to the previous control period's request of another register; `None` if it requested none.
     pub before: Option<Asked>,
 }
 
@@ -55,7 +55,7 @@ impl Frames {
     }
 }
 
-/// The answer to the register that was requested at the end of the previous control period.
+/// The answer to the request at the end of the previous control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// The value of the register `DIAAGC`, which reports the magnet's field.

@@ -17,7 +17,7 @@ pub enum EncoderReading {
     Counter16(u16),
     /// The value of a 32-bit timer that counts the edges of an incremental encoder.
     Counter32(u32),
-    /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the register that the previous control period requested.
+    /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the previous control period's request of another register.
     As5047p(Frames),
     /// The MT6701's 24 bits over SSI, with the first received bit in bit 23.
     Mt6701(u32),
@@ -110,8 +110,8 @@ impl Unwrapped {
         }
     }
 
-    /// Counts from the encoder's own zero to the last reading, positive in the direction of counting. The value has no meaning for
-    /// an encoder without a zero of its own, which counts from where it was switched on.
+    /// Counts from the encoder's own zero to the last reading, positive in the direction of counting. The value has no meaning
+    /// for an encoder without a zero of its own, which counts from the position at which it was switched on.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn from_own_zero(&self) -> i64 {

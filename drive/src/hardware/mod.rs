@@ -50,7 +50,7 @@ pub struct Hardware {
     pub bus_max_v: Si,
     /// Highest allowed temperature of the power stage, degrees Celsius.
     pub temperature_max_c: Si,
-    /// The temperature sensor; [`Thermistor::NONE`] where the board has none.
+    /// The temperature sensor; [`Thermistor::NONE`] if the board has none.
     pub thermistor: Thermistor,
 }
 

@@ -8,9 +8,9 @@
 //! | VM from 8 to 60 V, inputs up to 250 kHz, pulled down by 100 kΩ | DRV8313's data sheet SLVSBA5D, its tables of operating conditions and inputs |
 //! | 0.24 Ω a transistor, over-current at 3 to 5 A and latched, dead time of 90 ns | the same data sheet's other pages, from memory: **not read** |
 //! | bus divider of 100 kΩ over 10 kΩ | this project's choice: the board has none, so two resistors belong to the wiring (docs/build-guide.md) |
-//! | no temperature | none on the board; the driver switches off by itself, and says so by its line |
+//! | no temperature | none on the board; the driver switches off by itself, and reports this by its fault line nFT |
 //! | 10 V at least | this project's choice: the range of `limits.bus_min_v`, above what the driver needs |
-//! | largest current, by computation | this project's choice: what the README allows |
+//! | largest current, which the board calculates and does not measure | this project's choice: what the README allows |
 //! | clock, PWM, timer | this project's choice: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
 //!
 //! Pins: `firmware/src/board/nucleo_g474re_simplefoc_mini.rs`. Nothing was measured on a board.
@@ -33,7 +33,7 @@ pub const SIMPLEFOC_MINI: Hardware = Hardware {
     current_max_a: Si::lit("2.5"),
     bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("24"),
-    // Only limits the range of settings that have no effect on this board.
+    // This value only limits the range of settings that have no effect on this board.
     temperature_max_c: IHM08M1.temperature_max_c,
     thermistor: Thermistor::NONE,
     pwm_hz: IHM08M1.pwm_hz,

@@ -15,9 +15,10 @@
 //!
 //! - the motor's iron and frame, which warm more slowly (the shorter time constant of the windings alone is on the safe side);
 //! - a room hotter than the one for which the continuous current was stated;
-//! - a shaft that stands still, where one phase may have twice the mean heat of the three.
+//! - a shaft that stands still: one phase may then have twice the mean heat of the three.
 //!
-//! The calibration's current is not reduced, as its force must turn the rotor. An `s` of one and a half times its limit is a fault.
+//! The calibration's current is not reduced, because its force must turn the rotor. An `s` of one and a half times its limit is a
+//! fault.
 
 use super::Found;
 use crate::current::CurrentReport;

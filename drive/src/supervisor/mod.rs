@@ -56,7 +56,7 @@ pub struct SupervisorConfig {
     shaft: ShaftConfig,
     /// Limits of power stage, stuck encoder and motor heat; `None` for an analogue drive, whose power stage is external.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
-    /// Coefficients of the check of the motor's voltages; `None` where no currents are measured.
+    /// Coefficients of the check of the motor's voltages; `None` if no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
     /// Length of a control period in processor cycles.
@@ -385,7 +385,7 @@ mod tests {
             };
             (0..4_096).find(reached).expect("in the thermistor's table")
         };
-        // The power stage is derated from 70 °C on, the windings after some 20 s of more than 0.62 A.
+        // The power stage is derated from 70 °C on, the windings once the running mean of the squared current is above 0.392 A².
         for (amperes, celsius, by) in [
             (0.0, 25, [false, false]),
             (0.0, 80, [true, false]),

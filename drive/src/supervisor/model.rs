@@ -2,17 +2,17 @@
 //!
 //! ```text
 //! r_d = v_d - R i_d + ω_e L i_q        a_d = 1/2 V + R |i_q|/16 + ψ |ω|/4
-//! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
+//! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R (|i_d| + |i_q|)/2 + ψ |ω|/2   ψ = k_t/(3/2)
 //! ```
 //!
 //! Here `v` is the voltage and `i` the current on the axes d and q, `R` and `L` are resistance and inductance of the windings. `ω`
 //! is the shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant, `ψ` the flux linkage times the number of pole
 //! pairs.
 //!
-//! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
-//! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
-//! axis. Only the equation of the q axis depends much on the windings' resistance, which is known to a third only. A voltage on the
-//! d axis shows an error of the angle.
+//! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. `3/2
+//! r` times the current is the power that is not explained: `3/2 (v·i - R i²)` less the commanded torque times the speed,
+//! separately for each axis. Only the equation of the q axis depends much on the windings' resistance, which is known only to
+//! within a third. A voltage on the d axis shows an error of the angle.
 //!
 //! The limit `a` allows:
 //!

@@ -8,16 +8,17 @@
 //! oscillation comes from the control loop: the wall is unstable. Either the settings do not fit the device, or a part broke: the
 //! encoder's readings are late, or its magnet is loose.
 //!
-//! A swing is a reversal of the shaft's speed, with a speed of at least 6 rad/s (and a few counts for jitter) in each direction.
-//! Eight swings in a row, each at most 40 ms after the last, are the fault: an oscillation of at least 12.5 Hz, over four periods.
-//! With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35
+//! A swing is a reversal of the shaft's speed, with at least 6 rad/s in each direction; a few encoder counts are added to this
+//! threshold, so that jitter is no swing. Eight swings in a row, each at most 40 ms after the one before, raise the fault: an
+//! oscillation of at least 12.5 Hz, over four periods. With a peak speed of 6 rad/s, its amplitude at 12.5 Hz is 4.4 degrees. On an emulated board a knob that hits the wall at 35
 //! rad/s swings for two periods at such speeds.
 //!
 //! An oscillation within the play of a loose magnet is not detected, because the encoder's reading hardly changes.
 //!
-//! **Runaway.** By the calibrated electrical angle, the current should brake the shaft, with at least a quarter of its limit. Yet
-//! the shaft turns at 25 rad/s or more, and does not slow down for 10 ms. A hand that turns the knob fast and then hits a wall
-//! slows down. So the motor probably drives where it should brake: the electrical angle is wrong by about half a turn.
+//! **Runaway.** A current of at least a quarter of `motor.current_limit_a` flows in the direction that, by the calibrated electrical
+//! angle, brakes the shaft. Yet the shaft turns at 25 rad/s or more and does not slow down for 10 ms. A knob that a hand turned fast
+//! into a wall would slow down. So the motor probably drives when it should brake: the electrical angle is wrong by about half a
+//! turn.
 
 use super::Found;
 use super::shaft::JITTER;
@@ -28,9 +29,9 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Least speed of a swing in each direction, rad/s.
 const LEAST_SWING: u64 = 6;
-/// Number of swings in a row that are the fault.
+/// Number of swings in a row that raise the fault.
 const MOST_SWINGS: u8 = 8;
-/// Inverse of the longest time of a swing, 1/s: 40 ms.
+/// Inverse of the longest time between two swings, 1/s: 40 ms.
 const SWINGS_PER_SECOND: u32 = 25;
 /// Least speed of a runaway, rad/s.
 const LEAST_RUN: u64 = 25;

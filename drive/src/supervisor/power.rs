@@ -66,8 +66,8 @@ impl Power {
     }
 
     /// Returns the fault, if there is one, and the fraction of the current limit that the temperature allows, in 1/65,536. The
-    /// whole limit is allowed up to the temperature at which derating begins, nothing at that of the fault, with a straight line
-    /// between.
+    /// whole limit is allowed up to the temperature at which derating begins, nothing at the temperature of the fault, with a
+    /// straight line between.
     #[must_use]
     pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);

@@ -36,13 +36,13 @@ pub struct ShaftConfig {
     kind: EncoderKind,
     reversed: bool,
     bad_readings: u8,
-    /// Counts per control period that no real shaft moves; such a displacement is a jump of the reading.
+    /// A motion of more than this many counts per control period is a jump of the reading: no real shaft moves so fast.
     jump: i32,
-    /// Number of control periods over which the speed is averaged (the window): 2 ms, at least 2 periods.
+    /// Number of control periods over which the speed is averaged (the window): 2 ms, but 2 to 20 periods.
     window: usize,
-    /// A motion of this many counts in a control period is overspeed.
+    /// A motion of more than this many counts in a control period is overspeed.
     fastest_in_tick: i32,
-    /// A motion of this many counts in the window over which the speed is averaged is overspeed.
+    /// A motion of more than this many counts in the window over which the speed is averaged is overspeed.
     fastest: i32,
     /// Speed in rad/s for each count that the shaft moves in the window over which the speed is averaged.
     speed_per_count: I16F16,
@@ -144,8 +144,8 @@ impl Shaft {
         }
     }
 
-    /// Checks a control period's first reading. It counts as bad if `is_one_missing`: the second reading of the previous period is
-    /// missing.
+    /// Checks a control period's first reading. The reading counts as bad if `is_one_missing`: the second reading of the previous
+    /// period is missing.
     pub fn read(
         &mut self,
         config: &ShaftConfig,
@@ -271,7 +271,7 @@ impl Shaft {
         motion.update(&config.motion, self.sum, report, against)
     }
 
-    /// Mean speed of the shaft over the last 2 ms, rad/s, saturating.
+    /// Mean speed of the shaft over the window (2 ms, but 2 to 20 control periods), rad/s, saturating.
     #[must_use]
     pub fn speed(&self, config: &ShaftConfig) -> I16F16 {
         Self::speed_of(config, self.sum)

@@ -1,9 +1,10 @@
 //! Checks the fraction of bad encoder readings, whether or not they come in a row.
 //!
-//! After a bad reading the bridge is off for a control period (tick), and the energy guard charges the worst that may have happened
-//! meanwhile. A few bad readings are harmless. A motor must not run on an encoder that keeps giving them. Each bad reading adds 50
-//! to a sum, each good one subtracts 1, and a sum of 1,000 is a fault. So a fault takes some 20 bad readings in quick succession,
-//! or lastingly more than one in 51. If every second reading is bad, the fault comes after 41 readings.
+//! After a bad reading the bridge is off for a control period (tick), and the energy guard takes the largest possible loss of
+//! that time from its account. A few bad readings are harmless. A motor must not run on an encoder that keeps giving bad
+//! readings. Each bad reading adds 50 to a sum, each good one subtracts 1, and a sum of 1,000 is a fault. So a fault takes some
+//! 20 bad readings in quick succession, or lastingly more than one in 51. If every second reading is bad, the fault comes after
+//! 41 readings.
 //!
 //! A good encoder does not reach the fault. If bad readings are independent, with the probability `p`, the sum reaches 1,000 in a
 //! given period with a probability of at most `exp(-1000 r)`. Here `r` solves `p exp(50 r) + (1 - p) exp(-r) = 1`. With one bad

@@ -5,10 +5,10 @@
 //! that voltage vector does not depend on the electrical angle that the loop assumes. So the encoder counts as stuck if for 10 ms
 //! without a break the count has not moved at all while the voltage shows that the shaft turns.
 //!
-//! The voltage must exceed three limits: 1 V, for dead time and rounding; half of `R |i|`, because a winding that is 100 K warmer
-//! has 39 % more resistance; and the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder
-//! on a slower shaft is not detected until the shaft turns faster. Meanwhile the wall's force and the motor's field stay constant:
-//! the motor holds like a stepper motor and does not run away.
+//! The voltage must exceed the sum of three terms: 1 V, for dead time and rounding; half of `R (|i_d| + |i_q|)`, because a
+//! winding that is 100 K warmer has 39 % more resistance; and the back-EMF of a speed at which a good encoder would have counted
+//! several times. A stuck encoder on a slower shaft is not detected until the shaft turns faster. Meanwhile the wall's force and
+//! the motor's field stay constant: the motor holds its position like a stepper motor and does not run away.
 
 use super::Found;
 use crate::Volts;
@@ -24,7 +24,8 @@ use touchstone_protocol::FaultCode;
 #[derive(Debug, Clone, Copy)]
 pub struct StuckConfig {
     resistance_ohm: I16F16,
-    /// Largest voltage beyond `R i` that a shaft at rest may show, V; dead time and rounding cause it.
+    /// Largest voltage beyond `R i` that does not yet show a motion, V: 1 V for dead time and rounding, and the back-EMF of the
+    /// slowest speed that the check detects.
     least: Volts,
     /// Number of control periods in a row in which the encoder must look stuck before this is a fault.
     ticks: u32,
@@ -92,7 +93,8 @@ impl Stuck {
         let drop =
             |i: I16F16| Volts::from_bits(product(config.resistance_ohm.to_bits(), i.to_bits(), 16));
         let beyond = |v: Volts, i: I16F16| v.saturating_sub(drop(i)).saturating_abs();
-        // The larger component stands for the length of the vector: it is at least 0.7 of it and never more.
+        // The larger component is used in the place of the vector's length: it is at least 0.7 times the length and never more
+        // than the length.
         let emf = beyond(report.voltage.d, d).max(beyond(report.voltage.q, q));
         let doubt = drop(d.saturating_abs().saturating_add(q.saturating_abs()));
         let excess = emf

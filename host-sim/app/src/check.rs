@@ -11,9 +11,9 @@ pub struct Subject {
     pub verdict: &'static str,
     /// Why the run could not be judged; `None` if it was.
     pub not_judged: Option<String>,
-    /// Deepest true penetration, rad; `None` in three axes.
+    /// Deepest true penetration, rad; `None` on three axes.
     pub penetration_max: Option<f64>,
-    /// Stiffness at the end of the hold, N·m/rad; `None` if there is none.
+    /// Displayed stiffness, N·m/rad; `None` if the run has none, for instance because the knob left the wall.
     pub k_displayed: Option<f64>,
     /// Most energy that the hand got beyond what it gave, J.
     pub energy_out: f64,

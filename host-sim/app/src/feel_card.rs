@@ -12,9 +12,10 @@ use touchstone_protocol::{Board, DeviceSettings};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{self, Scene};
 
-/// Largest motion of the resting knob that does not count as a buzz, encoder counts.
+/// Largest peak-to-peak motion of the resting knob that does not count as a buzz, encoder counts.
 const QUIET_COUNTS: f64 = 2.0;
-/// Largest difference between the largest commanded and the largest drawn torque, as a fraction of the drawn one.
+/// Largest difference between the largest commanded torque and the largest torque of the feel's curve ("drawn"), as a fraction of
+/// the latter.
 const AS_DRAWN: f64 = 0.05;
 /// Delay from a position reading to the motor's response, in PWM periods, as for a knob that `touchstone setup` measured.
 const DELAY_PERIODS: f64 = 1.5;

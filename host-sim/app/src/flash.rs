@@ -51,7 +51,7 @@ pub struct Job<'a> {
     pub board: BoardName,
     /// The firmware's ELF file.
     pub elf: PathBuf,
-    /// The debug probe that the user named; `None` if there is only one.
+    /// The debug probe that the user named. `None` if the user named none; then the only connected probe is used.
     pub probe: Option<&'a str>,
 }
 

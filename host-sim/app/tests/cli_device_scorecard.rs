@@ -169,8 +169,8 @@ fn the_default_wall_of_an_omega3_is_within_the_limits() {
     assert!(said.contains("above k_v"), "{said}");
 }
 
-/// Checks that the scorecard shows a bad wall as bad. A spring far too stiff for the device, without a guard, must exceed nearly
-/// every limit. A spring that the device holds stably must meet them.
+/// Checks that the scorecard shows a bad wall as bad. A spring far too stiff for the device, without a guard, must exceed at
+/// least four limits. A spring that the device holds stably must meet them.
 #[test]
 fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
     let folder = common::folder("device-scorecard-bad");

@@ -59,7 +59,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Text of a scene of ten lines; the field `device` is on line 3.
+/// Text of a scene of ten lines: the text `device` is line 3, the text `law` begins on line 8.
 fn scene(device: &str, law: &str) -> String {
     format!(
         "name = \"small\"\n[device]\n{device}\n[timing]\nrate_hz = 1000\nduration_s = 0.2\n[law]\n{law}\n[operator]\ngrip = \"none\"\n"
@@ -184,7 +184,7 @@ fn a_value_outside_its_number_format_is_refused_where_it_stands() {
         &["run", "bad.toml", "--out", "out"],
         &["bad.toml:9:", "k_soft_n_m_per_rad", "600", "fixed16"],
     );
-    // The 32-bit format accepts the first of these values.
+    // The 32-bit format accepts the stiffness of 400,000 N·m/rad.
     let output = folder.run(&["run", "tap", "--k-desired", "400000", "--json"]);
     assert_eq!(output.status.code(), Some(0));
 }

@@ -215,7 +215,7 @@ fn the_folder_says_where_it_is_from() {
         header,
         columns.iter().map(|c| &c["name"]).collect::<Vec<_>>()
     );
-    // The same is in the Parquet file's footer, as text.
+    // The footer of the Parquet file contains the same information as text.
     let parquet = here
         .join("out")
         .join(run["trace_parquet"].as_str().unwrap());

@@ -190,8 +190,14 @@ fn a_run_is_kept_tick_by_tick() {
     failed(
         &ran(&folder, "", &["device", "run", "plane", "--csv", "run.csv"]),
         2,
-        &["--seconds"],
+        &["--csv", "add --seconds"],
     );
+    let card = &["device", "run", "plane", "--device", "simulated", "--fast"][..];
+    let card = [card, &["--programme", "scorecard", "--csv", "card.csv"]].concat();
+    let said = ran(&folder, "", &card);
+    let code = said.status.code();
+    assert!(matches!(code, Some(0 | 3)), "{}", text(&said.stderr));
+    assert!(folder.join("card.csv").is_file());
 }
 
 /// Checks that a device simulated faster than real time gives the same results in two runs. With every control law and object the

@@ -190,7 +190,7 @@ fn the_main_job_writes_page_results_and_traces_and_keeps_standard_output_clean()
     let report = here.join("report");
     let page = std::fs::read_to_string(report.join("index.html")).unwrap();
     assert!(page.contains("<svg") && page.ends_with("</html>\n"));
-    // The comparison replaces this setting in each of its runs, instead of refusing it.
+    // The comparison itself sets `law.observer` for TDPA. Page and output say so.
     for said in [&page, &out] {
         assert!(said.contains("whatever law.observer says"));
     }

@@ -62,7 +62,7 @@ impl From<SerialPortInfo> for Port {
                 name: info.port_name,
                 // The product number identifies an ST-LINK; ST's other virtual serial ports have the same vendor number.
                 st_link: usb.vid == VENDOR_ST && is_st_link(usb.pid),
-                // The device itself names its product.
+                // The product name comes from the device and may contain any characters.
                 about: touchstone_sim::harmless::one_line(&format!(
                     "USB {:04x}:{:04x} {}",
                     usb.vid,
@@ -79,7 +79,7 @@ impl From<SerialPortInfo> for Port {
     }
 }
 
-/// Whether a USB product number is that of an ST-LINK/V2-1 or V3, with or without a virtual serial port.
+/// Whether a USB product number is that of an ST-LINK of any version, with or without a virtual serial port.
 #[must_use]
 pub const fn is_st_link(product: u16) -> bool {
     matches!(

@@ -19,12 +19,12 @@ use touchstone_control::{Force, Position, SettingsError};
 pub struct Fading {
     /// Age up to which the whole force acts, s.
     pub whole_s: f64,
-    /// Time in which it then fades to nothing, s.
+    /// Time in which the force then fades to 0, s.
     pub fade_s: f64,
 }
 
 impl Fading {
-    /// Fraction of a force that acts at this age, s: 1 at first, then falling to 0. It is 0 for an age that is NaN.
+    /// Fraction of a force that acts at the age `age_s` in s: 1 at first, then falling to 0. It is 0 for an age that is NaN.
     #[must_use]
     pub fn share(&self, age_s: f64) -> f64 {
         if age_s <= self.whole_s {

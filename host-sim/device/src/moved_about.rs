@@ -1,8 +1,8 @@
-//! Small motions of a haptic device that nobody holds, one axis after the other. From them its mass, damping and friction are
-//! identified.
+//! Small motions of a haptic device that nobody holds, one axis after the other. The device's mass, damping and friction are
+//! identified from these motions.
 //!
 //! A soft spring with a little damping holds the device at the position where its motors were switched on. A sum of three sines
-//! pushes it along one axis at a time by some millimetres. Force and position are recorded in every control interval.
+//! pushes the device along one axis at a time by some millimetres. Force and position are recorded in every control interval.
 
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;

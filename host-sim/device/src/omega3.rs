@@ -104,7 +104,7 @@ impl Omega3 {
             ));
         }
         match self.library.set_max_force(self.sheet.force_n, id) {
-            // A second limit in addition to the loop's own. A library without this function is accepted.
+            // This force limit is in addition to that of the servo loop. A library without this function is accepted.
             Err(error) if error.number != DhdError::NOT_IN_LIBRARY => Err(error.into()),
             _ => Ok(()),
         }

@@ -8,7 +8,8 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// The survey of a haptic device. Its library reported all values except damping and friction, or [`Survey::measured`] made it.
+/// The survey of a haptic device. Either the device's library reported all values except damping and friction, or the values were
+/// measured ([`Survey::measured`]).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
@@ -23,7 +24,7 @@ pub struct Survey {
     /// Damping of each axis, N·s/m. No library reports it, so it is the value of the thesis (§5.2) until `touchstone device
     /// identify` measures it.
     pub damping_n_s_per_m: [f64; 3],
-    /// Dry friction of each axis, N, where it was measured. The simulated copy of the device has no dry friction.
+    /// Dry friction of each axis, N; `None` if it was not measured. The simulated copy of the device has no dry friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_n: Option<[f64; 3]>,
     /// Smallest coordinates of the recorded positions, m.
@@ -181,7 +182,7 @@ impl Survey {
                 fix: "give a file of `touchstone device survey`".into(),
             }
         })?;
-        // The name is printed, and the file may be anybody's.
+        // The name is printed, and a file from elsewhere may contain any characters.
         survey.device = touchstone_sim::harmless::one_line(&survey.device);
         Ok(survey)
     }

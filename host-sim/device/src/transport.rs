@@ -166,8 +166,8 @@ impl<S: Read + Write> Transport for Stream<S> {
                 },
             }
         }
-        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes
-        // nothing.
+        // The stream is not flushed: this side buffers nothing, and the flush of a serial port waits endlessly for a device that
+        // accepts no bytes.
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ const UNIT: LengthUnit = LengthUnit::Centimetre;
 /// Number of the control law's units of length (centimetres) in a metre.
 const PER_METRE: f64 = 100.0;
 
-/// Energy in the account of an energy guard for centimetres, J.
+/// Energy in the account of an energy guard that calculates in centimetres, J.
 pub(crate) fn account_j(state: &VectorGuardState<N>) -> f64 {
     N::energy_to_f64(state.account.0) / PER_METRE
 }
@@ -45,7 +45,8 @@ pub struct WallSettings {
 }
 
 /// Settings of the energy guard for a device with three axes, in SI units: capacity 40 mJ, refill 0.5 mW, over-speed limit 1.5 m/s.
-/// The damping to give is that of the least damped axis; the guard relies on a fraction of it.
+/// The damping to give is that of the least damped axis; the guard relies on a fraction of it. A delay above one tick counts as
+/// one tick.
 #[must_use]
 pub fn guard_settings(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;

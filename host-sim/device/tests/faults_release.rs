@@ -18,7 +18,7 @@ struct Witness<D> {
     inner: D,
     force_n: [f64; 3],
     released: bool,
-    /// Number of commanded forces other than zero after the release.
+    /// Number of commands after the release.
     late_commands: u32,
     ticks: u64,
 }
@@ -260,7 +260,7 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
         Ending::Fault(HapticFault::NotFinite("force"))
     );
     assert!(device.ticks == 9 && device.released);
-    // This force is ten times above the limit. The limited force keeps its direction.
+    // This force is ten times the limit. The limited force keeps its direction.
     let mut floor = Floor::new(|_| Some([72.0, 0.0, 96.0]));
     let (report, _) = played(None, &mut floor, &mut SimulatedPace, 300);
     assert!(report.force_max_n <= 12.0 + 1e-9, "{}", report.force_max_n);

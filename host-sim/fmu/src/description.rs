@@ -7,7 +7,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::harmless::one_line;
 use touchstone_sim::scene::{RestPath, Scene};
 
-/// Name of an FMU, also that of its file and its shared library: a name of the language C.
+/// Name of an FMU, and of its file and its shared library: a valid C identifier.
 #[must_use]
 pub fn identifier(scene: &Scene, half: Half) -> String {
     let letter = |it: char| if it.is_ascii_alphanumeric() { it } else { '_' };

@@ -69,7 +69,7 @@ pub fn fmu(scene: &Scene, half: Half, library: &[u8]) -> Result<Vec<u8>> {
 /// Name of a scene's recording in the FMU's resources.
 const RECORDING: &str = "motion.csv";
 
-/// The scene with its recording beside it, and the recording.
+/// The scene with the recording's path in the FMU's resources, and the recording's text; `None` if the scene has no recording.
 fn moved_inside(scene: &Scene) -> Result<(Scene, Option<String>)> {
     let mut inside = scene.clone();
     let MotionSpec::Recorded(recorded) = &mut inside.operator.motion else {

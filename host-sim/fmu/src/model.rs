@@ -28,7 +28,7 @@ enum Running {
     Plant(Box<PlantHalf>),
 }
 
-/// Present values of all variables of both halves, by their units.
+/// Present values of all variables of both halves.
 #[derive(Debug, Clone, Copy, Default)]
 struct Values {
     time_s: f64,
@@ -47,10 +47,10 @@ struct Values {
     absorbed_j: f64,
 }
 
-/// Difference between a communication point and a whole number of periods that is taken for rounding, in periods.
+/// Largest difference between a step and a whole number of periods that counts as rounding, in periods.
 const ROUNDING: f64 = 1e-3;
 
-/// The longest step, in periods. It bounds the time of a call with a wrong step.
+/// The longest step, in periods. It bounds the computing time of a call with a wrong step.
 const MOST_TICKS: f64 = 1e6;
 
 impl Model {
@@ -216,7 +216,7 @@ impl Model {
     pub fn ticks_of(&self, begins_s: f64, step_s: f64) -> Result<u64> {
         let rate_hz = f64::from(self.scene.timing.rate_hz);
         let begins = (finite("currentCommunicationPoint", begins_s)? - self.start_s) * rate_hz;
-        // The clock of a program that adds up steps drifts. It is accepted as long as the period that it means is clear.
+        // The importing program may add up step sizes, so that its clock drifts. A quarter of a period of drift is accepted.
         if (begins - self.ticks as f64).abs() > 0.25 {
             return Err(refused(
                 format!("currentCommunicationPoint = {begins_s}"),
@@ -245,7 +245,7 @@ impl Model {
     /// Simulates ticks (control periods); the inputs stay as they are.
     ///
     /// # Errors
-    /// The device is too far away for a number, after a huge torque.
+    /// Angle, velocity or energy of the device is not a finite number, after a huge torque.
     pub fn step(&mut self, ticks: u64) -> Result<()> {
         for _ in 0..ticks {
             self.tick();

@@ -56,13 +56,13 @@ pub enum Causality {
 pub struct Variable {
     /// The variable.
     pub name: Name,
-    /// Its name in the FMU; for numbers with the unit.
+    /// Name of the variable in the FMU; the name of a number ends in the unit.
     pub text: &'static str,
-    /// Whether it is set or read.
+    /// Whether the importing program sets or reads the variable.
     pub causality: Causality,
-    /// Its unit; `None` for a truth value.
+    /// Unit of the variable; `None` for a truth value.
     pub unit: Option<&'static str>,
-    /// Its meaning in one sentence.
+    /// Meaning of the variable in one sentence.
     pub meaning: &'static str,
 }
 

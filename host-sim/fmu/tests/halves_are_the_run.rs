@@ -79,7 +79,8 @@ fn same(one: f64, other: f64) -> bool {
     one.to_bits() == other.to_bits() || one.is_nan() && other.is_nan()
 }
 
-/// Compares law first, then plant, with the run of the scene. Returns the number of ticks.
+/// Steps in every tick first the law, then the plant, and compares their values with the run of the scene. Returns the number of
+/// ticks.
 fn compare(name: &str, scene: &Scene) -> u64 {
     let ticks = watch(scene, All(Vec::new())).expect("a run").0;
     let mut pair = Pair::new(scene);
@@ -155,7 +156,8 @@ fn a_long_run_with_delay_noise_and_a_second_reading_has_the_same_bits() {
     }
 }
 
-/// Stepped side by side, both halves get the values of the step before. The run of a scene with one more period of delay is equal.
+/// Stepped side by side, both halves get the other half's values of the previous step. The run of the scene with one more period
+/// of delay gives the same bits.
 #[test]
 fn side_by_side_is_one_period_of_delay_more() {
     let scene = Scene::load("thesis-knob").expect("a scene");

@@ -1,4 +1,4 @@
-//! Replacement of the keyboard where there is none: on other systems than Linux, and without the feature `uinput`.
+//! Replacement of the keyboard on other systems than Linux, and without the feature `uinput`.
 
 use crate::{KeyPair, Keyboard, OPTION};
 use touchstone_sim::error::{Error, Result};

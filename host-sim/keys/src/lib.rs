@@ -1,8 +1,8 @@
 //! Key presses of a turned knob: a key for each position up and another for each position down.
 //!
-//! [`KeyPair`] turns changes of position into presses and releases. [`open`] makes a keyboard of the Linux kernel (`/dev/uinput`)
-//! that carries them out; every program then sees them as those of a keyboard. It needs the feature `uinput`. Without it, and on
-//! other systems, an error says what to do instead.
+//! [`KeyPair`] turns changes of position into presses and releases. [`open`] creates a virtual keyboard of the Linux kernel
+//! (`/dev/uinput`), whose key presses reach every program like those of a real keyboard. [`open`] needs the feature `uinput`;
+//! without that feature, and on other systems, it returns an error that says what to do instead.
 
 #[cfg(any(not(all(feature = "uinput", target_os = "linux")), test))]
 mod absent;

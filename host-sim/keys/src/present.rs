@@ -1,4 +1,4 @@
-//! A keyboard of the Linux kernel, made through `/dev/uinput`. It vanishes when the program ends.
+//! A virtual keyboard of the Linux kernel, created through `/dev/uinput`. The keyboard vanishes when the program ends.
 
 use crate::{KeyPair, Keyboard, OPTION};
 use evdev::uinput::VirtualDevice;
@@ -108,7 +108,7 @@ mod tests {
         }
     }
 
-    /// Presses keys on a keyboard of the kernel and reads them back, where the system lets this test do so.
+    /// Presses keys on a keyboard of the kernel and reads them back, if the system permits it; otherwise the test passes.
     #[test]
     fn the_kernel_passes_presses_on() {
         let (up, down) = (KeyCode::KEY_F23, KeyCode::KEY_F24);

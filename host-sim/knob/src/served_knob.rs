@@ -97,8 +97,9 @@ impl ServedKnob {
         }
     }
 
-    /// Carries out an order from the terminal. `gap N` drops N telemetry records, `noise N` sends N random bytes, `volts V` changes
-    /// the supply, `pull` and `plug` disconnect and connect the cable. `turn DEGREES` and `press` set what the hand does.
+    /// Carries out an order from the terminal. `gap N` drops N telemetry records, `noise N` sends N meaningless bytes, `volts V`
+    /// sets the supply voltage, `pull` and `plug` disconnect and connect the cable. `turn DEGREES` makes the hand turn the knob
+    /// to this angle, `press` makes the hand press into the wall.
     pub fn suffer(&mut self, what: &str) {
         let (word, number) = what.trim().split_once(' ').unwrap_or((what.trim(), "0"));
         let number: f64 = number.parse().unwrap_or(0.0);

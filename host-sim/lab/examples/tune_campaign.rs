@@ -2,7 +2,7 @@
 //! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS] [AIM]`.
 //!
 //! LAWS are names of laws as in a scorecard, separated by commas. TICKS and SECOND TICKS limit the simulated control periods of
-//! the first search, and of a second one where the first finds no suitable wall. AIM is `rest` (the default) or `all`, see
+//! the first search, and of a second one if the first finds no suitable wall. AIM is `rest` (the default) or `all`, see
 //! [`Budget::for_all_measures`]. Results are appended to the file, one row per device and law; an interrupted campaign continues
 //! when started with the same arguments. At the end the program prints how many walls meet the limits under each law and under
 //! the best law of each device, and why the other walls do not.

@@ -1,7 +1,8 @@
 //! A results file to which a long job appends rows as they are finished, so that an interrupted job can continue.
 //!
-//! The file holds comma-separated values below a header, or is empty. Each batch of rows is written in one call, so an interruption
-//! tears at most the last line. The next program that opens the file removes a torn line and computes its row again.
+//! The file holds comma-separated values below a header, or is empty. Each batch of rows is written in one call, so an
+//! interruption leaves at most the last line incomplete. The next program that opens the file removes an incomplete line and
+//! computes its row again.
 
 use csv::{ReaderBuilder, WriterBuilder};
 use serde::Serialize;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::input;
 
-/// An open results file, locked against other programs where the operating system can do that.
+/// An open results file, locked against other programs if the operating system can lock files.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -104,7 +105,7 @@ impl Journal {
     }
 }
 
-/// Reads the rows below the header of a file that no program is writing; empty where the file does not exist.
+/// Reads the rows below the header of a file that no program is writing; empty if the file does not exist.
 ///
 /// # Errors
 /// The file cannot be read or holds rows of another format.

@@ -16,7 +16,7 @@ pub const FINGERTIP: f64 = 1e-4;
 pub struct Random(u64);
 
 impl Random {
-    /// Creates the generator of a seed; each seed gives an independent sequence of random numbers.
+    /// Creates the generator of a seed; different seeds give different sequences of random numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Self(seed);

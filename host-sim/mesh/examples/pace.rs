@@ -1,5 +1,6 @@
 //! Measures the computing time per tick (control period) of a mesh's proxy, the point that follows the hand on the surface. The
-//! meshes are balls with more and more triangles; the hand moves around 0.4 mm inside, and outside.
+//! meshes are balls of 20 mm radius with more and more triangles. The hand moves around the ball 0.4 mm inside the surface, then
+//! 0.4 mm outside.
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;

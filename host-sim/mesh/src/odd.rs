@@ -134,7 +134,7 @@ impl Mesh {
         let triangles = self.tree.triangles();
         let corners = |number: usize| triangles[number].map(|corner| places[corner as usize]);
         let mut found = Edges::default();
-        // Sorted lists instead of tables: a million triangles would take hundreds of megabytes.
+        // Sorted lists are used instead of hash tables, which would take hundreds of megabytes for a million triangles.
         let mut sorted: Vec<([u32; 3], u32)> = (0..triangles.len())
             .map(|number| {
                 let mut corners = corners(number);
@@ -169,8 +169,8 @@ impl Mesh {
             let there = edge.iter().filter(|way| **way & 1 == 1).count();
             let back = edge.len() - there;
             found.open += usize::from(edge.len() == 1);
-            // Where more than two triangles meet at an edge, as where solids touch, only the counts of both directions must be
-            // equal.
+            // If more than two triangles meet at an edge, for example where solids touch, only the counts of both directions must
+            // be equal. An odd number of triangles is not counted as irregular.
             found.same_way +=
                 usize::from(edge.len() > 1 && there != back && edge.len().is_multiple_of(2));
         }

@@ -2,9 +2,9 @@
 //!
 //! In every tick (control period) the proxy moves straight towards the hand. If a triangle on the way stops it, the proxy moves to
 //! the point closest to the hand that lies below none of the planes that stopped it. That point is on one plane, on the line where
-//! two meet, or in the corner of three. It repeats both steps, each time without the earlier planes, until nothing stops it. The
-//! proxy can therefore slide over an edge within a tick. However thin a plate is and however fast the hand, the proxy stays on its
-//! side of the plate.
+//! two meet, or in the corner of three. Both steps are repeated, each time without the earlier planes, until nothing stops the
+//! proxy. The proxy can therefore slide over an edge within a tick. However thin a plate is and however fast the hand, the proxy
+//! stays on its side of the plate.
 //!
 //! The proxy keeps a distance from planes, the [gap](Proxy::gap_m): a ten-millionth of the object's size, so that rounding never
 //! puts it behind a plane. Triangles are enlarged slightly at their edges, so that the proxy cannot slip through between two.
@@ -18,8 +18,8 @@ use parry3d_f64::math::Vector;
 const ROUNDS: usize = 6;
 /// Largest number of planes that may stop the proxy in a round.
 const PLANES: usize = 6;
-/// Distance by which a triangle is enlarged at its edges, as a multiple of the proxy's gap. It suffices for edges down to 15
-/// degrees.
+/// Distance by which a triangle is enlarged at its edges, as a multiple of the proxy's gap. It suffices for edges at which two
+/// triangles enclose an angle of at least 15°.
 const BESIDE_GAPS: f64 = 8.0;
 
 /// A plane below which the proxy may not go: `normal · x >= least` for the proxy's position `x`.

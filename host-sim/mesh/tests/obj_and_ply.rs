@@ -11,7 +11,7 @@ use std::path::Path;
 use stl::{block, damage, is_read_as};
 use touchstone_mesh::{MOST_TRIANGLES, Mesh, MeshError, Vector};
 
-/// Volume of [`slab`], m³.
+/// Volume of the block, m³.
 const VOLUME_M3: f64 = 0.12 * 0.12 * 0.02;
 
 /// Corners of a block in mm, and its six faces, counter-clockwise from outside.

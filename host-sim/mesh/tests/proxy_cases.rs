@@ -182,7 +182,7 @@ fn case_6_vertices_of_three_to_twelve_faces() {
         path.insert(0, mm(0.0, 0.0, 1.0));
         path.extend([mm(0., 0., -1.5), mm(0., 0., 1.0)]);
         let course = along(&mesh, &path, 100);
-        // The proxy is on the surface at every tick; the faces rise at 45 degrees.
+        // While the hand is inside, the proxy is not above the apex, which is the highest point of the surface.
         for (hand, proxy) in &course {
             let inside = apart(*hand, *proxy) > 0.0;
             assert!(!inside || 1e3 * proxy.z <= NEAR, "{faces} faces: {proxy}");

@@ -15,7 +15,7 @@ pub const MOST_OF_SCENE: u64 = 1_000_000;
 pub const MOST_OF_SETTINGS: u64 = 4_000_000;
 /// Largest size of a file of results or of a board's firmware, bytes.
 pub const MOST_OF_RESULTS: u64 = 64_000_000;
-/// Largest size of the cells of a sweep, bytes: some ten million cells.
+/// Largest size of a file of a sweep's cells (results), bytes: some ten million cells.
 pub const MOST_OF_CELLS: u64 = 1_000_000_000;
 /// Largest size of a recording, bytes.
 pub const MOST_OF_RECORDING: u64 = 200_000_000;

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// file.
 const PREFIX: &str = ".touchstone-";
 
-/// A temporary file beside an output, which is deleted on drop. The program locks the file while it uses it. The operating system
-/// unlocks it when the process ends in any way, so that an unlocked file was left by a killed process.
+/// A temporary file in the folder of an output; deleted on drop. The program locks the file while using it. The operating system
+/// unlocks the file when the process ends in any way, so that an unlocked file was left by a killed process.
 #[derive(Debug)]
 pub struct Beside {
     path: PathBuf,
@@ -43,7 +43,7 @@ impl Beside {
             let count = COUNT.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(name(&format!("{}.{count}", std::process::id())));
             let file = match File::create_new(&path) {
-                // A killed process with the same number left this name.
+                // A killed process with the same process number left a file of this name.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
                 created => created?,
             };
@@ -67,7 +67,7 @@ impl Beside {
             return Found::Unknown;
         };
         match file.try_lock() {
-            // Its process has deleted it in the meantime.
+            // Since the file was opened, the process that created it has deleted it.
             Ok(()) if path.symlink_metadata().is_err() => Found::InUse,
             Ok(()) => Found::Left(Self {
                 path: path.to_owned(),
@@ -117,7 +117,8 @@ fn is_special(path: &Path) -> bool {
 /// directly.
 ///
 /// # Errors
-/// [`ErrorKind::AlreadyExists`] for a file or link, wherever the link leads; [`ErrorKind::IsADirectory`] for a folder.
+/// [`ErrorKind::AlreadyExists`] for a file, and for a link that does not lead to a device or a pipe;
+/// [`ErrorKind::IsADirectory`] for a folder.
 pub fn is_free(path: &Path) -> Result<()> {
     match std::fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => Err(ErrorKind::IsADirectory.into()),
@@ -236,7 +237,7 @@ pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     File::create_new(path)
 }
 
-/// Folders of a path that do not exist, innermost first: those that creating the path's folder makes.
+/// Those of a folder and its parents that do not exist, innermost first.
 #[must_use]
 pub fn missing(folder: &Path) -> Vec<PathBuf> {
     let missing = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
@@ -251,7 +252,8 @@ pub fn remove_empty(folders: &[PathBuf]) {
     }
 }
 
-/// Creates a folder with its parents, and writes into it by `work`. If that fails, none of the new folders is left empty.
+/// Creates a folder with its parents, and calls `work`, which writes into the folder. If either fails, new folders that are empty
+/// are removed.
 ///
 /// # Errors
 /// The operating system's error, converted by `wrong`; the error of `work`.
@@ -334,14 +336,14 @@ mod tests {
         expected.sort_unstable();
         write(&folder.join("a"), "whole").unwrap();
         assert_eq!(names(&folder), expected);
-        // A file that grows at its place leaves none, but deletes what another command left.
+        // `begun` writes in place and creates no temporary file, but deletes those that killed processes left.
         fill();
         begun(&folder.join("a"), true).unwrap();
         assert_eq!(names(&folder), expected);
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// Tests that a link or a pipe with the name of a temporary file is neither opened nor deleted.
+    /// Tests that a link, a folder or a pipe with the name of a temporary file is neither opened nor deleted.
     #[cfg(unix)]
     #[test]
     fn only_a_file_is_taken_for_what_a_killed_process_left() {

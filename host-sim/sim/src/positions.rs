@@ -44,7 +44,7 @@ pub struct Place {
 }
 
 impl Positions {
-    /// Positions at this distance, the first at `origin_rad`.
+    /// Positions `pitch_rad` apart in both directions from position 0, which is at `origin_rad`.
     #[must_use]
     pub const fn every(pitch_rad: f64, origin_rad: f64) -> Self {
         Self {
@@ -58,7 +58,8 @@ impl Positions {
         }
     }
 
-    /// Positions at these rising angles, at most [`MOST_LISTED`], numbered from 0. `None` without an angle.
+    /// Positions at these rising angles, numbered from 0. Angles after the first [`MOST_LISTED`] are ignored. `None` without an
+    /// angle.
     #[must_use]
     pub fn at(angles_rad: &[f64]) -> Option<Self> {
         let (first, angles_rad) = (
@@ -96,8 +97,9 @@ impl Positions {
     }
 
     /// The positions of a scene's environment. They come from the first of these that acts: the listed detents, the equally spaced
-    /// detents, the torque profile, the clicks. In a profile with copies, the point of least energy of each copy is a position. In
-    /// a profile without copies, every angle at which the knob rests is one. `None` if nothing gives a position.
+    /// detents, the torque profile, the clicks. In a profile that is repeated around the turn, the point of least energy of each
+    /// copy is a position. In any other profile, every angle at which the knob rests is a position. `None` if nothing gives a
+    /// position.
     #[must_use]
     pub fn of(environment: &Environment) -> Option<Self> {
         let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
@@ -163,7 +165,7 @@ impl Positions {
         let before = self.now;
         let now = match before.map(|now| now as f64) {
             Some(now) if (way - now).abs() <= reach => now,
-            // The position that a slow turn to this angle would give. So the hysteresis also holds after a fast turn to a ridge.
+            // The position that a slow turn to this angle would give, so that the hysteresis also applies after a fast turn.
             Some(now) if way > now => (way - reach).ceil(),
             Some(_) => (way + reach).floor(),
             None => way.round(),
@@ -258,7 +260,7 @@ fn rests(profile: &TorqueProfile) -> Vec<f64> {
         profile.start_rad + share * (profile.end_rad - profile.start_rad)
     };
     let mut found = Vec::new();
-    // The last point that pushed upwards, with its torque, and the strongest push since the last rest.
+    // Index and torque of the last point with a positive torque, and the largest torque since the last point with a negative one.
     let (mut up, mut strongest) = (None, 0.0_f64);
     let mut pending: Option<f64> = None;
     for (i, torque) in profile.shape.iter().enumerate() {
@@ -341,7 +343,8 @@ mod tests {
         // A fast turn over several positions is reported as one change that counts all of them.
         let place = positions.take(7.9 * pitch).unwrap();
         assert_eq!((place.position, place.change), (8, 7));
-        // It ends just beyond a ridge; the hand then turns back over that ridge, and nothing changes.
+        // A fast turn that ends just beyond a ridge does not count the position behind that ridge. Turning back over the ridge
+        // then changes nothing.
         assert_eq!(positions.take(3.48 * pitch).unwrap().position, 4);
         assert_eq!(positions.take(8.51 * pitch).unwrap().position, 8);
         assert_eq!(positions.take(8.2 * pitch), None);
@@ -405,7 +408,7 @@ mod tests {
         let mut positions = Positions::of(&around).unwrap();
         assert_eq!(positions.numbers(), Some((0, 3)));
         assert_eq!(positions.take(-3.0).unwrap().position, 0);
-        // Each number changes at three quarters of its own gap.
+        // The number changes at three quarters of the gap between the two neighbouring angles.
         for (angle, wanted) in [
             (-0.3, None),
             (-0.2, Some(1)),
@@ -447,7 +450,7 @@ mod tests {
 
     #[test]
     fn a_profile_draws_to_its_deepest_place() {
-        // The profiles are a magnetic detent, a ridge in the middle like a plucked string, and a valley in the middle.
+        // The profiles are a magnetic detent, a ridge at point 3, and a valley in the middle.
         for (points, place) in [
             (&[0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0][..], 0.0),
             (&[0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0], 0.0),

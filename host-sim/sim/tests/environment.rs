@@ -88,7 +88,7 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
 
 #[test]
 fn each_of_several_walls_is_the_wall_of_its_own_scene() {
-    // One press into `wall2`, which stands in the place of the removed main wall, among a further wall and two end stops.
+    // `wall2` replaces the main wall at 0.5 rad; a third wall and two end stops are added, which the press does not reach.
     let scene = Scene::load("press-hold").unwrap();
     let alone = bits(&scene);
     let among = with(

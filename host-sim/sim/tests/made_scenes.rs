@@ -14,7 +14,7 @@ use std::time::Instant;
 /// Peak memory in MB that a campaign may need.
 const MEMORY_MB: f64 = 300.0;
 
-/// Peak memory of this process in MB; 0 where the system does not report it.
+/// Peak memory of this process in MB; 0 if the system does not report it.
 fn peak_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -80,7 +80,7 @@ fn campaign(number: usize, seed: u64) {
     assert!(runs > number / 10 && refused > number / 10 && long < number / 10);
 }
 
-/// Tests that scenes with extreme values end. Possible faults are an endless step of the plant and a panic where the plant
+/// Tests that scenes with extreme values end. Possible faults are an endless step of the plant, and a panic when the plant
 /// diverges.
 #[test]
 fn scenes_beyond_all_numbers_end() {

@@ -236,7 +236,8 @@ fn an_open_phase_leaves_two_in_series_and_exchanged_wires_turn_the_other_way() {
         let torque = 7.0 * GIMBAL.flux_linkage_wb * exact * (slope(from) - slope(into));
         assert!((now.torque_n_m - torque).abs() < 1e-6, "{now:?} {torque}");
     }
-    // Mirrored wires at a mirrored angle: the torque is mirrored, and each leg has the current of the other phase.
+    // Two wires are swapped and the angle has the other sign. The torque then has the other sign, and each leg has the same
+    // current as before.
     let mirrored = Wires {
         order: [0, 2, 1],
         ..Wires::RIGHT

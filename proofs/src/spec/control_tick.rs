@@ -78,9 +78,9 @@ pub trait Parts {
     fn is_beyond_reach(&mut self, e: i32) -> bool;
     /// Smallest force at which a tick counts as being at the force limit.
     fn force_limit(&self) -> i32;
-    /// Growth per tick of the factor by which the torque fades in, 2^-32.
+    /// Growth per tick of the factor by which the torque fades in, in units of 2^-32.
     fn fade_step(&self) -> u32;
-    /// Torque for a force; `share` is the factor by which the torque fades in, 2^-32, or `None` once it has faded in.
+    /// Torque for a force; `share` is the factor by which the torque fades in, in units of 2^-32, or `None` once it has faded in.
     fn torque(&mut self, force: i32, share: Option<u32>) -> i32;
     /// Drive command for a torque, given the rotor's position.
     fn drive(&mut self, torque: i32, rotor: &Rotor) -> Driven;

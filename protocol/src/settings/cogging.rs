@@ -1,11 +1,11 @@
-//! The map of a motor's cogging torque that a board stores. It is the current that holds the shaft against the cogging torque, over
-//! the encoder's own angle. The current is a sum of a few harmonics of a turn.
+//! The map of a motor's cogging torque that a board stores. The map is the current that holds the shaft against the cogging
+//! torque, as a function of the encoder's own angle. The current is a sum of a few harmonics of a turn.
 //!
-//! The map holds harmonics and not a table, because cogging has few harmonics: multiples of the least common multiple of slots and
-//! poles. Where slots or magnets differ, multiples of the number of slots or of poles are added. The harmonics take about a hundred
-//! bytes, and their mean over a turn is zero. The map holds currents and not torques: it is measured and applied as a current, so a
-//! wrong torque constant does no harm. Like a stored alignment a map is valid only for the hardware with which it was measured
-//! ([`super::kept`]).
+//! The map holds harmonics and not a table, because cogging has few harmonics: multiples of the least common multiple of slots
+//! and poles. If slots or magnets differ from one another, multiples of the number of slots or of poles are added. The harmonics
+//! take about a hundred bytes, and their mean over a turn is zero. The map holds currents and not torques: a current is measured
+//! and a current is applied, so a wrong torque constant does no harm. Like a stored alignment a map is valid only for the
+//! hardware with which it was measured ([`super::kept`]).
 
 use super::DeviceSettings;
 use super::kept::{MeasuredWith, Unkept};

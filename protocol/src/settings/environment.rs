@@ -83,9 +83,9 @@ pub struct ProfileBeside {
     pub start_rad: Decimal,
     /// Position of the last point, rad, for a profile that exists once.
     pub end_rad: Decimal,
-    /// The torque of a point with the largest value, N·m.
+    /// Torque of a point with the value 10,000, N·m.
     pub strength_n_m: Decimal,
-    /// The points of the profile, as fractions of the largest torque.
+    /// The points of the profile, in units of 1/10,000 of `strength_n_m`.
     pub shape: Points,
 }
 
@@ -319,7 +319,7 @@ impl Surround {
     ///
     /// # Errors
     /// The first setting that is refused.
-    // A separate function, so that the built object leaves the stack at its end.
+    // A separate function, so that the built object leaves the stack when the function ends.
     #[inline(never)]
     pub fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
         self.built(settings).map(drop)

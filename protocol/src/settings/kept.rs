@@ -277,7 +277,7 @@ mod tests {
             let mut other = settings.clone();
             change(&mut other);
             assert_eq!(start.usable(&other, board), Err(why));
-            // Back again, it holds again.
+            // With the original settings the stored alignment is usable again.
             assert!(start.usable(&settings, board).is_ok());
         }
         assert_eq!(

@@ -142,9 +142,10 @@ impl LawSettings {
 }
 
 impl DeviceSettings {
-    /// The first settings of a board. Most boards get the thesis' wall with a gimbal-type motor at 24 V; these values are valid but
-    /// are from no real motor's data sheet. The boards with the X-NUCLEO-IHM16M1 get a soft wall with their kit's motor at 12 V.
-    /// The SimpleFOC Mini gets no motor at all: the user has to enter its values.
+    /// The first settings of a board. The NUCLEO-G474RE with X-NUCLEO-IHM08M1 and the B-G431B-ESC1 get the shipped wall of 5
+    /// N·m/rad with a gimbal-type motor at 24 V; these values are valid but are from no real motor's data sheet. The boards with
+    /// the X-NUCLEO-IHM16M1 get a soft wall with their kit's motor at 12 V. The SimpleFOC Mini gets no motor at all: the user has
+    /// to enter its values.
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();

@@ -7,8 +7,8 @@
 //! name: kind(range) = default, "unit", "meaning";
 //! ```
 //!
-//! The kinds are those of the control law's table, and `u8` and `u16`. A name ends in its unit. The narrower limits of each board
-//! are in `Hardware` of the crate `touchstone_drive`.
+//! The kinds are those of the control law's table, plus `u8` and `u16`. A name ends in its unit. The narrower limits of each
+//! board are in `Hardware` of the crate `touchstone_drive`.
 
 use touchstone_control::choice;
 
@@ -39,7 +39,8 @@ choice! {
 macro_rules! device_settings {
     ($with:ident) => {
         touchstone_control::law_settings! { $with
-            // A sixth of a turn from the zero of the calibration, so that a knob is outside the wall just after a calibration.
+            // The default is a sixth of a turn from the zero of the calibration, so that a knob is outside the wall just after a
+            // calibration.
             own_wall {
                 surface_rad: number("-100", "100") = "1", "rad",
                     "the angle of the surface from the zero of the calibration (larger angles are inside the wall)";

@@ -1,9 +1,10 @@
 //! The first settings of a device without current sensors: supply and limits of the small gimbal knob, but no motor.
 //!
-//! Such a device makes torque by voltage, calculated from resistance and torque constant, so these two must not be guessed. They
-//! and the inductance have the smallest values of their ranges, which mean "not set". A calibration refuses these values; no motor
-//! for this board has them. The wall's control law is that of the scene file `scenes/voltage-knob.toml` (a test compares both). The
-//! law's force limit depends on the torque constant, so the user has to set it as well.
+//! Such a device makes torque by voltage, calculated from resistance and torque constant, so these two must not be guessed.
+//! Resistance, torque constant and inductance have the smallest values of their ranges, which mean "not set". A calibration
+//! refuses these values; no motor for this board has them. The wall's control law is that of the scene file
+//! `scenes/voltage-knob.toml` (a test compares both). The law's force limit depends on the torque constant, so the user has to
+//! set it as well.
 
 use super::gimbal_kit::{self, set};
 use super::{DeviceSettings, fields};

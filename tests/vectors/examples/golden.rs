@@ -1,5 +1,5 @@
 //! Prints a digest (hash of all results) for every case, number format and segment of the test vectors, calculated on this machine.
-//! Each is one line, in the format that the microcontroller's program prints.
+//! Each is one line, in the format of the microcontroller's program, but without the counted instructions.
 
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number, Position};
 use touchstone_vectors::space::{SPACE_CASES, play_space};

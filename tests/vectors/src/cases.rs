@@ -11,7 +11,7 @@ use touchstone_control::{
 pub struct Case {
     /// Short name of the case, without spaces.
     pub name: &'static str,
-    /// The settings of the control law: the defaults with the change that the case's name states.
+    /// The settings of the control law: those of the thesis with the change that the case's name states.
     pub settings: Settings,
 }
 

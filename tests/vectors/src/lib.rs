@@ -21,7 +21,7 @@ pub const COUNTS_PER_TURN: u32 = 40_000;
 /// Position of the wall's surface, rad; not a whole number of encoder counts.
 pub const SURFACE: Si = Si::lit("0.5");
 
-/// What runs the control periods of a case, and gets the digests. It may read a clock around each period.
+/// Runs the control periods of a case, and gets the digests. An implementation may read a clock around each period.
 pub trait Machine<N: Number> {
     /// Converts an encoder count to a penetration.
     fn penetration(&mut self, scale: &CountScale, count: i64) -> Position<N>;

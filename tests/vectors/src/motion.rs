@@ -1,6 +1,7 @@
-//! The motion of the test vectors in encoder counts. It contains a hand's motion, an encoder's worst readings, and faulty readings.
+//! The motion of the test vectors in encoder counts. It contains motions of a hand, random counts at the wall's surface, jumps as
+//! from a faulty encoder, and the ends of all ranges.
 
-/// The last encoder count outside the wall. Its surface is at 0.5 rad, which is 3183.1 counts.
+/// The last encoder count outside the wall. The wall's surface is at 0.5 rad, which is 3183.1 counts.
 const OUTSIDE: i64 = 3183;
 
 /// A segment of the motion of the test vectors.
@@ -70,8 +71,8 @@ impl Motion {
         (*random >> 33) as i64 % (2 * size + 1) - size
     }
 
-    /// The encoder count of presses to depths of 1 to 1000 counts from 50 counts outside, with two counts of noise. 1000 counts are
-    /// 157 mrad, where the force is at its limit.
+    /// The encoder count of presses to depths of 1 to 1001 counts from 50 counts outside, with two counts of noise. 1000 counts
+    /// are 157 mrad, where the force is at its limit.
     fn presses(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(500) {
             self.height = 501 + self.whole(500);
@@ -90,7 +91,7 @@ impl Motion {
         OUTSIDE + triangle(tick, 2000, 1000) / 16
     }
 
-    /// The encoder count of a random motion over the wall's surface: between one count outside the wall and two inside.
+    /// A random encoder count at the wall's surface: the last count outside the wall, or one of the first two inside.
     fn surface(&mut self, _: u32) -> i64 {
         OUTSIDE + (1 + self.whole(1)) / 2 + self.whole(1).max(0)
     }
@@ -101,14 +102,14 @@ impl Motion {
         OUTSIDE - 8 + triangle(tick, 2 * period, 10) + self.whole(1)
     }
 
-    /// The encoder count of a random walk with steps of up to 60 counts, which is pushed back towards the wall's surface.
+    /// The encoder count of a random walk with steps of up to 60 counts, which is drawn back to 100 counts inside the wall.
     fn wander(&mut self, _: u32) -> i64 {
         self.depth += self.whole(60) - self.depth / 16;
         OUTSIDE + 100 + self.depth
     }
 
-    /// The encoder count of hammer taps: a jump by up to 3000 counts, in or out, in one control period, and a return over the next
-    /// five.
+    /// The encoder count of hammer taps: a jump by up to 3000 counts, in or out, in one control period, a return over the next
+    /// five, and a sixth period beyond the start by a fifth of the jump.
     fn taps(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(7) {
             self.height = self.whole(3000);
@@ -121,8 +122,8 @@ impl Motion {
         self.whole(52_000)
     }
 
-    /// Extreme encoder counts: the ends of the ranges of counts, angles and both number formats, two counts to either side, and the
-    /// wall's surface in between.
+    /// Extreme encoder counts: the ends of the ranges of counts, angles and both number formats, with up to two counts of noise,
+    /// and the wall's surface and other counts in between.
     fn extremes(&mut self, tick: u32) -> i64 {
         const ENDS: [i64; 12] = [
             i64::MAX,
@@ -141,7 +142,7 @@ impl Motion {
             0,
         ];
         let near = self.whole(2);
-        // First each end after each other, then at random.
+        // First all ends in a fixed order, then at random.
         let index = if tick < 500 {
             i64::from(tick) * 5
         } else {

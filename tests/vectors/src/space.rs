@@ -123,7 +123,7 @@ pub fn space_wall(case: &str) -> Option<Wall> {
     Some(wall)
 }
 
-/// A hand whose press grows and shrinks while it walks around, in encoder counts of 10 µm.
+/// A hand that presses and releases while it moves at random. `at` is in quarters of an encoder count of 10 µm.
 struct Hand {
     seed: u32,
     at: [i32; 3],
@@ -137,7 +137,7 @@ impl Hand {
                 .seed
                 .wrapping_mul(1_664_525)
                 .wrapping_add(1_013_904_223);
-            // Up to two counts per tick, drawn back to the middle.
+            // Up to half an encoder count (2 quarters) per tick, drawn back to the middle.
             let step = ((self.seed >> 24) as i32 - 128) / 43;
             *axis = axis.wrapping_add(step).wrapping_sub(*axis / 256);
         }
@@ -161,7 +161,7 @@ impl Hand {
 }
 
 /// Runs a three-axis case; `tick` runs each control period. Returns the digest (hash) of all forces. `None` if the wall's settings
-/// are refused or the wall hardly ever pushes.
+/// are refused, or if the wall pushes in no more than half of the control periods.
 pub fn play_space(
     case: &str,
     mut tick: impl FnMut(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,

@@ -9,8 +9,9 @@
 //! Other proofs do not need the model checker:
 //! - The theorems about sequences of control periods ([`coq`]) need Coq.
 //! - The integer obligations, lemmas on which some harnesses rest, need two solvers.
-//! - Properties with few inputs ([`every`]) need neither.
-//! - The machine code of a board ([`elf`]) has its own command. If the model checker is not installed, it is run on samples.
+//! - Properties with few inputs ([`every`]) need no further program.
+//! - The machine code of a board ([`elf`]) has its own command. If the model checker is not installed, the machine code runs on
+//!   sample inputs, without a proof.
 
 pub mod allocator;
 pub mod checker;

@@ -15,7 +15,7 @@ from ._text import text
 
 #: States in which the motor may move the shaft.
 ON = ("armed", "calibrating")
-#: Columns of a record that are words; the others are numbers.
+#: Columns of a record that are texts, and columns that are whole numbers; all others are decimal numbers.
 WORDS = ("state", "fault", "limits")
 COUNTS = ("tick", "count", "cycles", "lateness_cycles")
 #: Time between two looks for new records, s.
@@ -116,7 +116,8 @@ class Board:
         of this board may run meanwhile: a port has one user.
         """
         with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
-            # A file, because a loop that is slower than the board must not hold up the program: its silence would switch the board off.
+            # A file, because a full pipe would block the program if the caller's loop is slow. A blocked program sends no
+            # requests, and the board would switch off.
             file, said = Path(folder) / "records.csv", Path(folder) / "errors.txt"
             words = ["monitor", *self._place(), "--csv", str(file), "--decimation", str(decimation)]
             if seconds is not None:
@@ -162,7 +163,7 @@ def _records(process: subprocess.Popen[bytes], file: Path) -> Iterator[dict[str,
         names: list[str] = []
         begun = ""
         while True:
-            # Asked before reading, so that what the monitor wrote last is read, too.
+            # Checked before reading, so that the last rows of a monitor that has ended are read, too.
             ended = process.poll() is not None
             begun += rows.read()
             *lines, begun = begun.split("\n")

@@ -30,7 +30,7 @@ def campaign(
     An executor gets the content of a scene file, so that the worker may be another machine. Other paths in a call, such as ``settings=``, are
     those of the worker's machine.
     """
-    # On this machine a scene file is read where it is.
+    # Without an executor all calls run on this machine, and each call reads its scene file itself.
     sent = [_sent(call) if executor else (dict(call), "", None) for call in calls]
     done: dict[int, Any] = {}
 

@@ -115,7 +115,7 @@ class GuardedDevice:
             position = self._read()
             if not age_s <= self.stale_after_s:
                 wanted, self.stale_steps = 0.0, self.stale_steps + 1
-            # Checked here, because `min` and `max` would turn it into the force limit.
+            # Checked here, because `min` and `max` would turn NaN into the force limit.
             if math.isnan(wanted):
                 raise ValueError("wanted is not a number")
             wanted = max(-self.force_limit, min(self.force_limit, wanted))

@@ -77,7 +77,7 @@ class HapticDevice:
         except RuntimeError as why:
             raise Failed(str(why), 1) from None
         self._inner = inner
-        # Also at the end of Python, which otherwise would stop the thread with a force on.
+        # Closes the device also when Python ends. Otherwise Python would stop the thread while a force acts.
         self._end = weakref.finalize(self, inner.close)
 
     def send_force(self, force_n: Sequence[float] | Array, age_s: float = 0.0) -> None:

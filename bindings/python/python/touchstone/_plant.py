@@ -80,7 +80,7 @@ class SpaceWall(_native.SpaceWall):
 
 
 def _of_three(scene: Any) -> Scene:
-    # The program would print a scene of one axis as well; this names the mistake.
+    # `touchstone run --print` also accepts a scene of one axis, so that a missing `dof` is reported here.
     if isinstance(scene, dict) and "dof" not in scene:
         raise Mistake("dof: the scene has no such field; give dof = 3, or use Plant and Law for one axis", 2)
     given: Scene = scene

@@ -70,7 +70,7 @@ def _guard() -> Guard:
         force_limit_n_m=MOTOR_TORQUE_N_M,
         count_rad=COUNT_RAD,
         damping_n_m_s_per_rad=DAMPING_N_M_S_PER_RAD,
-        # In the simulation a torque acts from the moment at which its position is read.
+        # In this simulation there is no delay: a torque acts from the moment of the reading that it is calculated from.
         delay_s=0.0,
         overspeed_rad_per_s=FASTEST_RAD_PER_S,
     )

@@ -10,7 +10,7 @@ import numpy
 from ._native import Guard
 from ._wall import Wall
 
-#: The laws from the cheapest to the one that ships. The first is the law alone: no estimator, no guard.
+#: Walls from the least computing time to the shipped one. The first has neither estimator nor guard.
 WALLS: dict[str, dict[str, Any]] = {
     "spring alone": {"law.kind": "spring", "law.states": "measured", "law.guard.on": False},
     "damped spring with guard": {"law.kind": "spring-damper", "law.states": "measured"},

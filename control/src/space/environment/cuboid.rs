@@ -5,8 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box with faces perpendicular to the coordinate axes. The depth that it reports is exact for a point inside; for one outside
-/// the error is less than one step of the number format.
+/// A box with faces perpendicular to the coordinate axes. The reported depth is exact for a point inside; for a point outside its
+/// error is less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.
@@ -33,7 +33,7 @@ impl<N: Spatial> Surface<N> for Cuboid<N> {
         let sides = from.0.into_iter().zip(side.0);
         for (axis, (gap, (x, side))) in gaps.into_iter().zip(sides).enumerate() {
             if gap < nearest.depth {
-                // In the middle of the box the side of the last tick stays.
+                // In the middle between two faces the side of the last tick stays.
                 let x = if x == Position::zero() {
                     Position(side)
                 } else {

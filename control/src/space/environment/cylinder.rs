@@ -6,8 +6,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A cylinder with flat ends. The error of the depth that it reports is less than one step of the number format, and less than four
-/// at the rim.
+/// A cylinder with flat ends. The error of the reported depth is less than one step of the number format, and less than four
+/// steps at the rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
     /// Centre of the cylinder.

@@ -5,9 +5,9 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// The body that lies below all of its planes. Inside, the depth is right within a step of the number format. Outside, the depth is
-/// measured from the plane that the point is furthest above; near an edge the distance to the body is larger. Planes may coincide,
-/// and a plane without a direction is ignored.
+/// The body that lies below all of its planes. Inside, the error of the depth is at most a step of the number format. Outside,
+/// the depth is measured from the plane that the point is furthest above; near an edge the true distance to the body is larger.
+/// Planes may coincide, and a plane without a direction is ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facets<'a, N: Spatial> {
     /// The planes that bound the body.

@@ -1,9 +1,9 @@
 //! Virtual objects. Each gives its closest surface point, and the distance to its surface along a direction.
 //!
-//! Each request passes the outward direction to the surface point of the last tick. That direction decides where several points are
-//! equally close (the centre of a sphere, the diagonal of a box). It also says from which side of a thin plate the hand's point
-//! (HIP) came. Distances are right to a few steps of the number format; each object's documentation gives its error. Lengths are in
-//! the device's [unit](super::LengthUnit), and coordinates are at most a quarter of the format's range.
+//! Each request passes the outward direction to the surface point of the last tick. If several points are equally close (at the
+//! centre of a sphere, on the diagonal of a box), that direction decides. It also says from which side of a thin plate the hand's
+//! point (HIP) came. Distances have errors of a few steps of the number format; each object's documentation gives its error.
+//! Lengths are in the device's [unit](super::LengthUnit), and coordinates are at most a quarter of the format's range.
 
 mod cuboid;
 mod cylinder;
@@ -39,7 +39,7 @@ pub trait Surface<N: Spatial> {
     /// The surface point closest to the position `at`. `side` is the outward direction of the last tick.
     fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N>;
 
-    /// Distance from a point inside to the surface along a direction; `None` where that direction does not lead out of the object.
+    /// Distance from a point inside to the surface along a direction; `None` if that direction does not lead out of the object.
     fn exit(
         &self,
         at: Vector<Position<N>>,
@@ -47,18 +47,19 @@ pub trait Surface<N: Spatial> {
         side: &Direction<N>,
     ) -> Option<Position<N>>;
 
-    /// Calls `visit` with each fixed direction in which the closest surface point can lie, such as a face's normal. It may leave
-    /// out the direction of the closest point, which the caller also tries.
+    /// Calls `visit` with each fixed direction in which the closest surface point can lie, such as a face's normal. The direction
+    /// of the closest point may be left out, because the caller tries it anyway.
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>));
 
-    /// Whether, from any point inside, a direction nearer to that of the closest surface point always is a shorter way out. Then
-    /// only the direction to the closest point needs to be tried.
+    /// Whether from any point inside the way out becomes shorter, the nearer its direction is to that of the closest surface
+    /// point. Then only the direction to the closest point needs to be tried.
     fn is_round(&self) -> bool {
         false
     }
 }
 
-/// Distance to a plane along a slanted direction, `length / cosine`; `None` where the direction does not lead out.
+/// Distance to a plane along a slanted direction, `length / cosine`, from the distance `length` along the plane's normal; `None`
+/// if the direction does not lead out.
 fn slanted<N: Spatial>(length: Position<N>, cosine: N::Signal) -> Option<Position<N>> {
     (Position::<N>(cosine) > Position::zero()).then(|| Position(N::share(length.0, N::ONE, cosine)))
 }
@@ -74,7 +75,7 @@ pub enum Shape<N: Spatial> {
     Cuboid(Cuboid<N>),
     /// A cylinder along a coordinate axis.
     Cylinder(Cylinder<N>),
-    /// A thin plate that holds the hand's point on the side from which it came.
+    /// A thin plate that keeps the hand's point on the side from which the point came.
     Plate(Plate<N>),
     /// A convex edge: the body that lies below both of two planes.
     Edge(Edge<N>),

@@ -5,8 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// The half-space below a plane. The depth that it reports is right within one step of the number format, and exact where the
-/// normal is a coordinate axis.
+/// The half-space below a plane. The error of the reported depth is at most one step of the number format; the depth is exact if
+/// the normal is a coordinate axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
     /// The normal of the plane, out of the object.

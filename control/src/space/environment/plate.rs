@@ -5,8 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A plate perpendicular to a coordinate axis. It keeps the hand's point (HIP) on the side from which it came, for any depth of a
-/// press and any displacement per tick. The HIP reaches the other side only around the plate's rim.
+/// A plate perpendicular to a coordinate axis. The plate keeps the hand's point (HIP) on the side from which the HIP came, for
+/// any depth of a press and any displacement per tick. The HIP reaches the other side only around the plate's rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate<N: Spatial> {
     /// The body of the plate.

@@ -5,7 +5,7 @@ use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 use crate::{Energy, Force, Position};
 
-/// A ball. The depth that it reports for the hand's point is too large by less than one step of the number format.
+/// A ball. The reported depth of the hand's point is too large by less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<N: Spatial> {
     /// Centre of the sphere.
@@ -37,8 +37,8 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
     }
 }
 
-/// The outward direction for a point at the ball's centre, where all surface points are equally close: that of the last tick, or up
-/// if there was none.
+/// The outward direction for a point at the ball's centre, where all surface points are equally close: that of the last tick, or
+/// along z if there was none.
 #[cold]
 fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     if side.0 == [N::Signal::default(); 3] {

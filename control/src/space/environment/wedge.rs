@@ -29,8 +29,8 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// The height over the first plane after a displacement `way` towards the second plane. `height` is the height over the first
-    /// plane before.
+    /// The height over one plane after a displacement `way` towards the other plane. `height` is the height before that
+    /// displacement.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }
@@ -60,7 +60,8 @@ impl<N: Spatial> Surface<N> for Edge<N> {
         if second > zero && self.beyond(first, second) <= zero {
             return of(other, second);
         }
-        // The edge itself is closest. The vector from the edge is perpendicular to it and has these heights over both planes.
+        // The edge itself is closest. The vector from the edge to the point is perpendicular to the edge and has the heights
+        // `first` and `second` over the two planes.
         let part = |height, way| {
             Position(N::share(
                 self.beyond(height, way).0,
@@ -92,8 +93,8 @@ impl<N: Spatial> Surface<N> for Edge<N> {
     }
 }
 
-/// A concave corner: the body that lies below at least one of two planes. If the hand's point (HIP) is pressed into it, it is held
-/// on the crease, and the force lies in the plane of both normals.
+/// A concave corner: the body that lies below at least one of two planes. A hand's point (HIP) that is pressed into the corner
+/// stays at the crease, and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
     /// The free space above both planes, treated as an edge: the corner's surface is the edge's, seen from the other side.
@@ -101,7 +102,7 @@ pub struct Corner<N: Spatial> {
 }
 
 impl<N: Spatial> Corner<N> {
-    /// The corner of two planes. Its error is that of [`Edge`].
+    /// The corner of two planes. Depths have the error that [`Edge::new`] states.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         Self {
@@ -124,8 +125,8 @@ impl<N: Spatial> Surface<N> for Corner<N> {
         along: &Direction<N>,
         _: &Direction<N>,
     ) -> Option<Position<N>> {
-        // The free space is above both planes, so the longer of the two ways leads there. Where the point is above one plane
-        // already, it must stay above.
+        // The free space is above both planes, so the longer of the two ways leads there. If the point is above one plane
+        // already, it must stay above that plane.
         let mut longest = Position::zero();
         for plane in &self.free.planes {
             let below = plane.above(at);

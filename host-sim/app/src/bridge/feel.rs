@@ -77,6 +77,9 @@ pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     }
 }
 
+/// Largest hysteresis of a position with detents, as a fraction of the distance between two detents.
+const MOST_HYSTERESIS: f64 = 0.49;
+
 /// Translates a SmartKnob's configuration to an environment (detents, end stops) in which `position` is at the angle `centre_rad`.
 /// The configuration must have passed [`refused`].
 pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Strength) -> Played {
@@ -88,7 +91,17 @@ pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Str
     let torque = detent_torque(config, width, strength, &mut notes);
     let is_magnetic = !config.detent_positions.is_empty();
     let mut positions = Positions::every(width, place(0));
-    positions.hysteresis = (f64::from(config.snap_point) - 0.5).min(0.49);
+    positions.hysteresis = f64::from(config.snap_point) - 0.5;
+    // A SmartKnob's detents move with its present position. The detents here stay, so from a snap point of 1 on the knob could rest in
+    // a detent under its neighbour's number.
+    if torque > 0.0 && positions.hysteresis > MOST_HYSTERESIS {
+        positions.hysteresis = MOST_HYSTERESIS;
+        notes.push(format!(
+            "the position changes at {} of the way to the next detent instead of {}",
+            0.5 + MOST_HYSTERESIS,
+            config.snap_point
+        ));
+    }
     positions.ends = bounds.map(|[first, last]| (first, last));
     let ends = bounds.filter(|_| config.endstop_strength_unit > 0.0);
     Played {
@@ -188,4 +201,38 @@ fn magnetic(
 
 fn decimal(value: f64) -> Decimal {
     Decimal(Si::saturating_from_num(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A snap point beyond the distance of two positions holds where no detent pulls, and is shortened with a note where one does.
+    #[test]
+    fn a_snap_point_beyond_the_next_detent_is_shortened_and_noted() {
+        let strength = Strength {
+            detent_n_m_per_rad: 1.0,
+            endstop_n_m_per_rad: 1.0,
+            most_n_m: 0.1,
+        };
+        for (detent_strength_unit, snap_point, hysteresis, notes) in [
+            (0.0, 1.1, 0.6, 0),
+            (1.0, 1.1, 0.49, 1),
+            (1.0, 0.75, 0.25, 0),
+        ] {
+            let config = KnobConfig {
+                max_position: -1,
+                position_width_radians: 0.1,
+                detent_strength_unit,
+                snap_point,
+                ..KnobConfig::default()
+            };
+            let played = played(&config, 0, 0.0, strength);
+            assert!(
+                (played.positions.hysteresis - hysteresis).abs() < 1e-6,
+                "{snap_point}"
+            );
+            assert_eq!(played.notes.len(), notes, "{:?}", played.notes);
+        }
+    }
 }

@@ -26,13 +26,13 @@ use touchstone_protocol::{DeviceCommand, DeviceSettings, Reply, Request, Telemet
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::positions::Positions;
 
-/// Shortest time between two state messages to the program, if the state keeps changing. Without changes one is sent every
-/// `PERIOD`. Both times are those of a SmartKnob.
+/// Shortest time between two state messages to the program, if the state keeps changing. Without changes a message is sent every
+/// `PERIOD`. A SmartKnob uses the same two times.
 const LEAST: Duration = Duration::from_millis(5);
 const PERIOD: Duration = Duration::from_secs(5);
 /// Telemetry records per second that this command requests from the board. It reads the position from them.
 const RECORDS_PER_S: u32 = 250;
-/// Largest number of bytes of a line of text for a person.
+/// Largest length of the text in a SmartKnob `Log` message to the program, bytes. A longer text is cut.
 const MOST_LOG: usize = 255;
 
 /// Options of the command `touchstone bridge`.

@@ -29,7 +29,8 @@ use touchstone_world::plant::OMEGA3;
 /// The virtual object in the device's workspace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Scenery {
-    /// A floor or a slope through the workspace's centre, or a ball of 30 mm around it; with its name on the command line.
+    /// A floor or a slope through the workspace's centre, or a ball with a radius of 30 mm around the centre. Holds the object's
+    /// name on the command line, too.
     Known(&'static str, Object),
     /// A mesh around the workspace's centre, from a file.
     Mesh(PathBuf),
@@ -87,8 +88,8 @@ pub struct Options {
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
-    /// Writes every control period as CSV; needs --seconds.
-    #[arg(long, value_name = "FILE", requires = "seconds")]
+    /// Writes every control period as CSV; needs --seconds, or --programme scorecard.
+    #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Runs a simulated device faster than real time.
     #[arg(long)]
@@ -137,7 +138,10 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         });
     }
     let command = crate::command_line();
-    options.scored.check(simulated, options.seconds)?;
+    let seconds = options.seconds;
+    options
+        .scored
+        .check(simulated, seconds, options.csv.is_some())?;
     let csv = options.csv.as_deref().map(|path| Named {
         path,
         option: "--csv",

@@ -74,7 +74,8 @@ pub struct ScoreOptions {
 
 impl ScoreOptions {
     /// Refuses options that contradict each other or the device.
-    pub fn check(&self, simulated: bool, seconds: Option<f64>) -> Result<()> {
+    pub fn check(&self, simulated: bool, seconds: Option<f64>, csv: bool) -> Result<()> {
+        let recorded = if self.out.is_some() { "--out" } else { "--csv" };
         let wrong = |option: &str, problem: &str, fix: &str| {
             Err(Error::Option {
                 option: option.into(),
@@ -98,8 +99,8 @@ impl ScoreOptions {
                 "is for the scorecard's programme",
                 "add --programme scorecard",
             ),
-            HandProgramme::Explore if self.out.is_some() && seconds.is_none() => wrong(
-                "--out",
+            HandProgramme::Explore if (self.out.is_some() || csv) && seconds.is_none() => wrong(
+                recorded,
                 "records every control period, so it needs a duration",
                 "add --seconds",
             ),
@@ -171,8 +172,8 @@ impl PlayedOnDevice<'_> {
             })
             .collect();
         let rate_hz = self.settings.law.rate_hz;
-        // The depth is least certain in a direction that is equally far from all three axes. Where the normal turns, this direction
-        // is assumed.
+        // The depth is least certain along a direction with equal angles to all three axes. Without a programme the surface's
+        // normal may vary, so this direction is assumed.
         let least_sure = [1.0 / 3.0_f64.sqrt(); 3];
         let stiffness = self.turn.map_or_else(
             || stiffness(self.sheet, self.settings, least_sure),

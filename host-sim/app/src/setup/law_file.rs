@@ -1,4 +1,4 @@
-//! Reads the tuned law's settings from their file, and corrects the energy guard's settings where they assume a better device than
+//! Reads the tuned law's settings from their file, and corrects the energy guard's settings if they assume a better device than
 //! the board.
 
 use super::kept::io;
@@ -25,7 +25,8 @@ pub(super) fn with_knob(
     let law = touchstone_sim::input::text(law_file, touchstone_sim::input::MOST_OF_SETTINGS)
         .map_err(|error| io(law_file, &error))?;
     let (told, lines) = toml_file::read(&law, law_file, &settings)?;
-    // Only settings of the law: another encoder or drive in the file would be a better device than the board's.
+    // Only the tables `timing`, `wall` and `law` are used. Settings of encoder or drive in the file could describe a better
+    // device than this board.
     let is_of_law = |path: &str| {
         let table = path.split('.').next();
         matches!(table, Some("timing" | "wall" | "law"))

@@ -99,7 +99,8 @@ impl Fake {
         use serialport::{SerialPort, TTYPort};
         let (mut master, slave) = TTYPort::pair().unwrap();
         let address = slave.name().unwrap();
-        // A pseudo-terminal that no program has open reads as ended. One that is open as a serial port cannot be opened again.
+        // If no program has the pseudo-terminal open, reading it reports the end of the file. If it is open as a serial port, no
+        // other program can open it. So it is kept open as a plain file.
         let held = std::fs::File::options()
             .read(true)
             .write(true)

@@ -110,7 +110,7 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
          attach --chip STM32G431CBUx own.elf\n\
          attach --chip STM32G431CBUx --probe 0483:374e own.elf\n"
     );
-    // In one case `probe-rs` ends on its own, in the other one it is ended.
+    // In the first case `probe-rs` ends with exit code 3. In the second case `touchstone log` ends it after 0.2 s.
     script(&here.join("bin"), "probe-rs", "exit 3");
     run(&here, &log).failed(1, &["exit status: 3"]);
     script(&here.join("bin"), "probe-rs", "exec /bin/sleep 60");

@@ -34,7 +34,7 @@ def columns(path):
     return found, decimal
 
 
-# Columns of counts: whole numbers in every row. Every other column of numbers is one of decimals.
+# Columns with whole numbers in every row. Every other column of numbers has decimal numbers.
 COUNTS = {"tick", "looks", "tick_low_16_bits", "cell", "count", "cycles", "lateness_cycles", "limits_bits", "timing.rate_hz"}
 
 
@@ -53,7 +53,7 @@ def without_point(path):
 def pandas_reads(path):
     import pandas
 
-    # Today's reader is exact by itself, and says so to whoever asks for it.
+    # From version 3 on, pandas reads exactly by default, and warns about this option.
     EXACT = {} if int(pandas.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
     table = pandas.read_csv(path, comment="#", **EXACT)
     return {name: (table[name].dtype.kind == "f", table[name].tolist()) for name in table}
@@ -69,7 +69,7 @@ def polars_reads(path):
 def duckdb_reads(path):
     import duckdb
 
-    # The many-threaded reader gives rows in the file's order; comments are recognised by themselves.
+    # DuckDB keeps the file's order of rows also with several threads, and detects comment lines itself.
     table = duckdb.sql(f"select * from read_csv('{path}')")
     rows = table.fetchall()
     kinds = [str(kind) for kind in table.types]
@@ -106,13 +106,15 @@ def r_reads(path):
 
 
 def calc_reads(path):
-    # A cell of a spreadsheet is a number or a text; its flat file has every number in full.
+    # LibreOffice converts the table to its flat XML file (fods). There a cell is a text or a number, and a number has more digits
+    # than LibreOffice displays.
     import xml.etree.ElementTree as tree
 
     with tempfile.TemporaryDirectory() as folder:
         place = os.path.join(folder, "table.csv")
         shutil.copy(path, place)
-        # Comma, double quotes, UTF-8, from the first line, English (United States), numbers are recognised.
+        # Options of the CSV import: separator comma, double quotes, UTF-8, from line 1, English (United States), numbers are
+        # detected.
         rule = "--infilter=CSV:44,34,76,1,,1033,false,true,false"
         profile = f"-env:UserInstallation=file://{folder}/profile"
         subprocess.run(
@@ -139,7 +141,8 @@ def calc_reads(path):
     return {name: (True, [number(cell) for cell in column(at)]) for at, name in enumerate(head)}
 
 
-# A spreadsheet takes minutes for a larger file, and finds no more in it: it infers no type of a column.
+# Largest file that LibreOffice reads here, bytes. A larger file would take minutes and test nothing more, because LibreOffice
+# infers no type of a column.
 MOST_IN_CALC = 4_000_000
 
 

@@ -132,7 +132,7 @@ impl Inverse3 {
         Ok(inverse)
     }
 
-    /// Reads the first device states. They tell which device it is, whether it is calibrated, and at which rate states arrive.
+    /// Reads the first device states, from which follow the device's name, whether it is calibrated, and the rate of the states.
     fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
         let first = self.state()?;
         if !first.standing.calibrated {
@@ -198,8 +198,8 @@ impl Inverse3 {
         sent.map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Waits for one state for each command that has had none. The last command ends the force, which may act until its state
-    /// arrives.
+    /// Waits for one state for each command that has had none. The last command ends the force, which may still act until the
+    /// state that follows this command arrives.
     fn confirmed(&mut self) -> Result<(), HapticFault> {
         while self.unanswered > 0 && !self.broken {
             self.state()?;
@@ -249,7 +249,8 @@ impl HapticDevice for Inverse3 {
 
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
         self.say(if self.engaged { force_n } else { [0.0; 3] })?;
-        // What the device does with a larger force is unknown, so the loop stays below the assumed limit.
+        // A force above the assumed limit is reported as saturated, because what the device does with it is unknown. The servo
+        // loop commands no such force.
         Ok(match length(force_n) > FORCE_N * (1.0 + 1e-9) {
             true => Applied::Saturated(None),
             false => Applied::Whole,

@@ -33,11 +33,11 @@ pub struct DataSheet {
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
-    /// Time from measuring a position until the force calculated from it acts, s; assumed where it was not measured.
+    /// Time from measuring a position until the force calculated from it acts, s; assumed if it was not measured.
     pub delay_s: f64,
-    /// Mass and damping of each axis, where published or measured.
+    /// Mass (kg) and damping (N·s/m) of each axis; `None` if they are neither published nor measured.
     pub axes: Option<[Device; 3]>,
-    /// Least damping in the workspace in any direction, N·s/m, where published or measured.
+    /// Least damping in the workspace in any direction, N·s/m; `None` if it is neither published nor measured.
     pub least_damping_n_s_per_m: Option<f64>,
     /// Whether [`HapticDevice::sense`] waits for the device, so that the device sets the rate of the servo loop.
     pub sets_the_pace: bool,

@@ -1,4 +1,4 @@
-//! A histogram of the lateness of the servo loop's control intervals (ticks). Counting one costs only an addition.
+//! A histogram of the lateness of the servo loop's control intervals (ticks).
 
 /// Upper limits of the histogram's classes, µs. The last class has no upper limit.
 const ENDS_US: [f64; 13] = [

@@ -1,5 +1,5 @@
 //! A test's access to the mock library that the program has loaded: it plans faults and reads what the mock recorded.
-#![allow(unsafe_code)] // To load the library a second time, which gives the same one.
+#![allow(unsafe_code)] // To load the library: if the program has loaded the same file, both use one instance.
 
 use crate::machine::machine;
 use libloading::Library;

@@ -8,12 +8,17 @@ use std::ffi::{c_char, c_int, c_uchar, c_ushort};
 use std::ptr;
 use touchstone_world::plant::OMEGA3;
 
+const SET_FORCE: &str = "dhdSetForce";
+
 /// A library call that needs the open device. Runs `does`, unless the fault plan makes the call fail.
 fn of_device(call: &'static str, does: impl FnOnce(&mut Machine, u64) -> c_int) -> c_int {
     let mut machine = machine();
     let entered = machine.enter(call);
     match (machine.open, entered.error) {
-        (false, _) => failed(NO_DEVICE),
+        (false, _) => {
+            machine.noted.late_forces += u64::from(call == SET_FORCE);
+            failed(NO_DEVICE)
+        }
         (true, Some(error)) => failed(error),
         (true, None) => does(&mut machine, entered.number),
     }
@@ -204,7 +209,7 @@ extern "system" fn dhdGetPosition(
 
 #[unsafe(no_mangle)]
 extern "system" fn dhdSetForce(x: f64, y: f64, z: f64, _id: c_char) -> c_int {
-    of_device("dhdSetForce", |machine, number| {
+    of_device(SET_FORCE, |machine, number| {
         let halves = machine.plans.iter().any(
             |planned| matches!(planned, Planned::Saturate(at, times) if among(number, *at, *times)),
         );

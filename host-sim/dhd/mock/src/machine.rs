@@ -215,9 +215,6 @@ impl Machine {
 
     /// Commands a force in N, which acts until the next command.
     pub fn force(&mut self, force_n: [f64; 3]) {
-        if !self.open {
-            self.noted.late_forces += 1;
-        }
         self.force_n = force_n;
         self.note_zero();
     }

@@ -51,8 +51,8 @@ fn rest(t: f64) -> f64 {
     0.42 + 0.20 * smooth(0.1, 0.5) - 0.24 * smooth(2.6, 2.9) + wiggle
 }
 
-/// Rough imitation of the control law `law` at penetration `e` in radians and stiffness `k`. Returns the force in N·m, and the
-/// anchor point of the wall's spring.
+/// Rough imitation of the control law `law` at penetration `e` in radians and stiffness `k`. Returns the force in N·m; `m` keeps
+/// the law's state between ticks.
 fn force(law: LawKind, k: f64, e: f64, velocity: f64, m: &mut Memory) -> f64 {
     let de = e - m.e;
     m.observed += m.force * de;

@@ -64,7 +64,7 @@ impl Options {
 /// The machine on which the measurement ran.
 #[derive(Debug, Clone, Serialize)]
 pub struct Machine {
-    /// Processor name as the operating system gives it; `unknown` where it gives none.
+    /// Processor name as the operating system gives it; `unknown` if it gives none.
     pub cpu: String,
     /// Compiler with which the program was built.
     pub compiler: String,

@@ -159,8 +159,8 @@ impl Problem {
     }
 }
 
-/// Makes the test problem of a knob with friction that a hand taps against a wall of 0.8 N·m/rad. The torques come from a simulated
-/// spring wall with an encoder.
+/// Makes the test problem of a knob with friction that a hand presses into a wall of 0.8 N·m/rad. The torques come from a
+/// simulated spring wall with an encoder.
 fn contact(ticks: u32) -> Result<Problem> {
     let scene = Scene::load("press-wiggle-release")?
         .with_preset(Preset::Thesis)?

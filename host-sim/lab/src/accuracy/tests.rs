@@ -32,8 +32,8 @@ fn a_quick_run_says_what_is_known() {
     let names: Vec<&str> = found.plant.iter().map(|diagram| diagram.problem).collect();
     assert_eq!(names, ["smooth", "stick-slip", "contact", "current-loop"]);
     for diagram in &found.plant {
-        // The reference is far more exact than the methods. The exact step is off by rounding only: a thousand steps of an angle
-        // below 1 rad.
+        // The reference is far more exact than the methods. The closed-form solution is off by rounding only, over a thousand
+        // steps with an angle below 1 rad.
         assert!(diagram.reference_floor_rad < 1e-17, "{diagram:?}");
         let exact = &diagram.points[0];
         assert!(exact.error_rad.unwrap() < 1e-13, "{exact:?}");

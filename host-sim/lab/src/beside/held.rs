@@ -1,10 +1,11 @@
 //! Computes the rest point of the hand that held a knob (the angle to which the hand pulled the knob), from the device's recorded
 //! positions and commanded torques.
 //!
-//! The equations of motion of device and hand are solved for the hand's motion. The torque between hand and device is the one that
-//! moves the device against the wall's force. It compresses the fingertip pad, which gives the fingers' position. The spring of the
-//! hand is stretched by the torque and by the hand's own inertia and damping. All curves are smoothed to below
-//! [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that encoder steps do not count as motion.
+//! The equations of motion of device and hand are solved for the hand's motion. The torque between hand and device is the torque
+//! that moves the device against the wall's force. This torque compresses the fingertip pad; the compression gives the position
+//! of the fingers. The torque, with the torques of the hand's own inertia and damping, stretches the spring of the hand. All
+//! curves are smoothed to below [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that encoder steps do not count as
+//! motion.
 
 use super::told::Told;
 use touchstone_sim::error::{Error, Result};

@@ -253,7 +253,7 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
     if is_there {
         return Ok(file);
     }
-    // A folder with results owns this file. In any other folder an existing file is not overwritten.
+    // In a folder with results the file belongs to them and is replaced. In any other folder an existing file is not overwritten.
     let wrong = |error: std::io::Error| Error::Io {
         path: file.clone(),
         problem: error.to_string(),

@@ -295,7 +295,7 @@ impl BoundaryPlan {
             self.seed,
             env!("CARGO_PKG_VERSION")
         );
-        // Without the letter, some digests would be numbers for the programs that read the table: 150000000000, 12e345678901.
+        // Without the prefix, programs that read the table would take some digests for numbers: 150000000000, 12e345678901.
         format!("plan-{}", &sha256(of.as_bytes())[..12])
     }
 
@@ -336,7 +336,7 @@ impl BoundaryPlan {
             cells.extend(done);
             told(before + (index * CELLS_A_WRITE + piece.len()) as u64);
         }
-        // Returns only the cells of this map, in its order; the file may also hold those of a finer map.
+        // Returns only the cells of this map, in the map's order; the file may also have cells of a finer map.
         Ok(places
             .iter()
             .filter_map(|place| cells.iter().find(|cell| is_at(cell, place)).cloned())
@@ -408,8 +408,8 @@ pub fn limits(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<ColumnLimits> 
     found
 }
 
-/// Slope of the stiffness limit `rests_up_to` over the damping at one delay, on logarithmic axes. It is 0 where inertia sets the
-/// limit, 0.5 where damping does.
+/// Slope of the stiffness limit `rests_up_to` over the damping at one delay, on logarithmic axes. The slope is 0 if inertia sets
+/// the limit, 0.5 if damping does.
 ///
 /// Columns with a damping above `most`, or without a wall that rests, are left out; `None` if fewer than two remain.
 #[must_use]

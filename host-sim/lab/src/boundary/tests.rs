@@ -52,8 +52,8 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
         let cells = computed(&plan);
         let limits = limits(&plan, &cells);
         println!("{:?}", words(&plan, &cells));
-        // The matrices alone would call two of the tuned walls at a stiffness of 1.9 rad per period stable. They do not describe
-        // a device that leaves the wall.
+        // The matrices alone would call two of the tuned walls at a stiffness of 1.9 rad per period stable. The matrices do not
+        // describe a device that leaves the wall.
         let wrong = |cell: &&BoundaryCell| cell.is_certified() && cell.ended > TunedEnding::Rests;
         assert_eq!(cells.iter().find(wrong), None);
         let slope = slope(&limits, 0.0, 1.0);

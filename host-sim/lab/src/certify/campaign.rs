@@ -4,9 +4,9 @@
 //! Devices are those of [`crate::random_device`], each in three simulated grips (light, medium, firm). The stiffness is 0.3 to 30
 //! times the largest one that sampling allows without delay. It is at most `J/T²` (inertia `J`, control period `T`), and soft
 //! enough that 1 N·m goes 20 encoder counts deep. The law is random too: a spring, a spring-damper, or enhanced successive force
-//! augmentation. The last has the shipped settings in proportion to the device, or a stiff coupling spring between the hand's point
-//! and its virtual mass. Its energy loan (energy that it may give out beyond what it took) is 4 to 32 times the energy in this
-//! spring under the press. The laws TDPA, FBA and original augmentation are not drawn.
+//! augmentation. The enhanced law has either the shipped settings in proportion to the device, or a stiff coupling spring between
+//! the hand's point and the law's virtual mass. The law's energy loan (energy that it may give out beyond what it took) is 4 to
+//! 32 times the energy in this spring under the press. The laws TDPA, FBA and original augmentation are not drawn.
 //!
 //! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. These seeds were not used when the
 //! limits of the certificate were set. The verdict is that for each run's own hand.
@@ -62,7 +62,8 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
     if scene.law.kind == LawKind::EnhancedSfa {
-        // Four times the energy that the coupling stores under the press, as in the shipped settings, or more.
+        // The loan is four times the energy that the coupling stores under the press, as in the shipped settings, or up to 32
+        // times.
         let stored = 0.5 * push * push / scene.law.filter.stiffness_n_m_per_rad;
         scene.law.energy_credit_j = stored * random.between(4.0, 32.0);
     }
@@ -71,7 +72,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     if states == StatesKind::Estimated {
         let own_hz = (stiffness / inertia).sqrt() / std::f64::consts::TAU;
         let estimator = &mut scene.law.estimator;
-        // The estimator's settings accept a 500th to a fifth of the rate, and up to two ticks.
+        // The estimator's settings accept a bandwidth of a 500th to a fifth of the control rate, and a delay of up to two ticks.
         estimator.bandwidth_hz =
             (own_hz * random.between(0.3, 4.0)).clamp(0.0021 * rate, 0.19 * rate);
         // Not below the least inertia that the estimator's arithmetic accepts at this force.
@@ -152,7 +153,7 @@ pub enum Ended {
 impl Ended {
     fn of(verdict: Outcome) -> Self {
         match verdict {
-            // A knob that never met the wall counts as at rest.
+            // A knob that never met the wall counts as at rest, as does a run that was not judged.
             Outcome::Passive | Outcome::Active | Outcome::NotJudged | Outcome::NoContact => {
                 Ended::Rest
             }

@@ -15,8 +15,8 @@ use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
 
-/// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. A press that comes
-/// as a step oscillates by once its depth.
+/// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. After a press as a
+/// step, the amplitude of the oscillation is the press' depth.
 pub const SWING: f64 = 1.25;
 
 /// A control law on a device, in the form that the certificate examines.
@@ -28,7 +28,7 @@ pub struct Contact {
     pub device: Device,
     /// Control period, and delay from sample to force.
     pub clock: Clock,
-    /// Bandwidth of the current controller, Hz, from the options of the certificate; scenes have no such field.
+    /// Bandwidth of the current controller, Hz, from the options of the certificate; a scene's `device.current_loop` is not used.
     pub current_loop_hz: Option<f64>,
     /// State estimator between encoder and law; absent if the law uses measured penetrations.
     pub estimator: Option<Estimator>,

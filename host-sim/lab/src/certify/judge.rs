@@ -1,12 +1,12 @@
-//! Derives the verdict for one hand from the matrices' results, and holds the limits that decide it.
+//! Derives the verdict for one hand from the matrices' results, and defines the limits that decide the verdict.
 
 use super::Verdict;
 use super::contact::Contact;
 use super::law::OFFSET_UPDATED;
 use serde::Serialize;
 
-/// Slowest decay of a motion that is called stable, 1/s, in a scene without a hold. With a hold, the motion must decay within
-/// [`DECAYS_WITHIN`] of it.
+/// Slowest decay of a motion that is called stable, 1/s, in a scene without a hold. With a hold, the motion must decay within the
+/// fraction [`DECAYS_WITHIN`] of the hold.
 pub const SLOWEST_PER_S: f64 = 1.0;
 /// Fraction of a press' hold within which a motion, decaying as its eigenvalue says, must fall below [`LEFT_COUNTS`]. The rest of
 /// the hold is left for bounces and other phases of the control law.
@@ -61,7 +61,7 @@ pub struct PhaseReport {
 /// Results and verdict for one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HandReport {
-    /// Name of the hand: `scene`, a grip, `worst of all`, or `nobody`.
+    /// Name of the hand: `scene` with the grip's name, a grip, `worst of all`, or `nobody`.
     pub name: String,
     /// Inertia, damping, stiffness, pad damping and pad stiffness of the hand, SI units; absent if nobody holds the device.
     pub parameters: Option<[f64; 5]>,
@@ -121,7 +121,7 @@ pub struct HandReport {
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    // In a known hold the motion has to decay below `LEFT_COUNTS`.
+    // If the hold's duration is known, the motion has to decay below `LEFT_COUNTS` within the hold.
     let dies = |decay_per_s: f64| match (contact.swing_counts(), contact.hold_s) {
         (Some(swing), Some(hold_s)) => {
             decay_per_s > 0.0 && swing * (-decay_per_s * DECAYS_WITHIN * hold_s).exp() < LEFT_COUNTS

@@ -3,14 +3,14 @@
 //! A law receives the penetration `e` and the displacement `m` per tick (control period `T`), from samples or from an estimator,
 //! and returns the force `f`. All signals are deviations from a point of rest inside the wall. `k_de` is the requested stiffness.
 //!
-//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the
+//! **Spring, with or without damping; TDPA and FBA while they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the
 //! damping `B = 0` for all but the spring-damper.
 //!
 //! **Enhanced augmentation** after the first contact. A spring `k_f` and a damper `c_f` couple its virtual mass, at the position
 //! `e_f`, to the device. The mass presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass'
 //! damping to ground, `d` its displacement per tick. The coefficients are `M` (the mass divided by `T²`), `C = c_f/T` and
-//! `D = M + k_f + C + c_env/T`. The stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` where the spring `k_f` is
-//! compensated (setting `mass-compensated`).
+//! `D = M + k_f + C + c_env/T`. The stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` if the spring `k_f` is
+//! compensated (`law.regulate` is `mass-compensated`).
 //!
 //! ```text
 //! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the device   (6)
@@ -22,9 +22,10 @@
 //! ```
 //!
 //! As in the implementation, two values are one tick old: the force with which the offset `O` is compared, and the mass' position
-//! in the wall's force. The gain `κ` is `c/k_v` or `c/k_de` (setting `of_ideal`) while the ideal step is the smallest of the law's
-//! three bounds on a step of the offset. While another bound is smaller, so is `κ`. Near rest the ideal step is always the
-//! smallest, because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
+//! in the wall's force. The law moves the offset by the fraction `c` of an ideal step per tick. The gain `κ` is `c/k_v` or
+//! `c/k_de` (setting `law.ideal_step`) while this fraction is the smallest of the law's three bounds on a step of the offset.
+//! While another bound is smaller, so is `κ`. Near rest the fraction of the ideal step is always the smallest, because only that
+//! bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
 //! **Original and continuous augmentation**: `f = k_v (e + O)`. While the motion goes inward, `O` changes per tick by `±g m`, with
 //! `g = k_c/k_v - 1` and the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by
@@ -74,7 +75,7 @@ pub struct Phases {
 /// How a control law reduces its force to keep an energy bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clamp {
-    /// Time-domain passivity approach: the force is reduced where the wall would give out more energy than it took.
+    /// Time-domain passivity approach: the force is reduced when the wall would give out more energy than it took.
     Tdpa,
     /// Force bounding approach: the force is limited to what the device's damping can absorb.
     Fba,

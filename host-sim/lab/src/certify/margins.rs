@@ -106,7 +106,7 @@ fn stiffnesses(scene: &Scene, contact: &Contact, hands: &[Hand]) -> Vec<[f64; 2]
     let is_stable = |stiffness: f64| {
         let mut other = scene.clone();
         other.wall.k_desired_n_m_per_rad = stiffness;
-        // A stiffness that the law does not accept is not in its range.
+        // A stiffness that the law does not accept counts as not stable.
         Contact::of(&other).is_ok_and(|mut other| {
             other.current_loop_hz = contact.current_loop_hz;
             other.estimator = contact.estimator;

@@ -11,13 +11,13 @@
 //! - The loop is also stable while readings are multiplied by [`judge::ROUNDING_GAIN`]. Rounding to counts can act like such a
 //!   gain.
 //! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
-//! - Every gain between the phases is stable. Gains that depend on the amplitude are tried one by one; if a gain depends on the
-//!   direction of the motion, the circle criterion (16) must hold.
+//! - The loop is stable at every gain between the phases. Gains that depend on the amplitude are tried one by one; if a gain
+//!   depends on the direction of the motion, the circle criterion (16) must hold.
 //! - Bounces decay, and the press uses no more energy than the enhanced law's loan.
 //!
-//! The loop is called **unstable** if a bounce returns with more than [`judge::BOUNCE_GROWS`] times its speed, or if the motion
-//! grows in a phase in which the law stays. The growth counts if it is faster than [`judge::FASTEST_GROWTH_PER_S`] and dry
-//! friction could not stop it within most of the press' depth.
+//! The loop is called **unstable** if a bounce returns with more than [`judge::BOUNCE_GROWS`] times the speed of the touch, or if
+//! the motion grows in a phase in which the law stays. The growth counts if it is faster than [`judge::FASTEST_GROWTH_PER_S`] and
+//! dry friction could not stop the motion at an amplitude of four fifths of the press' depth.
 //!
 //! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. Therefore touches are
 //! simulated to their end, unless the matrices say unstable, or the law reduces its force by energy or changes a gain by

@@ -1,9 +1,9 @@
 //! Checks whether a loop stays stable while one gain of its control law changes from tick to tick.
 //!
-//! Two loop matrices that differ by a matrix of rank one, `A1 = A0 + b c`, are the ends of a gain from 0 to 1 in one path. The
-//! circle criterion in discrete time is a condition under which the loop stays stable while the gain changes in any way between the
-//! ends (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory). `A1` has to be stable, `A0` may have at most an integrator on
-//! the unit circle, and
+//! Two loop matrices that differ by a matrix of rank one, `A1 = A0 + b c`, belong to the values 0 and 1 of a gain in one path of
+//! the loop. The circle criterion in discrete time is a condition under which the loop stays stable while the gain changes in any
+//! way between these values (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory). `A1` has to be stable, `A0` may have at
+//! most an integrator on the unit circle, and
 //!
 //! ```text
 //! Re (1 + P(z)) > 0 for |z| = 1,   1 + P(z) = det(zI - A1)/det(zI - A0)               (16)

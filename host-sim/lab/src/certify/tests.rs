@@ -53,7 +53,7 @@ const DEPTH: f64 = 0.01;
 
 /// State of the control law at rest at the penetration [`DEPTH`].
 fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
-    // Regulated at the mass, the target is force over the mass' position.
+    // If the law regulates at the mass, its target stiffness is the force divided by the mass' position.
     let coupling = law.mass.stiffness.0;
     let force = match law.regulate {
         touchstone_control::Regulate::Hip => law.target.0 * DEPTH,
@@ -167,7 +167,7 @@ fn the_whole_loop_is_its_matrix() {
             predicted = &matrix * predicted;
             let now = state.to_array();
             for (index, rest) in [DEPTH, 0.0, hand, 0.0].into_iter().enumerate() {
-                // Velocities are a thousand times positions.
+                // The numbers for velocities are a thousand times those for positions, and so are their errors.
                 let scale = if index % 2 == 0 { 1.0 } else { 1000.0 };
                 assert!(
                     (now[index] - rest - predicted[index]).abs() < 2e-13 * scale,
@@ -323,7 +323,7 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
 #[test]
 fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
     let mut scene = campaign::scene(61, 1121, StatesKind::Measured);
-    // The offset is slow for this rate: the fractions are set per tick.
+    // The fractions per millisecond are multiplied, so that they apply per tick. At this rate the offset is then slow.
     let ticks_per_ms = 1e-3 * f64::from(scene.timing.rate_hz);
     for share in [
         &mut scene.law.step_of_ideal_per_ms,
@@ -386,7 +386,7 @@ fn what_is_played_settles_what_the_matrices_left_open() {
 
 #[test]
 fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
-    // Some walls of seed 41 are so soft that a tenth of them is below the least k_v of the settings.
+    // Some walls of seed 41 are so soft that a tenth of their stiffness is below the least k_v of the settings.
     for (seed, index) in [SEED, 41]
         .into_iter()
         .flat_map(|seed| (0..2001).map(move |index| (seed, index)))

@@ -377,7 +377,8 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
         for tick in 0..20_000_u32 {
             if tick % 20 == 10 {
                 let kind = LawKind::ALL[tick as usize / 20 % LawKind::ALL.len()];
-                // Every other change is one of the law's stiffness; the rest change the law itself.
+                // Every change is one of the stiffness. Every second one also changes the law; the others return to the first
+                // law.
                 let other = Settings {
                     law: if tick % 40 == 10 {
                         kind

@@ -381,8 +381,8 @@ fn denormals(_: Effort) -> Result<Vec<Finding>> {
             before = state.velocity();
         }
         found.push(Finding::new("bare, ticks that rise", f64::from(rises), 0.0));
-        // A tick takes 4e-3 of the velocity (b T/J). Near 125 denormal numbers this is below half of one, so rounding stops the
-        // decay.
+        // A tick takes 4e-3 of the velocity (b T/J). At 125 times the smallest denormal number that is half of this number, so
+        // rounding stops the decay.
         found.push(Finding::new("bare, what is left", state.velocity(), 1e-321));
         let way = KNOB.inertia / KNOB.damping;
         found.push(Finding::new(

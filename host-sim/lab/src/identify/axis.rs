@@ -51,8 +51,8 @@ pub enum Unidentified {
     },
 }
 
-/// Duration of a bump function (weighting over time), s: a few periods of the slowest motion that can be distinguished from a
-/// constant force.
+/// Duration of a bump function (weight over time), s. Motions much slower than a bump cannot be distinguished from a constant
+/// force.
 const BUMP_S: f64 = 0.4;
 /// Number of bump functions, and so of equations, per second of the record.
 const BUMPS_PER_S: f64 = 40.0;
@@ -110,7 +110,7 @@ pub fn mechanics(
     let mut start = around;
     while start + length + around < ticks {
         let (mut row, mut right) = (Vector4::zeros(), 0.0);
-        // Positions are relative to the bump's first one, so that the device's position costs no digits.
+        // Positions are relative to the first one of the bump, so that a large absolute position costs no digits.
         let home = position_m[start];
         for i in 0..length {
             let s = i as f64 / length as f64;
@@ -275,7 +275,7 @@ mod tests {
         let stepper = BareLinear::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
         let (positions, forces) = moved(&stepper, 0.0);
         assert!(mechanics(&positions, &forces, RATE_HZ, COUNT_M).is_ok());
-        // The forces are those of another motion, as if a hand pushed too.
+        // These forces did not cause the motion, as if a hand had pushed too.
         let others: Vec<f64> = (0..forces.len())
             .map(|i| (31.0 * i as f64 / f64::from(RATE_HZ)).sin())
             .collect();

@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn dry_friction_shows_as_uncertainty() {
-        // Dry friction of 0.25 mN·m accounts for half of the damping that FBA finds, so the uncertainty must include it.
+        // Dry friction of 0.3 mN·m accounts for half of the damping that FBA finds, so the uncertainty must include it.
         let found = found("thesis-knob", 0.0, 2e-3).unwrap();
         assert!(found.uncertainty > 10.0 * found.resolution, "{found:?}");
         assert!(

@@ -6,7 +6,8 @@
 //! the angle, `J` the inertia, `a` the acceleration, `k_t` the torque constant, `i` the current, `T` the cogging torque, `F` the
 //! friction. The mean of both directions does not contain `F`, so the current that compensates the cogging is `-T/k_t = i - J
 //! a/k_t`. The acceleration follows from the motion: a ripple `δ` with `n` periods per turn at the speed `ω` has `a = -(n ω)² δ`.
-//! The means of two different turns show how well the measurement repeats.
+//! The two turns in each direction make two pairs (one forward, one backward). The difference between the two pairs' means shows
+//! how well the measurement repeats.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -51,7 +52,8 @@ pub struct Swept {
     /// Current that compensates the cogging, A, one entry per harmonic from order `n` = 1: `re cos(n θ) - im sin(n θ)` at the angle
     /// `θ`.
     current_a: Vec<Complex<f64>>,
-    /// Half of the difference between the results of two pairs of turns, A, one entry per harmonic.
+    /// Half of the difference between the results of two pairs of turns (a pair has one turn in each direction), A, one entry per
+    /// harmonic.
     apart_a: Vec<Complex<f64>>,
     /// Ripple of the shaft's angle around an even motion, rad, one entry per harmonic.
     ripple_rad: Vec<Complex<f64>>,
@@ -112,8 +114,8 @@ const ORDERS: usize = 255;
 const TURNS: usize = 2;
 /// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// Factor by which a harmonic must exceed the median difference between turns to be kept in the map. With noise alone, one sweep in
-/// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
+/// Factor by which a harmonic must exceed the median difference between turns to be kept in the map. With noise alone, whose
+/// amplitudes are Rayleigh-distributed, one sweep in twenty would have such a harmonic: `255 · 2^-(3.5²)` = 0.05.
 const OUTSTANDING: f64 = 3.5;
 /// Factor by which a harmonic's amplitude must exceed its own difference between two pairs of turns to be kept in the map.
 const ITS_OWN: f64 = 2.0;
@@ -286,7 +288,7 @@ impl Turn {
             false => it.current_a,
         };
         let time = |it: &SweepTick| f64::from(it.tick.wrapping_sub(ticks[0].tick)) / known.rate_hz;
-        // Fits a straight line to time as a function of position, because the speed is constant except for the ripple. The
+        // Fits a straight line to the position as a function of time, because the speed is constant except for the ripple. The
         // residual of the position is the ripple.
         let count = ticks.len() as f64;
         let sum =

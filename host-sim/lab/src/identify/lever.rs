@@ -163,7 +163,7 @@ mod tests {
         let told = lever.estimator(&settings.estimator);
         let ratio = told.inertia.to_num::<f64>() / settings.estimator.inertia.to_num::<f64>();
         assert!((ratio / (0.148 / KNOB_KG_M2) - 1.0).abs() < 1e-6);
-        // 16,332 counts a turn on 26 mm.
+        // Steps of 0.01 mm at a lever of 26 mm are 16,332 counts a turn.
         let counts = scene.encoder.map(|encoder| encoder.counts_per_rev);
         assert_eq!(counts, Some(16_332.0));
     }

@@ -29,7 +29,7 @@ pub struct Swings {
     pub pushes_rad: [f64; 3],
     /// Longest push, s. A device that has not turned far enough by then is held, or pushed too weakly.
     pub longest_push_s: f64,
-    /// Time for the coast after each push, s. If the device has not come to rest by then, it is pushed again while it moves.
+    /// Time for the coast after each push, s. A device that still moves then is stopped before the next push.
     pub coast_s: f64,
 }
 
@@ -154,7 +154,7 @@ fn tick(
 }
 
 /// Predicts the angles of a device with these parameters in a swing from rest, and subtracts their mean. The commanded torque is
-/// multiplied by `torques`.
+/// multiplied by `torques`. `None` if the parameters are not valid.
 fn predicted(
     parameters: &DVector<f64>,
     swing: &Swing,
@@ -353,7 +353,7 @@ pub fn mechanics(
 }
 
 /// Start values of the fit. The inertia `J` follows from the angle `x = u t²/(2 J)` of the longest push, with torque `u` and time
-/// `t`; damping and friction each take a tenth of the torque.
+/// `t`. Damping takes a tenth of the torque at the push's final speed, friction a twentieth.
 fn guess(swings: &[Swing], period_s: f64) -> Option<Vector3<f64>> {
     let (torque, time, way) = swings
         .iter()

@@ -11,7 +11,7 @@ use touchstone_world::plant::train::{Friction, Links};
 /// An eigenvalue of the linear part of device and hand, 1/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Eigenvalue {
-    /// Real part, 1/s; the motion grows where it is positive.
+    /// Real part, 1/s; the motion grows if it is positive.
     pub re_per_s: f64,
     /// Imaginary part, rad/s, not negative: one value stands for a conjugate pair.
     pub im_rad_per_s: f64,
@@ -81,7 +81,7 @@ pub fn eigenvalues(scene: &Scene) -> Result<Vec<Eigenvalue>> {
     let mut found: Vec<Eigenvalue> = matrix
         .complex_eigenvalues()
         .iter()
-        // One value of each conjugate pair. A tiny negative imaginary part would be rounding.
+        // Keeps one value of each conjugate pair. The imaginary part of a real eigenvalue is exactly 0.
         .filter(|value| value.im >= 0.0)
         .map(|value| Eigenvalue {
             re_per_s: value.re,

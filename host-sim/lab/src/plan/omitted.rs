@@ -100,8 +100,8 @@ const OUTPUTS: &[Output] = &[
     },
 ];
 
-/// Change of the start angle, or of the wall's angle where the scene sets no start angle, that measures the loop's own
-/// sensitivity, rad.
+/// Change of the start angle, or of the wall's angle if the scene sets no start angle, that measures the loop's own sensitivity,
+/// rad.
 const NUDGE_RAD: f64 = 1e-9;
 
 /// Simulated effects that the scene does not have.
@@ -113,8 +113,8 @@ pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
     })
 }
 
-/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one
-/// of the scene's are left out.
+/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude an
+/// effect of the scene are left out.
 ///
 /// # Errors
 /// The scene cannot be run.

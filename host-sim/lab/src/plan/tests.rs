@@ -93,7 +93,8 @@ fn a_plan_obeys_its_schema_and_says_all_of_its_parts() {
 
 #[test]
 fn eigenvalues_are_those_of_the_equations() {
-    // A bare device: 0 and -b/J. With a current loop also its pole. With a transmission the swing of two inertias.
+    // A bare device: 0 and -b/J. With a current loop also its pole. With a transmission the oscillation of two inertias against
+    // each other.
     let bare = ["operator.grip=none", "operator.motion.kind=none"];
     let of = |more: &[&str]| planned(&[&bare[..], more].concat(), QUIET).eigenvalues;
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
@@ -158,7 +159,7 @@ fn what_is_omitted_is_told_where_it_matters_and_not_where_it_does_not() {
         times: false,
         ..Asked::default()
     };
-    // A hard wall as a plain spring, at the limit of its stability, where a period of delay decides.
+    // A plain spring of half the critical stiffness, for which a control period of delay decides on stability.
     let sets = [
         "law.kind=spring",
         "law.guard.on=false",

@@ -36,7 +36,9 @@ fn late_s(scene: &Scene) -> f64 {
     0.5 * scene.timing.period_s() + scene.timing.computational_delay_s
 }
 
-/// Bounds of the stiffness of a wall that is a plain spring. For other laws they show where a spring would reach its limit.
+/// Bounds of the stiffness of a wall that is a plain spring. For other laws they show where a spring would reach its limit. In
+/// the names, `T` is the control period, `t_d` the computational delay, `b` the damping of the device, `b_pad` that of the finger
+/// pad, and `F_k` the kinetic friction.
 const BOUNDS: [Bound; 3] = [
     // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is the damping that the law assumes, thesis §5.1.
     ("kc", "k_c = c_i/(T/2 + t_d)", |scene| {

@@ -22,7 +22,7 @@ pub struct Measure {
     pub unit: &'static str,
     /// Meaning of the measure, in words.
     pub meaning: &'static str,
-    /// The measure's value in SI units; `None` where it does not apply.
+    /// The measure's value in SI units; `None` if the measure does not apply.
     pub of: fn(&Summary) -> Option<f64>,
 }
 
@@ -102,7 +102,7 @@ pub fn named(names: &[String]) -> Result<Vec<Measure>> {
     Ok(found)
 }
 
-/// Names that may stand in the column of the verdict, from good to bad, including [`REFUSED`].
+/// Names that may be in the column of the verdict, from good to bad, including [`REFUSED`].
 #[must_use]
 pub fn verdicts() -> Vec<&'static str> {
     WORDS

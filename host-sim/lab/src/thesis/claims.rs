@@ -293,7 +293,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
         scene.law.observer = ObserverForm::Thesis;
         scene.law.offset_update = OffsetUpdate::Inward;
         scene.law.ideal_step = IdealStep::Position;
-        // With a light virtual mass: the thesis gives no values, and a heavier mass would be slower.
+        // Little damping from the virtual mass to ground: the thesis gives no value, and more damping would make the law slower.
         scene.law.filter.ground_damping_n_m_s_per_rad = 8e-4;
     })?;
     let kept = enhanced(5.0, |scene| {

@@ -1,7 +1,8 @@
 //! The thesis' comparison in one degree of freedom (§5.1): five control laws at four stiffnesses on one knob.
 //!
-//! Runs with a medium grip and 40,000 encoder counts keep their traces for plots. Runs with the other grips, a 14-bit encoder and a
-//! stiffness beyond the thesis are simulated for their numbers only. [`claims`] compares the thesis' statements with the results.
+//! Runs with a medium grip and 40,000 encoder counts keep their traces for plots. Runs with the other grips or a 14-bit encoder
+//! are simulated for their numbers only. Both sets include a stiffness beyond the thesis. [`claims`] compares the thesis'
+//! statements with the results.
 
 pub mod claims;
 pub mod space;

@@ -99,7 +99,8 @@ pub fn valley(slope: f64) -> Soup {
     soup
 }
 
-/// A pyramid with `faces` side faces and a base, its apex at the origin, as high as it is wide.
+/// A pyramid with `faces` side faces and a base, its apex at the origin. It is 20 mm high, and the base's corners are 20 mm from
+/// its axis.
 pub fn pyramid(faces: u32) -> Soup {
     let corner = |i: u32| {
         let phi = std::f64::consts::TAU * f64::from(i % faces) / f64::from(faces);

@@ -15,7 +15,8 @@ const OPTION: &str = "--probe";
 /// A debug probe that is connected by USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// The text by which the option `--probe` names the probe: VID:PID:SERIAL.
+    /// The text by which the option `--probe` names the probe: `VID:PID:SERIAL`, or `VID:PID-INTERFACE:SERIAL` if the probe has
+    /// an interface number; without `:SERIAL` if the probe has no serial number.
     pub selector: String,
     /// The name that the probe reports.
     pub name: String,
@@ -48,6 +49,9 @@ pub fn found(lister: &Lister) -> Vec<Found> {
 }
 
 /// Opens the probe that the user names (`wanted`), or the only connected one. Returns the probe and its name for messages.
+///
+/// # Errors
+/// `wanted` is not a probe's name, no probe or more than one fits, or the operating system does not let the probe be opened.
 pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fault> {
     let selector = wanted.map(parsed).transpose()?;
     let items = lister.list_with_access(selector.as_ref());

@@ -46,7 +46,7 @@ impl Image {
         self.parts.iter().map(|part| part.bytes.len()).sum()
     }
 
-    /// Address range (first address and end address) of each part of the program.
+    /// Address range of each part of the program: its first address, and the address after its last byte.
     pub fn ranges(&self) -> impl Iterator<Item = (u64, u64)> {
         self.parts.iter().map(|part| (part.address, part.end()))
     }

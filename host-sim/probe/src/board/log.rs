@@ -50,6 +50,10 @@ impl From<Error> for Lost {
 
 impl Attached {
     /// Reads the log of the running program until `go_on` returns false. The board's flash must hold the program `image`.
+    ///
+    /// # Errors
+    /// `image` has no log, the flash holds another program, the program does not set up its log within two seconds, or the
+    /// connection is broken.
     pub fn log(
         &mut self,
         image: &Image,

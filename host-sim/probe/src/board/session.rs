@@ -47,6 +47,9 @@ pub struct Attached {
 /// Connects to the microcontroller through an open probe, and checks that it is of the type `chip`.
 ///
 /// The crate probe-rs halts the processor for some milliseconds, to remove breakpoints that another program may have left.
+///
+/// # Errors
+/// The microcontroller does not answer, is of another type, or is protected against reading.
 pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, Fault> {
     let session = probe
         .attach(chip, Permissions::default())

@@ -33,6 +33,9 @@ pub enum Step {
 impl Attached {
     /// Writes a program into the flash, reads it back and compares it; `tell` receives the progress. Other pages of the flash keep
     /// their content. The processor stays halted until [`Self::start`].
+    ///
+    /// # Errors
+    /// The flash cannot be written, or the data read back differ. The program in the flash may then be incomplete.
     pub fn write(&mut self, image: &Image, mut tell: impl FnMut(Step)) -> Result<(), Fault> {
         let mut loader = self.session.target().flash_loader();
         for part in &image.parts {
@@ -53,6 +56,9 @@ impl Attached {
     }
 
     /// Resets the chip and starts the program in its flash.
+    ///
+    /// # Errors
+    /// The connection to the chip is broken.
     pub fn start(&mut self) -> Result<(), Fault> {
         let reset = self.session.core(CORE).and_then(|mut core| core.reset());
         reset.map_err(|error| self.broken(&error))

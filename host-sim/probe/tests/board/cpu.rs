@@ -393,7 +393,7 @@ impl Cpu {
             (14, _) => self.subtract(b, a),
             _ => return Err(unknown(code, at)),
         };
-        // TST, TEQ, CMN, CMP: flags only.
+        // With the destination PC, the instructions are TST, TEQ, CMN and CMP, which set only the flags.
         if rd != PC {
             self.r[rd] = result;
         }

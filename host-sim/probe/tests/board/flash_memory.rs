@@ -23,7 +23,7 @@ const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
 /// Option bit of a flash with two banks, each of which numbers its pages from 0.
 const DUAL_BANK: u32 = 1 << 22;
-/// Option bit of a watchdog that software starts, rather than the reset.
+/// Option bit: 1 if software starts the watchdog, 0 if the watchdog runs from the reset on.
 const SOFTWARE_WATCHDOG: u32 = 1 << 16;
 
 /// The flash of a chip with its controller.

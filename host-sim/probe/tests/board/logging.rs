@@ -182,7 +182,7 @@ fn messages_become_words() {
     );
     // The processor is never halted while the log is read.
     assert_eq!(board.machine.lock().unwrap().halts, halts);
-    // Reads again up to the end of the log; the program goes on running.
+    // The end of the connection halts the processor once; after that the program goes on running.
     drop(attached);
     let machine = board.machine.lock().unwrap();
     assert_eq!(machine.halts, halts + 1);

@@ -97,7 +97,7 @@ impl SoftProbe {
                 };
                 let value = self.machine.lock().unwrap().load(address, bytes);
                 match value {
-                    // Each byte in its lane.
+                    // ADIv5 returns a byte or half-word at its place in the 32-bit word that contains the address.
                     Some(value) => value << (address % 4 * 8),
                     None => return Err(self.fault()),
                 }

@@ -11,8 +11,8 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics as _, State, Stepper};
 
-/// The control law with the pressing torque added. Its type is hidden from the optimiser, because in a planned loop the program
-/// chooses the law at run time.
+/// The control law with the pressing torque added. The law's type is hidden from the optimiser, because in a planned loop the
+/// program chooses the law at run time.
 fn pressed(scene: &Scene) -> Option<Box<dyn Control>> {
     let control = plan::control(scene).ok()?;
     Some(black_box(Staged::around(control, Pressed::default())))

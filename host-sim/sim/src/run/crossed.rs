@@ -27,7 +27,7 @@ pub fn device(scene: &Scene) -> plant::Device {
     }
 }
 
-/// Converts the hand of a scene to the hand settings of the plant.
+/// Converts the hand of a scene to the hand settings of the plant; `None` for a scene without a hand.
 #[must_use]
 pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     scene.operator.hand().map(|hand| plant::Hand {
@@ -120,7 +120,7 @@ where
 /// Largest number of plant steps into which delay or jitter splits one tick (control period), if the command changes once in it.
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
-        // Before and after the command changes.
+        // Each stretch of constant torque, before and after the change, takes at most one step of each power of two.
         return 2 * u64::from(PARTS.ilog2());
     }
     1 + u64::from(scene.timing.computational_delay_s > 0.0)

@@ -297,7 +297,7 @@ const WORLD: &[Effect] = &[
         add: |scene| {
             let friction = friction(scene);
             friction.bristle_stiffness_n_m_per_rad = Some(10.0);
-            // Bristles without friction in motion would never yield, so the friction must be above 0.
+            // The bristle model divides by the kinetic friction, which must therefore be above 0.
             friction.kinetic_n_m = friction.kinetic_n_m.max(1e-6);
             friction.static_n_m = Some(friction.static_n_m().max(friction.kinetic_n_m));
         },

@@ -133,7 +133,7 @@ impl Felt {
     }
 }
 
-/// Verdict and measures of a whole run.
+/// Verdict and measures of a whole run. A measure is `None` if the run has nothing to measure, such as no main wall or no hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
     /// Verdict on the run, such as passive or unstable.
@@ -165,12 +165,12 @@ pub struct Judgement {
     pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the device in the last quarter of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative where the wall
-    /// gave energy to the device.
+    /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative if at some time
+    /// the wall had given the device more energy than it had absorbed.
     pub energy_true_min: f64,
     /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
     pub energy_user_min: f64,
-    /// Most energy that the user got out beyond what was put in, J; 0 within the rounding of the sums.
+    /// Most energy that the user got out beyond what was put in, J; 0 if the difference is within the rounding of the sums.
     pub energy_out: f64,
     /// Lowest energy that the passivity observer of the control law reported, J; `None` for a law without an observer.
     pub energy_observed_min: Option<f64>,

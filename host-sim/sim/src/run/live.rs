@@ -32,8 +32,8 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// Energy that the hand put into the device, J: absorbed by the wall, dissipated and stored in motion. Negative where the hand
-    /// got more energy out than it put in.
+    /// Energy that the hand put into the device, J: the sum of the three fields. Negative if the hand got more energy out than it
+    /// put in.
     #[must_use]
     pub fn hand_j(&self) -> f64 {
         self.wall_j + self.device_loss_j + self.motion_j

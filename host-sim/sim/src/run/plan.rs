@@ -47,7 +47,7 @@ impl Plan {
     }
 }
 
-/// Builds the controller side of a scene: sensor, control law, and effects on the torque.
+/// Builds the controller side of a scene: sensor, control law, effects on torque and angle, and lost ticks.
 ///
 /// # Errors
 /// Settings that the law or its number format cannot represent, named by their field of the scene.
@@ -58,7 +58,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
         Number::F32 => sampled::<f32>(scene),
         Number::F64 => sampled::<f64>(scene),
     }?;
-    // Adds the effects from the control law outwards to the motor.
+    // Adds the effects from the control law outwards: first on the torque, then on the angle, then lost ticks.
     if let Some(limit_n_m) = scene.device.torque_limit_n_m {
         control = Staged::around(control, Limited { limit_n_m });
     }

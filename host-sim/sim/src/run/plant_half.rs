@@ -50,7 +50,7 @@ impl PlantHalf {
     }
 
     /// Simulates one tick with this torque command. `offset_rad` is added to the rest point of the scene's hand. Of the returned
-    /// values, those of the control law are NaN or `None`.
+    /// values, those of the control law are NaN, `None` or false.
     pub fn tick(&mut self, torque_n_m: f64, offset_rad: f64) -> Tick {
         let mut last = Last(None);
         let index = self.next;

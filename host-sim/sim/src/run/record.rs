@@ -58,12 +58,12 @@ pub struct Summary {
     pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the device in the last quarter of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy that the wall has absorbed since the start, J; negative where the wall gave energy to the device.
+    /// Lowest energy that the wall has absorbed since the start, J; negative if at some time it had given more than it took.
     pub energy_true_min: f64,
     /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
     pub energy_user_min: f64,
     /// Most energy that the user got out beyond what was put in, J; 0 or more. It is [`energy_user_min`](Self::energy_user_min)
-    /// with the sign changed, or 0 within the rounding of the sums.
+    /// with the sign changed, or 0 if that is within the rounding of the sums.
     pub energy_out: f64,
     /// Lowest energy that the passivity observer of the control law reported, J; `None` for laws without an observer.
     pub energy_observed_min: Option<f64>,
@@ -207,8 +207,7 @@ pub struct Trace {
     /// Position `x_s - O` of the shifted surface, rad. The law moves the surface by the offset `O` to deform the virtual spring
     /// further.
     pub surface_shifted_rad: Vec<f64>,
-    /// Position of the control law's virtual filter mass, rad. It is the device's angle where the law has no such mass or does not
-    /// use it.
+    /// Position of the control law's virtual filter mass, rad; the device's angle if the law has no such mass or does not use it.
     pub mass_rad: Vec<f64>,
     /// Energy that the passivity observer of the control law reports, J; NaN for a law without an observer.
     pub energy_observed_j: Vec<f64>,

@@ -1,8 +1,8 @@
 //! Decides whether the device rests while the hand holds still. The last quarter of every hold is examined.
 //!
 //! The motion of a press defines its holds. In a recording, a hold is a span of at least `LEAST_STILL_S` in which the hand's rest
-//! point stays within the threshold of a limit cycle. Without a hold, the end of the run is examined. If the hand moves then, only
-//! a motion of the device beyond `BEYOND_HAND` times that of the hand is attributed to the wall.
+//! point stays within the threshold of a limit cycle. Without a hold, the last twentieth of the run is examined. If the hand
+//! moves in the examined time, only a motion of the device beyond `BEYOND_HAND` times that of the hand is attributed to the wall.
 
 use super::terms::Terms;
 use super::tick::Tick;
@@ -139,8 +139,8 @@ pub(super) struct Rested {
     pub peak_to_peak: Option<f64>,
     /// Whether the device keeps moving by more than the motion of its hand explains.
     pub oscillates: bool,
-    /// Whether the device has lost the wall: it keeps moving, and also leaves the wall twice, reaches its torque limit, or moves
-    /// farther than a limit cycle.
+    /// Whether the verdict is unstable: the device moves farther than a limit cycle (0.25 rad), or keeps moving and also leaves
+    /// the wall twice or reaches its torque limit.
     pub lost: bool,
     /// Reason why the run does not show whether the device rests; `None` if it does.
     pub not_judged: Option<NotJudged>,
@@ -213,7 +213,8 @@ impl Rest {
     pub fn finish(&self, terms: &Terms) -> Rested {
         let mut windows = self.found.clone();
         windows.extend(self.still.end(terms));
-        // If a recorded hand never holds still, the end of the run is examined, as for other motions.
+        // Motions other than recordings have only these holds. For a recorded hand that never holds still, they are the end of
+        // the run.
         if windows.is_empty() {
             windows.extend(self.holds.iter().map(|hold| hold.seen));
         }

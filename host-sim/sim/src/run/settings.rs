@@ -1,4 +1,5 @@
-//! Converts the control crate's errors and warnings about settings to errors that name the field of the scene.
+//! Messages for the control crate's errors and warnings about settings. Each names the field of the scene. A warning stays a warning,
+//! although its message has the type [`Error`].
 
 use crate::error::Error;
 use crate::scene::Scene;

@@ -34,7 +34,7 @@ pub struct Placed(pub f64);
 
 impl<N: Reported> Reading<N> for Placed {
     fn angle(&self) -> Si {
-        // The angle is NaN after the simulation diverged; the run is then called unstable elsewhere.
+        // The angle is NaN after the simulation diverged; the verdict of `Judge` is then unstable.
         match self.0.is_nan() {
             true => Si::ZERO,
             false => Si::saturating_from_num(self.0),
@@ -104,7 +104,7 @@ impl<N: Reported> Wall for Surroundings<N> {
 /// The environment of a scene in a number format: its walls, detents, profile and the further parts of its feel.
 ///
 /// # Errors
-/// A setting is refused.
+/// A setting that the control crate refuses, named by its field of the scene.
 pub fn environment<N: Reported>(scene: &Scene) -> Result<Environment<N>> {
     let none = crate::scene::Environment::default();
     let named = scene.environment.as_ref().unwrap_or(&none);

@@ -4,8 +4,8 @@ use super::measure::Wiggle;
 use super::tick::Tick;
 use crate::scene::{MotionSpec, Scene};
 
-/// Largest motion of the device during a hold that still counts as a limit cycle, rad. With a larger motion the run counts as
-/// unstable.
+/// Largest motion of the device during a hold that still counts as a limit cycle, rad peak to peak. With a larger motion the run
+/// counts as unstable.
 const UNSTABLE_RAD: f64 = 0.25;
 /// Encoder counts per turn that set the threshold of a limit cycle for a scene without an encoder.
 const ASSUMED_COUNTS: f64 = 40_000.0;
@@ -27,9 +27,9 @@ pub struct Terms {
     pub inertia_kg_m2: f64,
     /// Control period, s.
     pub period_s: f64,
-    /// Smallest motion that counts as a limit cycle, rad: four encoder counts.
+    /// Largest motion in a hold that counts as rest, rad peak to peak: four encoder counts. A larger motion is a limit cycle.
     pub limit_cycle_rad: f64,
-    /// Largest motion in a hold that counts as a limit cycle, rad; a larger one counts as unstable.
+    /// Largest motion in a hold that counts as a limit cycle, rad peak to peak. A larger motion counts as unstable.
     pub unstable_rad: f64,
     /// Whether the hand's motion is a recording. Its holds must then be detected during the run.
     pub recorded: bool,
@@ -41,7 +41,7 @@ pub struct Terms {
     pub holds: Vec<(u64, u64)>,
     /// The press of the hand; `None` for a motion without a press.
     pub press: Option<Press>,
-    /// The hand's rhythmic motion inside the wall; `None` if the scene has none or it is too short to be measured.
+    /// The hand's rhythmic motion inside the wall; `None` if the scene has no such motion, or one too short to be measured.
     pub wiggle: Option<Wiggle>,
     /// First tick, and tick after the last, of the measurement of torque ripple. It covers the rhythmic motion if there is one,
     /// else the second half of the press, else all ticks.

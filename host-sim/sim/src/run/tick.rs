@@ -28,7 +28,7 @@ pub struct Tick {
     pub force_n_m: f64,
     /// Mean force of the motor over the tick, N·m, positive out of the wall, after torque limit, amplifier resolution and delay.
     pub motor_force_n_m: f64,
-    /// Energy that the wall absorbed in this tick, J; negative where it gave energy to the device.
+    /// Energy that the wall absorbed in this tick, J; negative if the wall gave energy to the device.
     pub absorbed_j: f64,
     /// Energy dissipated in the device in this tick, J.
     pub device_loss_j: f64,

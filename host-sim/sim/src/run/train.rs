@@ -19,9 +19,9 @@ pub struct Train {
     pub shaft: Shaft,
     /// Number of substeps per control period.
     pub substeps: u32,
-    /// Reasons for this number of substeps, one per line; empty where one substep is enough.
+    /// Reasons for this number of substeps, one per line; empty if no effect needs more than the minimum of 1 or 4.
     pub reasons: Vec<String>,
-    /// Field of the scene that requires this number of substeps; `None` where one is enough.
+    /// Field of the scene that requires this number of substeps; `None` if there are no reasons.
     pub cause: Option<&'static str>,
 }
 

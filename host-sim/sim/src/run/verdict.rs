@@ -12,8 +12,8 @@ pub enum Verdict {
     Active,
     /// The device keeps oscillating near the wall's surface.
     LimitCycle,
-    /// The device diverges, moves farther than a limit cycle, or keeps moving and also leaves the wall twice or reaches the torque
-    /// limit.
+    /// The device diverges, moves farther than a limit cycle (0.25 rad peak to peak), or keeps moving and also leaves the wall
+    /// twice or reaches the torque limit.
     Unstable,
     /// The run does not show whether the device would come to rest at the wall; [`NotJudged`] gives the reason.
     NotJudged,
@@ -98,7 +98,7 @@ pub enum NotJudged {
     TooShort {
         /// Time for which the device was examined, s.
         seen_s: f64,
-        /// Time for which it must be examined, s.
+        /// Time for which the device must be examined, s.
         least_s: f64,
     },
 }

@@ -1,5 +1,5 @@
-//! The wall as the simulation loop calls it once per tick (control period): an encoder reading in, a force out. It hides control
-//! law and number format.
+//! The wall as the simulation loop calls it once per tick (control period): an encoder reading in, a force out. The trait
+//! `Wall` hides control law and number format.
 
 use touchstone_control::law::View;
 use touchstone_control::{

@@ -152,7 +152,7 @@ fn spoken(seconds: f64) -> String {
 }
 
 /// Returns the largest number of plant steps per tick, the computing time of one step in s, and the field and reason for the
-/// number. Field and reason are `None` for a single step.
+/// number. Field and reason are `None` if nothing but delay or jitter divides the tick.
 fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
     let parts = crossed::parts(scene);
     if let Some(train) = Train::of(scene) {

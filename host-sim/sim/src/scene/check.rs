@@ -190,7 +190,7 @@ fn motion(scene: &Scene) -> Option<Problem> {
         MotionSpec::Tap(tap) => {
             let frequency = 1.0 / tap::length_s(tap);
             (frequency > FASTEST_MOTION_HZ).then(|| {
-                // Frequency is proportional to velocity over approach; round up to a thousandth.
+                // The tap's frequency is proportional to velocity over approach. The advised approach is rounded up to 0.001 rad.
                 let approach = (tap.approach_rad * frequency / FASTEST_MOTION_HZ * 1e3).ceil() / 1e3;
                 Problem::new(
                     "operator.motion.velocity_rad_per_s",
@@ -231,7 +231,7 @@ fn recording(recorded: &Recorded) -> Option<Problem> {
 
 fn duration(scene: &Scene) -> Option<Problem> {
     let end = match &scene.operator.motion {
-        // The release may be cut off by the end of the run, because no measure needs it.
+        // The release may be cut off by the end of the run: only the measures of the release need it.
         motion @ (MotionSpec::RampAndHold(_)
         | MotionSpec::PressWiggleRelease(_)
         | MotionSpec::TouchAndPress(_)) => motion.hold_window_s()?.1,

@@ -204,7 +204,7 @@ fn steps(detents: &[Detent], start: f64, end: f64) -> usize {
     let mut best = (f64::INFINITY, MOST_POINTS - 1);
     for steps in 4..MOST_POINTS {
         let off = worst(steps);
-        // A common grid is found with the fewest points; without one, more points are better.
+        // Of equally good numbers the smallest is kept.
         if off < best.0 - 1e-6 {
             best = (off, steps);
         }

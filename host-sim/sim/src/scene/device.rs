@@ -47,8 +47,9 @@ pub struct DeviceSpec {
 impl Default for DeviceSpec {
     fn default() -> Self {
         DeviceSpec {
-            // The thesis gives no inertia. Chosen between a bare gimbal motor (2e-6 to 2e-5) and a measured student
-            // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
+            // The thesis gives no inertia. The value lies between that of a bare gimbal motor (2e-6 to 2e-5 kg·m²) and
+            // that measured on a haptic paddle for students (7e-4 kg·m²), because a motor that can hold the thesis'
+            // pushes of 0.1 N·m is larger than a gimbal motor.
             inertia_kg_m2: 1e-4,
             // The thesis found 5e-4 by feel with a finger on the knob, so that value includes the finger's damping.
             // The default damping of the device and that of a medium fingertip together come near this value.
@@ -80,14 +81,15 @@ pub struct Friction {
     /// direction and subtracted in the negative direction. Absent: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub asymmetry_n_m: Option<f64>,
-    /// Stribeck velocity, rad/s, above 0: velocity at which the friction torque has fallen from its static to its kinetic value.
-    /// Absent: the friction is kinetic as soon as the device moves.
+    /// Stribeck velocity, rad/s, above 0. At this velocity the friction torque has fallen from its static value so far that `1/e`
+    /// of the difference to its kinetic value is left. Absent: the friction is kinetic as soon as the device moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck_rad_per_s: Option<f64>,
     /// Stiffness of the surfaces' bristles in the LuGre friction model, N·m/rad, above 0. Absent: rigid bristles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bristle_stiffness_n_m_per_rad: Option<f64>,
-    /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: the square root of bristle stiffness times the device's inertia.
+    /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: `sqrt(k J)`, with bristle stiffness `k` and
+    /// the device's inertia `J`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bristle_damping_n_m_s_per_rad: Option<f64>,
 }
@@ -218,7 +220,7 @@ impl Timing {
 impl Default for Timing {
     fn default() -> Self {
         Timing {
-            // Both devices of the thesis.
+            // The control rate of both devices of the thesis.
             rate_hz: Settings::default().rate_hz,
             // The default press (2.5 s) and half a second to see that the released device comes to rest.
             duration_s: 3.0,

@@ -254,7 +254,8 @@ impl Draft {
         );
     }
 
-    /// Name of the hand's motion in the text, valid or not; `none` for a scene without a motion.
+    /// Name of the hand's motion in the text, valid or not; the name `none` for a scene without a motion. `None` if the table
+    /// `operator.motion` has no kind, or one that is not text.
     pub fn motion(&self) -> Option<&str> {
         match self.fields.get(MOTION_KIND) {
             Some(Value::String(kind)) => Some(kind),

@@ -133,8 +133,8 @@ pub struct CurrentLoop {
     pub bandwidth_hz: f64,
     /// Damping by the motor's back-EMF, N·m·s/rad, 0 or more. Default 0, which suits a current controller.
     ///
-    /// Windings driven by a voltage have `k_t²/R`, with torque constant `k_t` and winding resistance `R`. Three phases, with `k_t`
-    /// for an amplitude of 1 A, have `k_t²/(3/2 R)`.
+    /// Windings driven by a voltage have `k_t²/R`, with torque constant `k_t` and winding resistance `R`. Three phases have
+    /// `k_t²/(3/2 R)`, with `k_t` as torque per ampere of the phase currents' amplitude.
     pub back_emf_n_m_s_per_rad: f64,
 }
 

@@ -127,7 +127,7 @@ impl Default for Endstops {
 pub struct DetentRing {
     /// Number of detents per turn, 1 to 6283. With 0 the detents are `pitch_rad` apart. Default 24.
     pub per_rev: u32,
-    /// Angle between two neighbouring detents, rad, 0.001 to a turn. Only used where `per_rev` is 0. Default 0.2.
+    /// Angle between two neighbouring detents, rad, 0.001 to a turn. Only used if `per_rev` is 0. Default 0.2.
     pub pitch_rad: f64,
     /// Largest torque of a detent, N·m, from 0 to the force limit of the control law; it acts a quarter of the way to the next
     /// detent. Default 0.02.
@@ -158,14 +158,14 @@ pub struct TorqueProfile {
     pub per_rev: u32,
     /// Position of the first point, rad. Default 0.
     pub start_rad: f64,
-    /// Position of the last point, rad. Only used where `per_rev` is 0. Default 1.
+    /// Position of the last point, rad. Only used if `per_rev` is 0. Default 1.
     pub end_rad: f64,
     /// Torque of a point of value 1, N·m, from 0 to the force limit of the control law. Default 0.02.
     pub strength_n_m: f64,
     /// The 2 to 96 points of the profile, each from -1 to 1 and rounded to 0.0001. A positive value pushes towards larger angles.
     ///
-    /// Default: a magnetic detent. It attracts the knob within an eighth of the distance between detents on either side, and leaves
-    /// the knob free elsewhere.
+    /// Default: a magnetic detent. It attracts the knob within a quarter of the distance between detents on either side, most
+    /// strongly at an eighth, and leaves the knob free elsewhere.
     pub shape: Vec<f64>,
 }
 
@@ -185,7 +185,7 @@ impl TorqueProfile {
     /// Converts the points to the fixed-point format of the control law.
     ///
     /// # Errors
-    /// There are fewer than 2 points or more than 96, or one is outside -1 to 1.
+    /// There are fewer than 2 points or more than 96, or a point is outside -1 to 1.
     pub fn points(&self) -> std::result::Result<Shape, Refused> {
         let points: Vec<i16> = (self.shape.iter())
             .map(|point| (point * f64::from(WHOLE)).round() as i16)
@@ -220,7 +220,7 @@ impl Environment {
     #[must_use]
     pub fn acting_profile(&self) -> Option<Cow<'_, TorqueProfile>> {
         match self.acting_list() {
-            // A loaded scene has a list that can be drawn.
+            // The list of a checked scene converts without an error. An error would give `None`.
             Some(list) => list.profile().ok().map(Cow::Owned),
             None => self.profile.as_ref().map(Cow::Borrowed),
         }

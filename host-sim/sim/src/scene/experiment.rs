@@ -54,8 +54,8 @@ impl Scene {
         self.origin.error(path, problem, fix)
     }
 
-    /// Start and end of the time over which displayed stiffness and limit cycle are measured, s. `None` if the hand never holds
-    /// still.
+    /// Start and end of the time over which the displayed stiffness is measured, s. `None` for a motion of the hand without a
+    /// steady hold, such as a tap or a recording.
     pub fn hold_window_s(&self) -> Option<(f64, f64)> {
         self.operator.motion.hold_window_s()
     }

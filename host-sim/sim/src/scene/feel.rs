@@ -77,7 +77,7 @@ impl Default for DryFriction {
 pub struct Clicks {
     /// Number of clicks per turn, 1 to 6283. With 0 the clicks are `pitch_rad` apart. Default 24.
     pub per_rev: u32,
-    /// Angle between two neighbouring clicks, rad, 0.001 to a turn. Only used where `per_rev` is 0. Default 0.2.
+    /// Angle between two neighbouring clicks, rad, 0.001 to a turn. Only used if `per_rev` is 0. Default 0.2.
     pub pitch_rad: f64,
     /// Angle of one of the clicks, rad. Default 0.
     pub centre_rad: f64,
@@ -106,7 +106,7 @@ pub struct AddedInertia {
     /// Inertia of the virtual mass, kg·m², from 0 to `(J/(4 (T + delay + 1/(2π 100 Hz))) - b)/(2π p)` with inertia `J` and delay of
     /// `[law.estimator]`, control period `T`, damping `b` of `[environment.damper]` and bandwidth `p`. Default 1e-5.
     pub inertia_kg_m2: f64,
-    /// Frequency below which motions feel the mass, Hz, 5 to 30; faster ones feel its damper. Default 12.
+    /// Bandwidth, Hz, 5 to 30. Motions below this frequency move the mass; for faster motions only its damper acts. Default 12.
     pub bandwidth_hz: f64,
 }
 

@@ -15,7 +15,7 @@ use touchstone_world::plant;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Operator {
-    /// How the hand holds the knob. Default `none`, and `custom` where `[operator.hand]` is given.
+    /// How the hand holds the knob. Default `none`, or `custom` if the scene gives `[operator.hand]`.
     pub grip: Grip,
     /// The hand's mechanical values, for the grip `custom` only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -397,7 +397,7 @@ impl Default for PressWiggleRelease {
 }
 
 /// Motion from a recording. The hand's rest point is `surface + offset + scale · (angle - mean angle)`, or the recorded angle
-/// itself where `exact` is set.
+/// itself if `exact` is true.
 ///
 /// With the defaults the mean angle of the recording lies on the wall's surface, so that the hand goes in and out of the wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

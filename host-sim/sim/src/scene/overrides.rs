@@ -22,7 +22,7 @@ impl Scene {
     /// A key is a dotted path as in the scene file (`device.inertia_kg_m2`), or the end of a path (`k_soft_n_m_per_rad`,
     /// `filter.mass_kg_m2`) if no other path of a field or of an optional table ends so. Text needs no quotes. The value `none`
     /// removes an optional field or table. A new grip replaces `[operator.hand]`. A single value of `operator.hand` changes the
-    /// present grip into a custom one. A new motion keeps the fields that the old motion has too.
+    /// present grip into a custom one. A new kind of motion keeps the values of those fields that both kinds have.
     ///
     /// # Errors
     /// [`Error::Option`] for an unknown or ambiguous key, and for a value that the scene's check refuses.

@@ -13,7 +13,7 @@ use touchstone_control::environment::{MOST_POINTS, WHOLE};
 /// Largest number of rows of a profile's file.
 const MOST_ROWS: usize = 256;
 /// Largest deviation of a row's angle from equal spacing, as a fraction of a step, for which the rows count as equally spaced.
-/// Angles with four digits meet this for 96 rows over a radian.
+/// Angles in rad with four decimals meet this for 96 rows over a radian.
 const EVEN: f64 = 0.01;
 /// Example of a header, for error messages.
 const HEADER: &str = "angle_deg,torque_n_m";

@@ -53,7 +53,7 @@ macro_rules! settings {
 touchstone_control::law_settings!(settings);
 
 impl Scene {
-    /// Encoder resolution of the scene for the control crate; the default resolution for a scene without an encoder.
+    /// Encoder resolution of the scene for the control crate; 0 (a position without steps) for a scene without an encoder.
     fn position_settings(&self) -> PositionSettings {
         let count = self
             .encoder

@@ -126,7 +126,7 @@ pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
                 .map(|item| leaf_value(item.get_ref()))
                 .collect(),
         ),
-        // Its content does not matter, because no field accepts a table in a list.
+        // The table's content does not matter, because no field accepts a table in a list.
         DeValue::Table(_) => Value::Table(toml::Table::new()),
     }
 }

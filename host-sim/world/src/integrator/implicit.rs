@@ -22,8 +22,8 @@ pub type ImplicitEuler<const N: usize> = Implicit<N, false>;
 /// The method is of second order, and its energy balance closes to rounding. The solution rings if a pole is fast compared with the
 /// substep `h`.
 ///
-/// Friction is evaluated at the end of the step (the theta scheme of Moreau's stepping). In the middle of the step it would hold
-/// the position while the velocity changes its sign at every substep.
+/// Friction is evaluated at the end of the step (the theta scheme of Moreau's stepping). Evaluated in the middle of the step,
+/// friction would hold the position while the velocity changes its sign at every substep.
 pub type ImplicitMidpoint<const N: usize> = Implicit<N, true>;
 
 /// An implicit integration step. It evaluates the rates in the middle of the substep if `MIDDLE` is true, else at its end.

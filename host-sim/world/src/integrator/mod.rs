@@ -49,9 +49,10 @@ pub trait Method<const N: usize>: Sized + Send {
 /// Effect of dry friction on the device in one substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reaction {
-    /// The device is at rest at the substep's end; the friction torque that brought or kept it there, N·m against positive motion.
+    /// The device is at rest at the substep's end. The value is the friction torque that stopped or held the device, N·m against
+    /// positive motion.
     Rests(f64),
-    /// The device still moves at the substep's end; the friction torque, N·m against positive motion.
+    /// The device still moves at the substep's end. The value is the friction torque, N·m against positive motion.
     Slides(f64),
 }
 

@@ -4,7 +4,7 @@ use super::{Method, Model};
 use crate::plant::{Invalid, Loss};
 
 /// Velocity `v_s` at which the smoothed friction has three quarters of its full torque, rad/s. A device that dry friction should
-/// hold creeps at a velocity below it.
+/// hold under a torque `u` creeps at `v_s atanh(u/F_k)`, with the friction torque `F_k` in motion.
 pub const CREEP_RAD_PER_S: f64 = 1e-3;
 
 /// The classical Runge–Kutta method of fourth order, with four evaluations per substep. It is stable while the substep is shorter

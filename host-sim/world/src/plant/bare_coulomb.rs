@@ -267,8 +267,8 @@ mod tests {
 
     #[test]
     fn stop_agrees_with_the_equation_of_motion() {
-        // Oracle: v(τ) = 0 and Δx from the textbook closed form, viscous loss from the energy balance; all three cancel for small
-        // q, hence a tolerance that depends on q.
+        // Oracle: v(τ) = 0 and Δx from the textbook closed form, viscous loss from the energy balance; for small q, nearly equal
+        // terms cancel in all three, hence a tolerance that depends on q.
         for (b, v) in [
             (5e-4, 1.0),
             (5e-4, 0.01),

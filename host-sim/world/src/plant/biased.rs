@@ -7,10 +7,10 @@ use super::stepper::{Loss, Stepper};
 /// A plant whose dry friction differs by direction: larger by `bias` against positive motion, smaller by `bias` against negative
 /// motion, at rest and in motion.
 ///
-/// It is computed as the plant with symmetric friction (`F` in motion, `F_s` at rest) under the torque `u - bias`. In positive
-/// motion the torque left is then `u - (F + bias)`, in negative motion `u + (F - bias)`. The device rests while `-(F_s - bias) <= u
-/// <= F_s + bias`. The result is as exact as that of the wrapped plant. The work of the bias counts as dissipated, because the bias
-/// is friction and not a motor.
+/// The motion is computed as that of the plant with symmetric friction (`F` in motion, `F_s` at rest) under the torque
+/// `u - bias`. In positive motion the torque left is then `u - (F + bias)`, in negative motion `u + (F - bias)`. The device rests
+/// while `-(F_s - bias) <= u <= F_s + bias`. The result is as exact as that of the wrapped plant. The work of the bias counts as
+/// dissipated, because the bias is friction and not a motor.
 pub struct Biased<const N: usize> {
     inner: Box<dyn Stepper<State = State<N>>>,
     bias: f64,

@@ -69,8 +69,8 @@ pub const OMEGA3_AXIS: Device = Device {
 
 /// A firm hand at the effector, for each axis: 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m and 0.5 N·s/m.
 ///
-/// The values are chosen, not measured. The pad's damping is a fifth of the device's damping, the same ratio as for the thesis'
-/// knob.
+/// The values are chosen, not measured. The pad's damping is a fifth of the axis' damping, as the pad of [`super::MEDIUM`] has a
+/// fifth of the thesis' damping `c_i` of 5e-4 N·m·s/rad.
 pub const FIRM_TRANSLATION: Hand = Hand {
     inertia: 0.8,
     damping: 5.5,

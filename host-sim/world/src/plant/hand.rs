@@ -10,9 +10,9 @@ use super::device::{Invalid, not_negative, positive};
 /// disadvantage is a second mass with two states.
 ///
 /// The rest point `r` is the angle to which the person wants to move the hand. It is held during a control period (zero-order
-/// hold), like the torque. Voluntary motion has frequencies up to about 10 Hz, so at a control rate of 1 kHz the steps are small.
-/// The energy balance includes their work on the spring (see [`super::Stepper::stored_energy_j`]). The damper `b_h` acts from the
-/// hand to ground and not to the rest point, because a held `r` has no velocity.
+/// hold), like the torque. Voluntary motion has frequencies up to about 10 Hz, so at a control rate of 1 kHz the steps of the
+/// rest point are small. The energy balance includes the steps' work on the spring (see [`super::Stepper::stored_energy_j`]). The
+/// damper `b_h` acts from the hand to ground and not to the rest point, because a held `r` has no velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
     /// Inertia `J_h` of the hand about the knob's axis, kg·m² (kg); above zero.

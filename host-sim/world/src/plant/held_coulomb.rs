@@ -20,7 +20,7 @@ use events::Mode;
 /// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`].
 /// `u` is the held torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and
 /// the hand moves against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an
-/// interval, which its value at the interval's end does not show.
+/// interval, which the velocity at the interval's end does not show.
 ///
 /// Each step therefore first evaluates a bound that holds in every case. On an interval of length `h` a function `f` stays within
 /// `h²/8 max|f''|` of the straight line between its end values. If that leaves no room for a stop or a start, which is nearly
@@ -49,10 +49,11 @@ pub struct HeldCoulomb {
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
     /// Factors that bound `h²/8` times the second derivative of the pad's torque while the device is stuck, for the interval `h`.
-    /// One for the magnitude of each of pad strain, hand velocity and strain of the hand's spring.
+    /// There is one factor for the magnitude of each of pad strain, hand velocity and strain of the hand's spring.
     stick_guard: [f64; 3],
     /// Factors for a finer bound of `h²/8` times the second derivative of the pad's torque while the device is stuck, for the
-    /// interval `h`. One for the rate of change of each of pad strain, hand velocity and strain of the hand's spring.
+    /// interval `h`. There is one factor for the rate of change of each of pad strain, hand velocity and strain of the hand's
+    /// spring.
     stick_rate_guard: [f64; 3],
     /// Matrix of the rates of pad strain, hand velocity and strain of the hand's spring while the device is stuck, by columns.
     stuck_rates: [[f64; 3]; 3],

@@ -177,7 +177,7 @@ fn compare_ticks(
             let mut state = State::from_array([z[0], z[1], z[2], z[3]]);
             let loss = held.step_with_loss(&mut state, u, r);
             if events == 0 && z[1] != 0.0 {
-                // This also holds if the plant had to search the interval to find that there is no stop.
+                // The equality holds even if the plant had to search the interval to find that there is no stop.
                 let mut expected = State::from_array([z[0], z[1], z[2], z[3]]);
                 let w = u - friction.kinetic.copysign(z[1]);
                 linear.as_ref().unwrap().step(&mut expected, w, r);

@@ -2,14 +2,15 @@
 
 use touchstone_world::plant::{Coulomb, Device, Hand};
 
-/// The thesis' knob with a reduced damping of 3e-4 N·m·s/rad, so low that the fingertip pad has an effect.
+/// A knob with a fifth of the inertia of the thesis' knob, and a damping of 3e-4 N·m·s/rad, so low that the fingertip pad has an
+/// effect.
 pub const KNOB: Device = Device {
     inertia: 2e-5,
     damping: 3e-4,
     friction: None,
 };
 
-/// Dry friction as large as a wall's torque at a penetration of about a degree.
+/// Dry friction: 2 mN·m in motion, 3 mN·m to break away.
 pub const FRICTION: Coulomb = Coulomb {
     kinetic: 2e-3,
     breakaway: 3e-3,

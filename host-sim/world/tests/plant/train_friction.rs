@@ -59,7 +59,7 @@ fn what_friction_holds_does_not_move_by_a_bit() {
     let train = made::<5, 9>(&links, &sliding(2e-3, 3e-3, Some(0.1)), 32);
     let mut state = TrainState::at_rest(0.3);
     for tick in 0..10_000 {
-        // A torque of 0.9 times the break-away torque, and a hand that swings before it settles.
+        // A torque that changes with every tick, up to 0.9 times the break-away torque.
         train.step(&mut state, 2.7e-3 * f64::from(tick % 7) / 6.0, 0.3);
         assert_eq!((state.position(), state.velocity()), (0.3, 0.0), "{tick}");
     }

@@ -87,7 +87,7 @@ impl<'p> Depths<'p> {
         }
         // Words in data, and the constants between functions.
         for part in &program.parts {
-            // Only the processor calls the functions in the vector table.
+            // Only the processor calls the functions in the vector table, so no call through a register leads to them.
             if part.name == ".vector_table" {
                 continue;
             }

@@ -1,8 +1,9 @@
 //! Finds the items (functions, types, macros) that each property (statement to prove) uses, directly or indirectly, in the proofs
 //! and in the code. A hash of these items shows later whether the proof still applies.
 //!
-//! A name is resolved by the imports of its file, by the word before it, and by type and trait. If several items remain possible,
-//! all count. So no used item is missed; an unused item among them may make a proof invalid without need.
+//! A name is resolved by the imports of its file and, in a path `word::name`, by the word before it; a method also by its type and
+//! trait. If several items remain possible, all count as used. So no used item is missed, but a change of an item that is not
+//! really used can make a proof count as out of date without need.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -106,7 +107,8 @@ impl<'i> Ground<'i> {
                 Kind::Member { of, of_trait } => {
                     ground.by_name.entry(name).or_default().push(at);
                     let mut words = vec![of.as_deref(), of_trait.as_deref()];
-                    // The code does not name the type to the left of an operator.
+                    // Code that uses an operator does not name the type to the operator's left. So all names in such an
+                    // implementation count.
                     if of
                         .as_ref()
                         .is_none_or(|of| !of.starts_with(char::is_uppercase))

@@ -1,9 +1,9 @@
 //! The position of a knob as MIDI control changes, to and from a raw MIDI device of Linux, a FIFO or a pseudo terminal.
 //!
-//! | message | bytes | when |
+//! | message | bytes | sent or received |
 //! |---|---|---|
-//! | control change | `Bn cc vv` | sent on every change; received: the value of a knob without end stops |
-//! | program change | `Cn pp` | received: the feel with this number in `touchstone feels`, from 0 |
+//! | control change | `Bn cc vv` | sent on every change of the value; when received, sets the value if the knob has no end stops |
+//! | program change | `Cn pp` | when received, chooses the feel with the number `pp` in `touchstone feels`, counted from 0 |
 //!
 //! `n` is the channel minus 1. With 14 bits, controller `cc` carries the upper seven bits and is sent first; `cc` + 32 carries the
 //! lower seven.

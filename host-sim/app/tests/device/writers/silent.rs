@@ -10,7 +10,7 @@ use std::process::Command;
 fn a_silent_port_leaves_nothing() {
     let (_master, slave) = TTYPort::pair().unwrap();
     let port = slave.name().unwrap();
-    // A pseudo-terminal that is open as a serial port cannot be opened again.
+    // Keeps the pseudo-terminal open as a plain file. If it were open as a serial port, the command could not open it.
     let _held = std::fs::File::open(&port).unwrap();
     drop(slave);
     let setup = [

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use touchstone_control::environment::{Refused, WHOLE};
 use touchstone_sim::scene::Environment;
 
-/// Largest number of angles per part at which the sum of all parts is examined. With more, the steepest slopes are added.
+/// Largest number of angles per part at which the sum of all parts is examined. If there are more angles, the steepest slopes of
+/// the parts are added instead.
 const MOST_PLACES: usize = 100_000;
 
 /// A range of angles, in rad, in which a part has a constant stiffness.

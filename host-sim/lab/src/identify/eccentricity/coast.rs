@@ -1,10 +1,10 @@
 //! Measures the encoder's error from the shaft's own motion: with the motor switched off, the shaft slows down evenly.
 //!
 //! The model of the encoder's reading over time is `P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`. The polynomial `P`
-//! describes the slowing down, `ε` the encoder's error at the angle `θ`. The sum is the motion by a torque that repeats `n` = 1
-//! or 2 times per turn. It depends on the speed `ω` (`ω0` is the first speed), which distinguishes it from the error. In the
-//! small terms, `θ` is the reading minus the error of the previous iteration. Each coast is fitted alone. The uncertainty is the
-//! larger of the fits' own and the coasts' difference from their mean.
+//! describes the slowing down, `ε` the encoder's error at the angle `θ`. The sum is the motion caused by a torque that repeats
+//! `n` = 1 or 2 times per turn. The sum depends on the speed `ω` (`ω0` is the first speed), which distinguishes the sum from the
+//! error. In the small terms, `θ` is the reading minus the error of the previous iteration. Each coast is fitted alone. The
+//! uncertainty is the larger of the fits' own and the coasts' difference from their mean.
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, ORDERS, Said};

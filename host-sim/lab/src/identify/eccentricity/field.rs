@@ -1,11 +1,11 @@
 //! Measures the encoder's error with the motor's field, which turns at a known speed: one electrical turn, then a mechanical one,
 //! and the same back.
 //!
-//! The tick at which the motion ends is known, because the calibration ends with it or its next part begins. The ticks before it
-//! are the way back, the ticks before those the way forward. Of each way the last mechanical turn is used, in which the field's
-//! speed is constant. The model is `reading = C + s ω t + ε`, with a constant `C`, the field's angle `s ω t` (direction `s`, speed
-//! `ω`, time `t`) and the error `ε`. Friction makes the shaft lag, which is part of `C`. The shaft's true angle, on which the error
-//! depends, is therefore `C + s ω t`.
+//! The tick at which the motion ends is known: there the calibration ends, or its next part begins. The ticks before it belong to
+//! the turn back, the ticks before those to the turn forward. In each direction the last mechanical turn is used, in which the
+//! field's speed is constant. The model is `reading = C + s ω t + ε`, with a constant `C`, the field's angle `s ω t` (direction
+//! `s`, speed `ω`, time `t`) and the error `ε`. Friction makes the shaft lag, which is part of `C`. The shaft's true angle, on
+//! which the error depends, is therefore `C + s ω t`.
 //!
 //! A light rotor with little damping oscillates around the field, at about 20 Hz and by a degree. The fit therefore has a term in
 //! proportion to the measured acceleration, and this motion does not count as encoder error. The term also absorbs some

@@ -15,7 +15,8 @@
 //!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both directions. Cogging
 //!   repeats with slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, alike in both
 //!   directions, does not cancel. An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3
-//!   degrees with those of the small motor. **The field alone cannot distinguish such a torque from an eccentric magnet.**
+//!   degrees with the small motor of the build guide. **The field alone cannot distinguish such a torque from an eccentric
+//!   magnet.**
 //! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft
 //!   slows down evenly. A torque `T` that repeats `n` times per turn moves the shaft by `T/(J (n ω)²)`, with the inertia `J`. The
 //!   motion falls with the square of the speed `ω`, while the encoder's error is the same at any speed. A coast from fast to slow

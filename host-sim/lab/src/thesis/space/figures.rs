@@ -8,7 +8,8 @@ use crate::report::figure::{Axis, Figure, Range, Shape};
 const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];
 const AXES: [&str; 3] = ["x1", "x2", "x3"];
 
-/// Number of the thesis' figure for the same object and approach (way to compute the force); empty for the shipped wall.
+/// Number of the thesis' figure for the same object and approach (way to compute the force); `not in the thesis` for the shipped
+/// wall.
 #[must_use]
 pub fn reference(object: Object, approach: Approach) -> &'static str {
     match (object, approach) {

@@ -15,7 +15,7 @@ use crate::random_device::Random;
 use crate::scorecard::cases::LATE_TICKS;
 use crate::scorecard::direction::DirectionFigures;
 use crate::scorecard::in_turn::DEEDS;
-use crate::scorecard::measure::{Limits, Measure};
+use crate::scorecard::measure::{Limits, Measure, is_beyond};
 use crate::thesis::claims::{Claim, Outcome};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -145,8 +145,8 @@ pub struct HeldOutCell {
     pub found: DirectionFigures,
     /// Magnitude of the largest force vector that the law requested of the motors, N.
     pub longest_n: f64,
-    /// Cause of a wall beyond a limit: the first single change with which all its measures are within their limits. `None` if no
-    /// measure is beyond its limit.
+    /// Why a measure of the wall is beyond its limit: the first deviation (push, delay, damping, inertia) whose removal alone brings
+    /// all measures within their limits, or [`HeldOutCause::NoneAlone`]. `None` if no measure is beyond its limit.
     pub cause: Option<HeldOutCause>,
     limits: Limits,
 }
@@ -217,8 +217,7 @@ impl HeldOutCell {
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
         let all = Measure::ALL.into_iter().zip(shares);
-        all.filter(|(_, share)| *share > 1.0 || share.is_nan())
-            .collect()
+        all.filter(|(_, share)| is_beyond(*share)).collect()
     }
 }
 
@@ -429,7 +428,7 @@ mod tests {
     /// the second a delay with which a hand gets energy out. No single change explains the third.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
-        // With the pulse at the touch no wall gives energy to the hand.
+        // With the pulse at the touch no wall gives energy to the hand, so this test has no pulse.
         let mut law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());
         law.impact.momentum = touchstone_control::Si::ZERO;
         let drawn = Drawn {

@@ -112,7 +112,7 @@ pub struct Deviation {
     pub damping: f64,
     /// Factor on the number of position counts.
     pub counts: f64,
-    /// Delay from a sample until its command acts, in ticks (control periods).
+    /// Delay from a sample until its command acts, in ticks (control periods). `HeldMechanism::new` limits the delay to 0 to 1.
     pub delay_ticks: f64,
 }
 

@@ -216,10 +216,10 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         law,
         rate_hz: RATE_HZ,
         k_desired: si(1e3 * k_desired_n_per_mm),
-        // The proportion of the knob: k_v = 0.8 k_c.
+        // As for the knob, 0.8 of the critical stiffness.
         k_soft: si(4000.0),
         device_damping: si(2.5),
-        // 0.4 c_i; the thesis' enhanced law has no damper.
+        // 0.4 of the damping that the law assumes; the thesis' enhanced law has no damper.
         virtual_damping: if law == LawKind::SpringDamper {
             si(1.0)
         } else {
@@ -229,7 +229,8 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         // Four times the energy that a press of 6 N stores in the coupling k_f.
         energy_credit: si(0.0144),
         filter: FilterSettings {
-            // k_f = k_c; the mass, with the damping to ground, gives the law's 12 ms.
+            // The stiffness is the critical one. Mass and damping to ground let the virtual mass follow the hand with a time
+            // constant of 12 ms, as for the knob.
             mass: si(0.015),
             stiffness: si(5000.0),
             damping: Si::ZERO,
@@ -239,7 +240,7 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     }
 }
 
-/// Converts a length in mm to the device's unit.
+/// Converts a length in mm to the laws' unit, centimetres.
 fn position(mm: f64) -> Position<N> {
     Position(N::signal_from_f64(mm / 10.0))
 }

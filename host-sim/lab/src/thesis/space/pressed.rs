@@ -38,7 +38,7 @@ impl PressedSurface {
     fn shape(&self) -> Shape<N> {
         match self {
             Self::Plane(through_m, normal) => Shape::Plane(Plane {
-                // The number format holds this length; only the direction matters.
+                // A vector of 50 mm fits the number format; only its direction matters.
                 normal: Direction::of(place(normal.map(|n| 50.0 * n))).unwrap_or_default(),
                 height: Position(N::signal_from_f64(100.0 * dot(*through_m, *normal))),
             }),

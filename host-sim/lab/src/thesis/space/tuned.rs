@@ -2,8 +2,8 @@
 //!
 //! The device is an omega.3, nominal or varied: half and double mass and damping, coarser counts, delayed commands. Each of three
 //! hands presses and moves along each axis in both senses, and along directions between the axes. A ball is left out, because a
-//! hand whose stiffness is below push over radius slides off it with any law. Measures and limits are those of
-//! [`crate::scorecard`]; the torque ripple has no limit here.
+//! hand whose stiffness is below the push divided by the ball's radius slides off the ball with any law. Measures and limits are
+//! those of [`crate::scorecard`]; the torque ripple has no limit here.
 
 use super::mechanism::{Deviation, Mechanism};
 use super::pressed::{PressedSurface, PressedWall};
@@ -12,7 +12,7 @@ use crate::identify::lever::PRESS_SHARE;
 use crate::scorecard::cases::{CASES, Case};
 use crate::scorecard::direction::DirectionFigures;
 use crate::scorecard::in_turn::DEEDS;
-use crate::scorecard::measure::{Limits, Measure};
+use crate::scorecard::measure::{Limits, Measure, is_beyond};
 use crate::thesis::claims::{Claim, Outcome};
 use rayon::prelude::*;
 use touchstone_control::SettingsError;
@@ -117,7 +117,7 @@ impl DirectionCard {
             let shares = Measure::ALL.into_iter().zip(cell.figures.shares(limits));
             fails.extend(
                 shares
-                    .filter(|(_, share)| *share > 1.0)
+                    .filter(|(_, share)| is_beyond(*share))
                     .map(|(m, _)| (*case, m)),
             );
         }

@@ -56,10 +56,9 @@ pub struct TunedWall {
 /// On a lever of 26.0 mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are
 /// 0.3119 N·m. A position count of 0.01 mm is one of 16,332 counts per turn.
 ///
-/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit. A hand of 0.8 kg
-/// then gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob was
-/// tuned. Delays in steps of 0.01 ms were tried in these runs: from 0.879 to 0.929 ms all measures are within their limits, except
-/// at 0.907 ms.
+/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one measure is beyond its limit. A hand of 0.8
+/// kg then gets 0.16 mJ out of a device with a whole control period of delay. That hand is heavier than any for which the knob
+/// was tuned. Of the delays that were tried between 0.879 and 0.929 ms, only 0.907 ms brings a measure beyond its limit.
 pub const OMEGA3_WALL: TunedWall = TunedWall {
     name: "an omega.3",
     k_desired_n_per_m: 25_000.0,
@@ -123,7 +122,7 @@ pub const DELTA_WALL: TunedWall = TunedWall {
     bandwidth_hz: 71.5,
     delay_s: 0.001346,
     estimator_kg: 0.187,
-    // With 0.3 a hold with 0.41 of the counts is off by 5.1 %, where 5 % are the limit.
+    // With a pulse of 0.3 and 0.41 of the counts, the stiffness error in a hold is 5.1 %; the limit is 5 %.
     pulse: 0.0,
 };
 
@@ -177,7 +176,7 @@ impl TunedWall {
             },
             states: StatesKind::Estimated,
             estimator: self.estimator(),
-            // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
+            // The pulse is computed with the estimator's tuned mass. The factor makes it a share of the axis' own momentum.
             impact: ImpactSettings {
                 momentum: si(self.pulse * self.axis_kg / self.estimator_kg),
                 ..ImpactSettings::default()

@@ -22,7 +22,8 @@ pub trait Crossing: Send {
     /// State of the plant.
     type State: Kinematics;
 
-    /// Advances plant and delayed commands by one tick (control period).
+    /// Advances plant and delayed commands by one tick (control period). `torque_n_m` is the new command in N·m, `rest_rad` the
+    /// rest point of the hand in rad.
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
 
     /// Does the same as `cross`, bit for bit, and returns the energies of the tick.
@@ -92,8 +93,8 @@ impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     }
 }
 
-/// A computational delay of whole ticks and a fraction of one. The command changes once within each tick; one stepper advances the
-/// plant before the change, another after it.
+/// A computational delay of whole ticks and a fraction of a tick. The command changes once within each tick; one stepper advances
+/// the plant before the change, another after it.
 #[derive(Debug, Clone)]
 pub struct Delayed<S> {
     /// Advances the plant over the first part of the tick, while the older command still acts.
@@ -128,7 +129,7 @@ impl<S: Stepper> Delayed<S> {
     }
 
     /// Records the angle at which the torque command changed. With a delay below one tick, that is the angle at the change within
-    /// this tick; with a longer delay, the angle at the tick's end is taken.
+    /// this tick; with a delay of one tick or more, the angle at the tick's end is taken.
     #[inline(always)]
     fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
         if let Some(changed) = &mut self.changed_at_rad {

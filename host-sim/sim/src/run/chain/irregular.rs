@@ -7,12 +7,12 @@ use touchstone_world::plant::{Kinematics as _, Stepper};
 use super::crossing::{Crossing, Flow, step_with_flow};
 use super::noise::Stream;
 
-/// Number of parts of a control period to which lateness is rounded. It is a power of two, because the steppers span 1, 2, 4, …
-/// parts.
+/// Number of equal parts of a control period. Delay and lateness are whole numbers of parts. The number is a power of two,
+/// because the steppers span 1, 2, 4, … parts.
 pub const PARTS: u32 = 1 << DOUBLINGS;
 const DOUBLINGS: u32 = 10;
 
-/// Delays every position sample by up to `jitter`, and every torque command by its delay plus up to `spread`.
+/// Delays every position sample by up to `jitter`, and every torque command by `delay` to `delay + spread`.
 ///
 /// Each random delay is uniformly distributed, in whole parts ([`PARTS`]) of a control period. Commands keep their order. A tick
 /// lasts from one sample to the next, so it may be longer or shorter than a control period. Records give the nominal time of a
@@ -160,7 +160,7 @@ impl<S: Stepper> Crossing for Irregular<S> {
             sum.device_loss_j += flow.device_loss_j;
             sum.stored_j += flow.stored_j;
         });
-        // With two samples at the same time, the tick has no duration; its mean torque is the torque that acts.
+        // If two samples coincide, the tick between them has no duration; its mean torque is then the torque that acts.
         sum.torque_n_m = if time_s > 0.0 {
             impulse / time_s
         } else {

@@ -9,7 +9,7 @@
 //! | between intended motion and hand | [`Crossing`] | nothing | [`Handled`]: one indirect call |
 //!
 //! The costs of effects add up; they do not multiply. The loop calls the controller side indirectly in any case, and a stage is put
-//! around it only where the scene names the effect. An effect that the scene does not name is therefore neither computed nor stored
+//! around it only if the scene names the effect. An effect that the scene does not name is therefore neither computed nor stored
 //! nor branched on. A new effect is compiled once, not once for each combination.
 
 mod control;

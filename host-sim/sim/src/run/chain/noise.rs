@@ -58,7 +58,7 @@ impl Stream {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        // Above 0, so that the logarithm is finite.
+        // `1 - uniform` is above 0, so that the logarithm is finite.
         let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.uniform()));
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * self.uniform());
         self.spare = Some(radius * sin);

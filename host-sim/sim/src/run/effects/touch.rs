@@ -34,7 +34,7 @@ fn damped(scene: &mut Scene, from: VelocityKind) {
     if scene.law.kind != LawKind::SpringDamper {
         scene.law.kind = LawKind::SpringDamper;
         scene.law.states = StatesKind::Measured;
-        // Virtual damping of at most half the thesis' device damping. With the default of 0 the velocity would have no effect.
+        // Half the damping of the thesis' device, 4e-4 N·m·s/rad. With the default of 0 the velocity would have no effect.
         scene.law.virtual_damping_n_m_s_per_rad = 2e-4;
     }
     scene.law.velocity.from = from;

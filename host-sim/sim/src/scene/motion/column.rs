@@ -147,8 +147,8 @@ pub(in crate::scene) fn find(
     }
 }
 
-/// A reader of a CSV text's rows, the header among them, and the text without a byte-order mark, which is not part of the first
-/// column's name. Lines that begin with `#` are comments; a row may have any number of cells.
+/// Returns the CSV text without its byte-order mark, and a reader of its rows, including the header. Lines that begin with `#`
+/// are comments; a row may have any number of cells.
 pub(in crate::scene) fn rows(text: &str) -> (&str, csv::Reader<&[u8]>) {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let reader = csv::ReaderBuilder::new()

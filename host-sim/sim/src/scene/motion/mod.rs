@@ -25,7 +25,7 @@ use tap::TapPath;
 /// The hand's moving rest point `r(t)`, rad: the end of the hand's spring that the person moves on purpose.
 ///
 /// Computed motions are smooth: the slope of `r` is continuous, and its frequencies are those of voluntary motion, up to about 10
-/// Hz. A recording that is replayed exactly moves in steps.
+/// Hz; only a wiggle may have up to 16 Hz. A recording that is replayed exactly moves in steps.
 #[derive(Debug, Clone)]
 pub struct RestPath {
     shape: Shape,

@@ -5,15 +5,15 @@ use std::f64::consts::TAU;
 
 /// Speed above which a recording is reported as faster than any hand, rad/s. A wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// Range of angles above which a recording is reported, rad: two turns. A slow motion in degrees is noticed by its range, not by
-/// its speed.
+/// Range of angles above which a recording is reported, rad: two turns. A slow motion whose degrees were read as radians is
+/// noticed by its range, not by its speed.
 const WIDEST_RAD: f64 = 2.0 * TAU;
 /// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
 /// First time stamp of a recording above which the time column is taken for calendar time (seconds since an epoch), s: 11 days.
 const EPOCH_S: f64 = 1e6;
-/// Shortest time between two samples that is reported as a gap in the recording, s. Within this time, a hand can move without
-/// leaving a trace in the recording.
+/// Shortest time between two samples that is reported as a gap in the recording, s. In a longer gap a hand may have moved out and
+/// back without a sample.
 const GAP_S: f64 = 0.1;
 
 impl Recording {

@@ -14,7 +14,7 @@ struct Kept {
     recording: Arc<Recording>,
 }
 
-/// The recording that was read last. One is enough, because all runs of a command have the same.
+/// The recording that was read last. One is enough, because all runs of a command use the same recording.
 static LAST: Mutex<Option<Kept>> = Mutex::new(None);
 
 /// State of a file, by which a changed content is noticed.
@@ -28,8 +28,8 @@ enum State {
     Pipe,
 }
 
-/// Age below which a file is not kept: a change within the file system's unit of time would not be noticed. The largest usual unit
-/// is 2 s.
+/// Age of a file below which its recording is not kept: two changes within one unit of the file system's time stamps look alike.
+/// The largest usual unit is 2 s.
 const SETTLED: Duration = Duration::from_secs(3);
 
 /// State of a file; `None` for a file that has just changed or whose state is not known.

@@ -10,7 +10,7 @@ use crate::scene::operator::{Hand, PressWiggleRelease, RampAndHold, TouchAndPres
 ///
 /// Wall, fingertip pad and hand are springs in series. A static torque `τ` therefore needs the rest point `τ·(1/k_de + 1/k_pad +
 /// 1/k_hand)` beyond the wall's surface. `k_de` is the requested stiffness of the wall; `k_pad` and `k_hand` are those of pad and
-/// hand. With a soft hand this is several radians: the person pulls towards the rest point without reaching it.
+/// hand. With a soft hand that distance is several radians: the person pulls towards the rest point without reaching it.
 #[derive(Debug, Clone)]
 pub(super) struct Press {
     outside_rad: f64,

@@ -46,8 +46,9 @@ impl Recording {
     /// The recording that was read last is kept, so that a command with many runs reads it once.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer than
-    /// two rows, a missing or non-finite number, times that do not rise, or more than 3.6 million steps.
+    /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer
+    /// than two rows, a row of another length than the header, a missing or non-finite number, an angle beyond 1e6 rad, times
+    /// that do not rise, a duration below 10 µs, more than 3.6 million samples, or a duration above an hour.
     pub fn read(file: &Path) -> Result<Arc<Recording>> {
         once::read(file, Recording::read_anew)
     }

@@ -59,8 +59,8 @@ impl TapPath {
             .map(|k| (chain[k].0 * (height * HARMONICS[k])).re)
             .sum();
         let pad_s = hand.pad_damping_n_m_s_per_rad / hand.pad_stiffness_n_m_per_rad;
-        // The free decay of the pad's deformation exerts no torque on the device. So its effect on the rest point follows from the
-        // hand's impedance at s = -1/pad_s.
+        // The free decay of the pad's deformation exerts no torque on the device. So the decay's effect on the rest point follows
+        // from the hand's impedance at s = -1/pad_s.
         let left_over = if pad_s > 0.0 {
             let s = -1.0 / pad_s;
             let own = s * s * hand.inertia_kg_m2 + s * hand.damping_n_m_s_per_rad;

@@ -1,4 +1,5 @@
-//! The fields of a scene's table `[environment]`: further walls, end stops, detents and a torque profile.
+//! The fields of a scene's table `[environment]`: further walls, end stops, detents, a torque profile, spring, damper, dry
+//! friction, clicks and inertia.
 
 use super::super::MOST_DETENTS;
 use super::Kind::{Choice, Flag, Numbers, Whole};

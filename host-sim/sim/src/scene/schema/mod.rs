@@ -1,8 +1,8 @@
 //! Every field of a scene file in one table: name, unit, range and meaning.
 //!
-//! Parsing, `--set`, error messages and printing all read this table. A field that is added to a scene's types therefore needs one
-//! entry in `schema/fields.rs`; a test compares types and table. The fields of the control law are those of
-//! [`touchstone_control::law_settings`].
+//! Parsing, `--set`, error messages and printing all read this table. A field that is added to a scene's types therefore needs
+//! one entry in `fields.rs`, `environment_fields.rs` or `hand_fields.rs`; a test compares types and table. The fields of the
+//! control law are those of [`touchstone_control::law_settings`].
 
 mod environment_fields;
 mod fields;

@@ -346,7 +346,7 @@ fn late_errors_still_know_the_place() {
         message("law.device_damping_n_m_s_per_rad"),
         "s.toml:1: law.device_damping_n_m_s_per_rad: is too large; lower it"
     );
-    // The text does not give the field, so the error names line 1.
+    // The text does not give the field, so the error names the line of the innermost table around the field, or else line 1.
     let later = parse("\n[law]\nk_soft_n_m_per_rad = 0.8").unwrap().error(
         "law.filter.mass_kg_m2",
         "is heavy",

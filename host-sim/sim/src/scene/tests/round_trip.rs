@@ -7,7 +7,7 @@ use super::schema::{FIELDS, Kind};
 use super::*;
 use touchstone_control::{FirstContact, LawKind};
 
-/// Scenes, one per hand motion, that give every field a value different from its default.
+/// Scenes, one per hand motion, that together give every field, many of them with a value other than the default.
 fn full_scenes() -> Vec<Scene> {
     let motions = [
         MotionSpec::None,

@@ -171,7 +171,7 @@ pub struct DeltaWork {
     pub loss: Loss,
 }
 
-/// A delta device, in a hand or free, prepared for one interval.
+/// A delta device, free or held by a hand, with the length of the interval by which each [`DeltaPlant::step`] advances it, s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeltaPlant {
     device: DeltaDevice,

@@ -52,7 +52,7 @@ fn other_columns_comments_and_order_do_not_matter() {
 
 #[test]
 fn the_programs_own_files_have_several_angles_and_one_of_them_is_meant() {
-    // A simulation's trace, a device's records, and a device's records in an older format.
+    // A simulation's trace, a trace without the hand's columns, a device's records, and a device's records in an older format.
     for (text, expected) in [
         (
             "time_s,angle_rad,velocity_rad_per_s,angle_measured_rad,hand_rad,rest_rad,force_n_m,surface_rad\n\

@@ -33,7 +33,7 @@ fn a_smooth_motion_comes_back_within_the_known_loss_of_the_low_pass() {
         // A sine of frequency f loses 1 - exp(-ln 2 / 2 · (f/20)²): 0.15 % of 0.2 rad and 0.83 % of 0.05 rad.
         let loss = |f: f64| 1.0 - (-0.5 * 2.0_f64.ln() * (f / SMOOTHING_HZ).powi(2)).exp();
         let low_pass = 0.2 * loss(1.3) + 0.05 * loss(3.1);
-        // The monotone cubic flattens turns: at most an eighth of acceleration times interval².
+        // The monotone cubic flattens turning points by at most an eighth of acceleration times interval².
         let cubic = 0.125
             * (0.2 * (TAU * 1.3_f64).powi(2) + 0.05 * (TAU * 3.1_f64).powi(2))
             * 0.0065
