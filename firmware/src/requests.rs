@@ -11,7 +11,7 @@ use touchstone_protocol::{
     ResetReason, RingChunk, State, flash, stored,
 };
 
-use crate::control::{Control, RING, control};
+use crate::control::{RING, control};
 use crate::exchange::CURRENT_CYCLES_MAX;
 use crate::shared::InThread;
 use crate::storage::{self, Storage};
