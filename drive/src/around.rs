@@ -354,7 +354,7 @@ fn environment_tick(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::change::law_settings;
     use crate::hardware::IHM08M1;
@@ -362,7 +362,8 @@ mod tests {
     use touchstone_protocol::Decimal;
     use touchstone_protocol::settings::environment::DetentsBeside;
 
-    fn detents() -> Surround {
+    /// An environment of 24 detents of 0.05 N·m a turn, without a wall.
+    pub(crate) fn detents() -> Surround {
         Surround {
             first_wall: false,
             detents: Some(DetentsBeside {

@@ -62,23 +62,11 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
 /// count, force, displacement since the change, and torque of every control period.
 #[cfg(feature = "large")]
 fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
-    use touchstone_protocol::settings::environment::DetentsBeside;
-    use touchstone_protocol::{Decimal, Surround};
-
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
     settings.limits.fade_in_s = Si::ZERO;
     settings.law.guard.change = touchstone_control::ChangeOfForce::Measured;
-    let environment = Surround {
-        first_wall: false,
-        detents: Some(DetentsBeside {
-            per_rev: 24,
-            pitch_rad: Decimal(Si::ZERO),
-            strength_n_m: Decimal(Si::lit("0.05")),
-            centre_rad: Decimal(Si::ZERO),
-        }),
-        ..Surround::default()
-    };
+    let environment = crate::around::tests::detents();
     let mut device = Device::new(&settings, &IHM08M1).unwrap();
     let surrounding = Surrounding::new(&settings, &IHM08M1, &environment).unwrap();
     let mut around = Around::new();

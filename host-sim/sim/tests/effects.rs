@@ -479,7 +479,7 @@ fn a_guard_that_is_told_less_than_noise_and_periodic_error_is_warned_of() {
 }
 
 #[test]
-fn a_guard_that_is_told_more_damping_or_another_delay_than_the_device_has_is_warned_of() {
+fn a_guard_configured_for_more_damping_or_another_delay_is_warned_of() {
     let said = |scene: &Scene| {
         let all = run::spoken_warnings(scene).unwrap().into_iter();
         let all = all.map(|warning| warning.to_string());
@@ -530,7 +530,7 @@ fn a_guard_that_is_told_more_damping_or_another_delay_than_the_device_has_is_war
             "timing.computational_delay_s=1e-4",
             "law.guard.delay_s=1e-4",
         ],
-        // Told with the lag of the current loop or without it.
+        // Configured with the lag of the current loop or without it.
         &["device.current_loop.bandwidth_hz=600"],
         &[
             "device.current_loop.bandwidth_hz=600",

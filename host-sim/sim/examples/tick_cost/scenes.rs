@@ -164,7 +164,7 @@ pub struct Pressed {
 const PRESS: [f64; 2] = [0.022, 0.018];
 
 impl Stage for Pressed {
-    // The pressing torque is not a command: the control law is not informed of it, just as it is not informed of a hand's torque.
+    // The pressing torque is not a command. The control law is not informed of it, nor of a hand's torque.
     const TOLD: bool = false;
 
     #[inline(always)]

@@ -6,6 +6,7 @@
 pub mod chain;
 mod crossed;
 pub mod effects;
+mod guard_mismatch;
 pub mod judge;
 pub mod live;
 pub mod measure;
@@ -19,7 +20,6 @@ pub mod settings;
 pub mod surroundings;
 pub mod terms;
 pub mod tick;
-mod told_guard;
 mod traced;
 pub mod train;
 pub mod verdict;
@@ -194,5 +194,5 @@ pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
         .into_iter()
         .filter(|(warning, _)| !silent(warning))
         .map(|(_, message)| message);
-    Ok(of_settings.chain(told_guard::warnings(scene)).collect())
+    Ok(of_settings.chain(guard_mismatch::warnings(scene)).collect())
 }

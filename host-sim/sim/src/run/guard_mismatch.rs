@@ -62,9 +62,10 @@ fn damping(scene: &Scene) -> Option<Error> {
     })
 }
 
-/// A warning if the energy guard is configured for another delay than the scene's. The lag of a current loop may be told or not.
+/// A warning if the energy guard is configured for another delay than the scene's. It may be configured
+/// with the lag of the current loop or without it.
 fn delay(scene: &Scene) -> Option<Error> {
-    /// Rounding of a delay that was told in the settings' number format, s.
+    /// Rounding of a delay to the number format of the settings, s.
     const ROUNDING_S: f64 = 1e-9;
     let guard = &scene.law.guard;
     if guard.change == ChangeOfForce::Measured {
