@@ -6,8 +6,8 @@ use touchstone_control::{Choice, LawKind, Settings};
 /// Files that must contain the Rust name of every law: tables and lists that a match over the laws does not complete.
 const IN_RUST: [&str; 9] = [
     "control/src/controller.rs",
-    "host-sim/lab/src/report/label.rs",
-    "host-sim/lab/src/report/picture.rs",
+    "host-sim/report/src/label.rs",
+    "host-sim/report/src/picture.rs",
     "host-sim/lab/src/tune/parameters.rs",
     "host-sim/sim/src/run/passivity.rs",
     "proofs/src/accepted.rs",

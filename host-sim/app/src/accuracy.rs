@@ -6,7 +6,7 @@ use super::{command_line, interrupt, out};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use touchstone_lab::accuracy::{Machine, Options as Asked, figures, measure, table};
-use touchstone_lab::report::{check_folder, folder};
+use touchstone_report::{check_folder, folder};
 use touchstone_sim::error::Result;
 
 /// Options of the command `touchstone accuracy`.

@@ -9,8 +9,8 @@ use super::report_options::program;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
-use touchstone_lab::report;
-use touchstone_lab::report::{Section, pages};
+use touchstone_report as report;
+use touchstone_report::{Section, pages};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 

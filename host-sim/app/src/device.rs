@@ -16,12 +16,12 @@ use std::time::{Duration, Instant};
 use touchstone_control::Si;
 use touchstone_device::Client;
 use touchstone_drive::Reason;
-use touchstone_lab::report::csv::decimal;
 use touchstone_link::words::{described, name_of, number_of, page};
 use touchstone_protocol::{
     Counters, DeviceCommand, DeviceSettings, Fault, FaultCode, Phase, Reply, Request, ResetReason,
     RingRecord, Status,
 };
+use touchstone_report::csv::decimal;
 use touchstone_sim::error::{Error, Result};
 
 /// Time that a calibration takes in addition to the turns of the motor's field (sensor offsets, alignment, pauses), with a reserve.

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use touchstone_lab::report::staging;
+use touchstone_report::staging;
 use touchstone_sim::error::{Error, Result};
 
 /// Exit code after an interrupt: 128 plus 2, the number of SIGINT, as in shells.

@@ -12,11 +12,11 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use touchstone_device::{Client, may_be_on};
-use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
 use touchstone_link::told;
 use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
+use touchstone_report::csv::decimal;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn what_a_trace_has_too_bears_its_name() {
-        let trace: Vec<&str> = touchstone_lab::report::columns::COLUMNS
+        let trace: Vec<&str> = touchstone_report::columns::COLUMNS
             .iter()
             .map(|column| column.name)
             .collect();

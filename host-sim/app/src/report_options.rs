@@ -1,7 +1,7 @@
 //! Options of every command that writes a report.
 
 use super::number;
-use touchstone_lab::report::{FileOptions, PARQUET, ProgramVersion};
+use touchstone_report::{FileOptions, PARQUET, ProgramVersion};
 
 /// Options for the files in a report's folder.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]

@@ -7,7 +7,7 @@ use super::report_options::{ReportOptions, program};
 use super::{EXIT_CODES, SceneOptions, interrupt, progress, space_scene};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use touchstone_lab::report::{self, Colour, ReportInput, table};
+use touchstone_report::{self as report, Colour, ReportInput, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::record::Run;

@@ -12,7 +12,6 @@ use super::whole::Named;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_control::Choice as _;
-use touchstone_lab::report::{self, pages};
 use touchstone_lab::scorecard::{
     self, Entry,
     cases::GRIPS,
@@ -21,6 +20,7 @@ use touchstone_lab::scorecard::{
     rivals::{RIVALS, Rival},
 };
 use touchstone_lab::tune::{self, Effort};
+use touchstone_report::{self as report, pages};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene};
 

@@ -6,9 +6,10 @@ use super::out::{self, json, note, say};
 use super::report_options::{ReportOptions, program};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use touchstone_lab::report::{self, space as page};
+use touchstone_lab::space_report as page;
 use touchstone_lab::thesis::space::scene::SpaceScene;
 use touchstone_lab::thesis::space::{self, Record};
+use touchstone_report as report;
 use touchstone_sim::error::{Error, Result};
 
 /// Name, description and TOML text of the three-axis scene that comes with the program.

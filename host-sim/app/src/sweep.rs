@@ -116,7 +116,7 @@ fn compute(options: &Options) -> Result<()> {
     let sweep = Sweep::new(&scene, [x, y], &options.measure, program(), &command)?;
     let drawing = options.drawing.read()?;
     in_threads(*threads)?;
-    touchstone_lab::report::check_folder(folder, &command, *force)?;
+    touchstone_report::check_folder(folder, &command, *force)?;
     interrupt::clean_up_keeping(KEPT)?;
     interrupt::sweep(folder);
     let mut store = Store::open(folder, &sweep, *force)?;
@@ -147,7 +147,7 @@ fn merge(folders: &[PathBuf], drawing: &DrawingOptions, place: &Place) -> Result
     in_threads(place.threads)?;
     let drawing = drawing.read()?;
     let (sweep, cells) = gathered(folders, program())?;
-    touchstone_lab::report::check_folder(&place.out, &sweep.command, place.force)?;
+    touchstone_report::check_folder(&place.out, &sweep.command, place.force)?;
     interrupt::clean_up()?;
     interrupt::sweep(&place.out);
     // The folder of the combined sweep also stores its cells, so that a later sweep can resume from it.

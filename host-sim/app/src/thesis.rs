@@ -12,10 +12,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 use touchstone_control::LawKind;
-use touchstone_lab::report::{self, Block, Colour, ReportInput, Section, table};
 use touchstone_lab::thesis::{
     self, COUNTS, GRIPS, REPLACED, SHIPPED, STIFFNESSES, TDPA_OBSERVES, claims,
 };
+use touchstone_report::{self as report, Block, Colour, ReportInput, Section, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_sim::scene::{Preset, Scene};

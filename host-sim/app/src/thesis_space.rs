@@ -5,11 +5,12 @@ use super::report_options::{ReportOptions, program};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use touchstone_lab::report::{self, space as page};
 use touchstone_lab::scorecard::measure::Measure;
+use touchstone_lab::space_report as page;
 use touchstone_lab::thesis::space::held_out::{DRAWS, HeldOut};
 use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_lab::thesis::space::{self, Mechanism};
+use touchstone_report as report;
 use touchstone_sim::error::{Error, Result};
 
 /// Options of the comparison in three degrees of freedom.

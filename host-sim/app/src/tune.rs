@@ -10,13 +10,13 @@ use super::wall_options::WallOptions;
 use super::whole::{Named, is_of_same_command};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use touchstone_lab::report::{self, Block, Section, pages};
 use touchstone_lab::scorecard::rivals::{MOST_DELAY_TICKS, Rival, delay_ticks};
 use touchstone_lab::scorecard::{self, Entry, Scorecard, page};
 use touchstone_lab::tune::diagnosis::{FailureCause, of_row};
 use touchstone_lab::tune::own_firmware::{self, CFile, OwnFirmware};
 use touchstone_lab::tune::pareto::{self, Point};
 use touchstone_lab::tune::{self, Effort, Tuned, settings};
+use touchstone_report::{self as report, Block, Section, pages};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 

@@ -14,14 +14,14 @@ use haply_mock::{Service, Wrong};
 use std::path::Path;
 use std::process::{Command, Output};
 use touchstone_control::LawKind;
-use touchstone_lab::report::plain_schema::misfit;
-use touchstone_lab::report::space_schema;
 use touchstone_lab::scorecard::direction::DirectionFigures;
 use touchstone_lab::scorecard::in_turn::DEEDS;
 use touchstone_lab::scorecard::measure::Measure;
+use touchstone_lab::space_report;
 use touchstone_lab::thesis::space::pressed::{PressedSurface, PressedWall};
 use touchstone_lab::thesis::space::{self, Deviation, Mechanism};
 use touchstone_mock_dhd::door::built;
+use touchstone_report::plain_schema::misfit;
 use touchstone_world::plant::FIRM_TRANSLATION;
 
 fn ran(folder: &Path, arguments: &str) -> Output {
@@ -216,7 +216,7 @@ fn on_the_mocks_it_is_said_what_cannot_be_known() {
         let kept = std::fs::read_to_string(folder.join(name).join("results.json")).unwrap();
         let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
         assert_eq!(kept["run"]["scorecard"], *card);
-        let schema = space_schema::device_run();
+        let schema = space_report::schema::device_run();
         assert_eq!(misfit(&schema, &kept, name), None);
         let mut more = kept.clone();
         more["run"]["wall"]["more"] = 1.into();

@@ -3,7 +3,7 @@
 mod common;
 
 use common::run_in;
-use touchstone_lab::report::plain_schema::misfit;
+use touchstone_report::plain_schema::misfit;
 
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
     let results: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
     let mut kept = results.clone();
     kept.as_object_mut().expect("object").remove("report");
-    let schema = touchstone_lab::report::space_schema::comparison();
+    let schema = touchstone_lab::space_report::schema::comparison();
     assert_eq!(misfit(&schema, &kept, "results"), None);
     kept["directions"][0]["more"] = 1.into();
     assert!(misfit(&schema, &kept, "results").is_some());

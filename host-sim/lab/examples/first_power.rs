@@ -4,9 +4,9 @@
 use std::error::Error;
 use std::path::Path;
 
-use touchstone_lab::report::drawn;
-use touchstone_lab::report::figure::{Axis, Figure, Range, Shape};
-use touchstone_lab::report::svg::Size;
+use touchstone_report::drawn;
+use touchstone_report::figure::{Axis, Figure, Range, Shape};
+use touchstone_report::svg::Size;
 
 /// Voltage of a pin at high level, V.
 const HIGH_V: f64 = 3.3;

@@ -11,9 +11,9 @@
 
 use std::error::Error;
 use std::time::Instant;
-use touchstone_lab::report::ProgramVersion;
 use touchstone_lab::sweep::store::{Shard, Store};
 use touchstone_lab::sweep::{Sweep, use_threads};
+use touchstone_report::ProgramVersion;
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};
 

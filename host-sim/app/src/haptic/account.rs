@@ -5,9 +5,9 @@ use touchstone_control::Choice;
 use touchstone_device::haptic::DataSheet;
 use touchstone_device::servo::{Ending, Priority, ServoLimits, ServoReport};
 use touchstone_device::{DeviceWall, WallSettings};
-use touchstone_lab::report::{Block, Section};
 use touchstone_lab::scorecard::on_device::DeviceCard;
 use touchstone_lab::scorecard::on_device_page;
+use touchstone_report::{Block, Section};
 use touchstone_sim::error::Result;
 
 /// The data of a run on a haptic device from which its summary is made.

@@ -20,9 +20,9 @@ use touchstone_device::servo::{
     DevicePace, Ending, Pace, RealTime, ServoLimits, ServoTick, SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, Obstacle};
-use touchstone_lab::report;
 use touchstone_lab::thesis::space::Object;
 use touchstone_mesh::Mesh;
+use touchstone_report as report;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::OMEGA3;
 

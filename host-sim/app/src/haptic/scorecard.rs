@@ -10,7 +10,6 @@ use touchstone_device::haptic::DataSheet;
 use touchstone_device::servo::{ServoLimits, ServoTick};
 use touchstone_device::{Obstacle, WallSettings};
 use touchstone_lab::identify::lever::PRESS_SHARE;
-use touchstone_lab::report::pages;
 use touchstone_lab::scorecard::cases::LATE_TICKS;
 use touchstone_lab::scorecard::direction::Approach;
 use touchstone_lab::scorecard::in_turn::DeedsInTurn;
@@ -20,6 +19,7 @@ use touchstone_lab::scorecard::on_device_page;
 use touchstone_lab::scorecard::press::DesiredStiffness;
 use touchstone_lab::scorecard::touched::TouchedTick;
 use touchstone_lab::thesis::space::Object;
+use touchstone_report::pages;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
 

@@ -3,7 +3,7 @@
 
 use crate::whole::Named;
 use touchstone_device::servo::ServoTick;
-use touchstone_lab::report::csv::decimal;
+use touchstone_report::csv::decimal;
 use touchstone_sim::error::Result;
 
 /// Column names: time, positions and forces along the three axes.

@@ -8,10 +8,10 @@ use super::kept::{VALUES, as_json, values};
 use std::path::{Path, PathBuf};
 use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
-use touchstone_lab::report::{Block, Section, pages};
 use touchstone_link::value;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::fields::FIELDS;
+use touchstone_report::{Block, Section, pages};
 use touchstone_sim::error::Result;
 
 /// Name and unit of each measured value.

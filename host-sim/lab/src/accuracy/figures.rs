@@ -4,8 +4,8 @@
 use super::plant::{Diagram, Point};
 use super::sampling::SamplingPoint;
 use super::{Accuracy, COUNT_RAD, FORCE_QUANTUM_N_M};
-use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
-use crate::report::standalone;
+use touchstone_report::figure::{Axis, Figure, Range, Shape, Sign};
+use touchstone_report::standalone;
 
 /// Stiffness by which a force error is divided to compare it with an angle error in the diagrams, N·m/rad.
 const WALL_N_M_PER_RAD: f64 = 1.0;

@@ -20,13 +20,13 @@ pub mod table;
 use serde::Serialize;
 use touchstone_sim::error::{Error, Result};
 
-use crate::report::ProgramVersion;
 use choice::Chosen;
 use closed::ClosedPoint;
 use law::LawPoint;
 use plant::Diagram;
 use problem::Problem;
 use sampling::SamplingPoint;
+use touchstone_report::ProgramVersion;
 
 /// Angle of one encoder count at 40,000 counts per turn, rad. Errors are compared with this angle.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::report::plain_schema::{array, document, object, program};
+use touchstone_report::plain_schema::{array, document, object, program};
 
 const TIME: &[(&str, &str, &str)] = &[
     ("least_ns", "number", "least of the repeats; ns"),

@@ -1,5 +1,6 @@
 use super::*;
-use crate::report::plain_schema::{is_documented, misfit};
+use crate::documented::is_documented;
+use touchstone_report::plain_schema::misfit;
 
 fn quick() -> Accuracy {
     let mut rounds = 0;

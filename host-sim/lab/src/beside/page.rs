@@ -1,9 +1,9 @@
 //! Report page on a recording and its simulation: both courses in one picture, and their differences in numbers.
 
 use super::{Beside, PARTS};
-use crate::report::figure::{Axis, Figure, Range, Shape};
-use crate::report::quantity::plain;
-use crate::report::{Block, Section, standalone};
+use touchstone_report::figure::{Axis, Figure, Range, Shape};
+use touchstone_report::quantity::plain;
+use touchstone_report::{Block, Section, standalone};
 
 /// Largest number of points of a line in a picture; a picture 800 pixels wide shows no more.
 const MOST: usize = 2000;

@@ -3,11 +3,11 @@
 use super::held::rest_point_rad;
 use super::told::Told;
 use super::{HandWas, closest, rms};
-use crate::report::csv::decimal;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use touchstone_report::csv::decimal;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};

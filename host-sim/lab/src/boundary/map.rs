@@ -1,11 +1,11 @@
 //! Draws the map of tuned walls, one panel per delay, and formats its results as sentences, JSON and report page.
 
 use super::{BoundaryCell, BoundaryPlan, ColumnLimits, TunedEnding, limits, slope};
-use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
-use crate::report::quantity::significant;
-use crate::report::svg::Size;
-use crate::report::{Block, Section, drawn};
 use serde_json::{Value, json};
+use touchstone_report::figure::{Axis, Figure, Range, Shape, Sign};
+use touchstone_report::quantity::significant;
+use touchstone_report::svg::Size;
+use touchstone_report::{Block, Section, drawn};
 
 /// Size of one panel of the map, pixels.
 const SIZE: Size = Size {

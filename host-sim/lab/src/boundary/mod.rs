@@ -18,7 +18,6 @@ mod tests;
 use crate::certify;
 use crate::journal::Journal;
 use crate::random_device::FINGERTIP;
-use crate::report::origin::sha256;
 use crate::scorecard::cases::Programme;
 use crate::scorecard::rivals::Rival;
 use crate::tune::diagnosis::{self, FailureCause};
@@ -26,6 +25,7 @@ use crate::tune::{self, outcome::Outcome};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use touchstone_report::origin::sha256;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Encoder, MotionSpec, Scene};
 

@@ -89,7 +89,7 @@ fn the_drawing_has_every_cell_once_and_a_panel_a_delay() {
             .lines
             .iter()
             .map(|line| match &line.shape {
-                crate::report::figure::Shape::Tiles(tiles) => tiles.len(),
+                touchstone_report::figure::Shape::Tiles(tiles) => tiles.len(),
                 _ => 0,
             })
             .sum();

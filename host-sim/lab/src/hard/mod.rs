@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use touchstone_sim::error::Result;
 
-use crate::report::ProgramVersion;
+use touchstone_report::ProgramVersion;
 
 /// Whether the hard cases run in their short or their long form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

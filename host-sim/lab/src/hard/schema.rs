@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::report::plain_schema::{array, document, object, program};
+use touchstone_report::plain_schema::{array, document, object, program};
 
 /// The JSON schema of the results of `touchstone hard`.
 #[must_use]

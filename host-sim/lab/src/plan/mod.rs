@@ -18,9 +18,9 @@ use touchstone_sim::run::train::Train;
 use touchstone_sim::scene::{Integrator, Scene};
 
 use crate::accuracy::clock::Spread;
-use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
+use touchstone_report::ProgramVersion;
 
 /// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::report::plain_schema::{array, document, object, program};
+use touchstone_report::plain_schema::{array, document, object, program};
 
 /// The JSON schema of the description of how a scene is simulated.
 #[must_use]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::report::plain_schema::misfit;
+use touchstone_report::plain_schema::misfit;
 
 const QUIET: Asked = Asked {
     tolerance: 0.05,

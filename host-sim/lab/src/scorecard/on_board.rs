@@ -19,10 +19,10 @@ pub use recording::BoardRecording;
 use super::cases::{Deed, GRIPS, Programme};
 use super::measure::Measure;
 use super::watch::{Seen, seen, seen_of};
-use crate::report::csv::decimal;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
+use touchstone_report::csv::decimal;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, RestPath, Scene};
 

@@ -1,8 +1,8 @@
 //! Formats the comparison of a board's scorecard with the simulator's for readers, on a terminal and as a section of a page.
 
 use super::on_board::{BoardCard, FigureBeside, SAME};
-use crate::report::{Block, Section};
 use std::fmt::Write as _;
+use touchstone_report::{Block, Section};
 
 fn value(figure: &FigureBeside, value: Option<f64>) -> String {
     let shown = |value: f64| match (figure.heading.1 * value).abs() {

@@ -2,8 +2,8 @@
 
 use super::noticed::MovedAt;
 use super::on_device::{DeviceCard, DeviceFigure};
-use crate::report::{Block, Section};
 use std::fmt::Write;
+use touchstone_report::{Block, Section};
 
 fn value(figure: &DeviceFigure) -> String {
     match (figure.value, figure.not_measured) {

@@ -4,8 +4,8 @@ use super::measure::{Measure, is_beyond};
 use super::touch::TouchRatios;
 use super::words::shown;
 use super::{Row, Scorecard};
-use crate::report::{Block, Section};
 use std::fmt::Write;
+use touchstone_report::{Block, Section};
 
 /// Character that marks a measure beyond its limit on some device.
 const BEYOND: char = '!';

@@ -4,8 +4,8 @@ use super::Sweep;
 use super::lines::Line;
 use super::measure::{Measure, VERDICT, verdicts};
 use super::store::Cells;
-use crate::report::figure::{Axis as FigureAxis, Figure, Range, Shape, Sign};
-use crate::report::quantity::significant;
+use touchstone_report::figure::{Axis as FigureAxis, Figure, Range, Shape, Sign};
+use touchstone_report::quantity::significant;
 use touchstone_sim::scene::schema::Field;
 
 /// CSS classes for the colours of a measure's values, one per range of values.

@@ -1,6 +1,6 @@
 //! The results that a sweep stores for each cell: the verdict, and the chosen measures of the run.
 
-use crate::report::measures::MEASURES;
+use touchstone_report::measures::MEASURES;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::{Run, Summary};
 use touchstone_sim::run::verdict::WORDS;

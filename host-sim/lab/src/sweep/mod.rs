@@ -16,8 +16,6 @@ pub mod store;
 #[cfg(test)]
 mod tests;
 
-use crate::report::ProgramVersion;
-use crate::report::origin::{SCHEMA_VERSION, sha256};
 use axis::Axis;
 use grid::Grid;
 use measure::{Measure, Row};
@@ -26,6 +24,8 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use store::{Shard, Store};
+use touchstone_report::ProgramVersion;
+use touchstone_report::origin::{SCHEMA_VERSION, sha256};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};

@@ -4,15 +4,15 @@ use super::map::{self, Over, Overlay};
 use super::measure::{REFUSED, VERDICT, verdicts};
 use super::store::{CELLS, Cells, Shard};
 use super::{Sweep, lines};
-use crate::report::folder;
-use crate::report::json::tabular;
-use crate::report::origin::{SCHEMA_VERSION, sha256};
-#[cfg(feature = "parquet")]
-use crate::report::parquet::{Values, table};
-use crate::report::staging::io_error;
-use crate::report::{drawn, svg::Size};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use touchstone_report::folder;
+use touchstone_report::json::tabular;
+use touchstone_report::origin::{SCHEMA_VERSION, sha256};
+#[cfg(feature = "parquet")]
+use touchstone_report::parquet::{Values, table};
+use touchstone_report::staging::io_error;
+use touchstone_report::{drawn, svg::Size};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::input;
 use touchstone_sim::run::verdict::WORDS;
@@ -159,7 +159,7 @@ pub fn write(
             ),
             points: drawing.points.clone(),
         };
-        let mut draw = |name: String, figure: crate::report::figure::Figure| {
+        let mut draw = |name: String, figure: touchstone_report::figure::Figure| {
             let text = drawn(&figure.title.clone(), &[figure], SIZE);
             files.push((name, text.into_bytes()));
         };

@@ -1,8 +1,8 @@
 //! Makes the JSON schema of a map's `results.json`, stored in `docs/schema/sweep.schema.json`.
 
 use super::measure::verdicts;
-use crate::report::plain_schema::{Field, array, document, object, program};
 use serde_json::{Value, json};
+use touchstone_report::plain_schema::{Field, array, document, object, program};
 
 /// The JSON schema of a map's `results.json`.
 #[must_use]

@@ -5,10 +5,11 @@ use super::measure::Row;
 use super::output::{self, Drawing};
 use super::store::{CELLS, Shard, Store};
 use super::{Sweep, gathered, lines, schema};
-use crate::report::ProgramVersion;
-use crate::report::plain_schema::{is_documented, misfit};
+use crate::documented::is_documented;
 use std::fs;
 use std::path::{Path, PathBuf};
+use touchstone_report::ProgramVersion;
+use touchstone_report::plain_schema::misfit;
 use touchstone_sim::scene::{Preset, Scene};
 
 const COMMAND: &str = "touchstone sweep tap";

@@ -3,12 +3,12 @@
 use super::Tuned;
 use super::cost::Judgement;
 use super::parameters::rounded;
-use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
 use crate::scorecard::cases::{Case, Change};
 use crate::scorecard::measure::{Limits, Measure};
 use rayon::prelude::*;
 use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind};
+use touchstone_report::figure::{Axis, Figure, Range, Shape, Sign};
 use touchstone_sim::scene::{Law, Scene};
 
 /// Settings that keep every limit of the scorecard except that of the ripple on every simulated device, and their stiffness,

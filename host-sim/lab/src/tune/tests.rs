@@ -156,7 +156,7 @@ fn of_the_best_points_none_is_better_than_another() {
         // A device with one tick of delay is among those on which the wall held.
         assert!(one.delay_margin_ticks >= 0.9, "{one:?}");
     }
-    let drawn = crate::report::standalone("x", &[pareto::figure(&points)]);
+    let drawn = touchstone_report::standalone("x", &[pareto::figure(&points)]);
     assert!(drawn.starts_with("<svg ") && !drawn.contains("NaN"));
 }
 

@@ -2,7 +2,7 @@
 
 use super::record::{Record, dot};
 use super::{Approach, Object, Phase};
-use crate::report::figure::{Axis, Figure, Range, Shape};
+use touchstone_report::figure::{Axis, Figure, Range, Shape};
 
 /// CSS classes of the lines for the three coordinates.
 const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];

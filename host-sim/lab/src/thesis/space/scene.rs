@@ -195,6 +195,6 @@ mod tests {
 
     #[test]
     fn the_documented_schema_is_this_one() {
-        crate::report::plain_schema::is_documented("space-scene.schema.json", &schema());
+        crate::documented::is_documented("space-scene.schema.json", &schema());
     }
 }

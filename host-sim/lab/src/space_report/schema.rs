@@ -1,9 +1,9 @@
 //! Makes JSON schemas of two types of `results.json`: the comparison in three degrees of freedom, and a run on a haptic device. The
 //! texts are stored in `docs/schema`.
 
-use super::plain_schema::{array, document, object};
 use crate::scorecard::measure::Measure;
 use serde_json::{Value, json};
+use touchstone_report::plain_schema::{array, document, object};
 
 /// The schema of a value that may be null.
 fn optional(mut schema: Value) -> Value {
@@ -325,7 +325,7 @@ pub fn device_run() -> Value {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plain_schema::is_documented;
+    use crate::documented::is_documented;
 
     #[test]
     fn the_documented_schemas_are_these() {

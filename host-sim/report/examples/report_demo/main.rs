@@ -1,13 +1,13 @@
 //! Writes reports of made-up runs, so that the layout of the pages can be checked without a simulation: a matrix of 20 runs, and a
 //! single run.
 //!
-//! `cargo run --release -p touchstone-lab --example report_demo -- FOLDER`
+//! `cargo run --release -p touchstone-report --example report_demo -- FOLDER`
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use touchstone_control::LawKind;
-use touchstone_lab::report::{self, Block, Colour, ReportInput, Section};
+use touchstone_report::{self as report, Block, Colour, ReportInput, Section};
 use touchstone_sim::run;
 
 mod synthetic;
@@ -54,7 +54,7 @@ fn main() -> touchstone_sim::error::Result<()> {
     let matrix = ReportInput {
         title: "Five control laws on a made-up knob",
         intro: "A press into a virtual wall with each law, at stiffnesses below, at and above the critical one.",
-        command: "cargo run --release -p touchstone-lab --example report_demo",
+        command: "cargo run --release -p touchstone-report --example report_demo",
         k_critical: Some(1.0),
         runs: &runs,
         notes: &notes,

@@ -38,7 +38,7 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n",
-        include_str!("page.css")
+        crate::PAGE_STYLE
     );
     head(&mut page, input, &matrices);
     page.push_str("<main>\n");
@@ -146,7 +146,7 @@ pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) 
 }
 
 /// Writes a table that scrolls sideways on a narrow page.
-pub(super) fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
+pub fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
     page: &mut String,
     caption: &str,
     header: &[impl AsRef<str>],
@@ -216,7 +216,8 @@ fn foot(page: &mut String, input: &ReportInput, origin: &Origin) {
     signature(page, &input.program);
 }
 
-pub(super) fn again(page: &mut String, command: &str) {
+/// Writes the section with the command line that repeats a report; nothing if the command is empty.
+pub fn again(page: &mut String, command: &str) {
     if !command.is_empty() {
         let _ = writeln!(
             page,
@@ -226,7 +227,8 @@ pub(super) fn again(page: &mut String, command: &str) {
     }
 }
 
-pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
+/// Writes the program's version and the end of the page's footer.
+pub fn signature(page: &mut String, program: &ProgramVersion) {
     let commit = match (program.commit, program.modified) {
         (Some(commit), false) => format!(", commit {commit}"),
         (Some(commit), true) => format!(", commit {commit} with changes"),
@@ -257,7 +259,7 @@ fn anchor(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 

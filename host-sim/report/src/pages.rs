@@ -42,7 +42,7 @@ fn html(input: &Page) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
          <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
-        include_str!("page.css"),
+        crate::PAGE_STYLE,
         escape(input.intro)
     );
     input

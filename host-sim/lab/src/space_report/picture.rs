@@ -1,11 +1,11 @@
 //! The picture at the top of the report in three degrees of freedom: which fraction of the requested stiffness each law displays,
 //! and a spring compared with the shipped wall.
 
-use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
-use super::quantity::plain;
-use super::svg::{self, escape};
 use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
+use touchstone_report::figure::{Axis, Figure, Range, Shape, Sign, Wall};
+use touchstone_report::quantity::plain;
+use touchstone_report::svg::{self, escape};
 use touchstone_sim::run::verdict::Verdict;
 
 /// CSS class of the lines for an approach (way to compute the force): that of the same law on the page for one axis, except for
@@ -147,7 +147,11 @@ pub fn section(runs: &[Record]) -> String {
             "<figure><figcaption><strong>{}</strong><span class=\"note\">{}</span></figcaption>{}{}</figure>",
             escape(&figure.title),
             escape(&figure.description),
-            svg::draw(figure, super::picture::SIZE, &format!("p{index}")),
+            svg::draw(
+                figure,
+                touchstone_report::PICTURE_SIZE,
+                &format!("p{index}")
+            ),
             svg::legend(figure)
         );
     }

@@ -39,7 +39,7 @@ fn present() -> MutexGuard<'static, Vec<Present>> {
 }
 
 /// The temporary folder of one report.
-pub(super) struct Staging {
+pub struct Staging {
     /// Path of the temporary folder, to write into.
     pub path: PathBuf,
     target: PathBuf,

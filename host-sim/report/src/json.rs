@@ -162,7 +162,7 @@ pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 

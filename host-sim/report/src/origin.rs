@@ -285,7 +285,7 @@ fn flatten(value: &Value, path: &str, leaves: &mut BTreeMap<String, String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 

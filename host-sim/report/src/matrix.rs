@@ -123,7 +123,7 @@ pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
 
     #[test]
     fn one_table_for_each_condition() {

@@ -155,7 +155,7 @@ mod tests {
         let documented = std::fs::read_to_string(path).unwrap();
         assert!(
             documented == results(),
-            "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone-lab schema"
+            "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone-report schema"
         );
     }
 }

@@ -212,7 +212,7 @@ fn wrapped(sentence: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
 
     fn run(law: LawKind, k: f64, verdict: Verdict, shown: Option<f64>, cycle: Option<f64>) -> Run {

@@ -252,7 +252,7 @@ pub fn standalone(title: &str, figures: &[Figure]) -> String {
 
 /// Figures side by side as a separate SVG file, each with the given size. The file follows the reader's light or dark theme.
 pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
-    let css = include_str!("page.css");
+    let css = crate::PAGE_STYLE;
     let variables = css.split("* {").next().unwrap_or_default();
     let plots = css.split("/* plots */").nth(1).unwrap_or_default();
     let (gap, head) = (24, 34);

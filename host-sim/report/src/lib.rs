@@ -17,7 +17,7 @@ mod figures;
 pub mod folder;
 pub mod html;
 pub mod json;
-mod label;
+pub mod label;
 mod matrix;
 pub mod measures;
 pub mod origin;
@@ -26,14 +26,10 @@ pub mod pages;
 pub mod parquet;
 mod picture;
 pub mod plain_schema;
-mod previous;
+pub mod previous;
 pub mod quantity;
 mod runs;
 pub mod schema;
-pub mod space;
-mod space_picture;
-mod space_results;
-pub mod space_schema;
 pub mod staging;
 mod summary;
 pub mod svg;
@@ -44,11 +40,11 @@ pub mod write;
 
 // One generator of made-up runs for the tests and for the example that shows the page.
 #[cfg(test)]
-#[path = "../../examples/report_demo/synthetic.rs"]
+#[path = "../examples/report_demo/synthetic.rs"]
 mod synthetic;
 
 pub use origin::ProgramVersion;
-pub use picture::{drawn, standalone};
+pub use picture::{SIZE as PICTURE_SIZE, drawn, standalone};
 pub use previous::check as check_folder;
 pub use table::Colour;
 pub use write::{Written, write};
@@ -56,6 +52,9 @@ pub use write::{Written, write};
 use std::path::PathBuf;
 use touchstone_sim::run::record::Run;
 use touchstone_sim::scene::Scene;
+
+/// Style sheet of every page, as CSS.
+pub const PAGE_STYLE: &str = include_str!("page.css");
 
 /// Contents of a report. All fields but the runs may be empty: `ReportInput { title, command, runs, ..Default::default() }`.
 ///

@@ -26,7 +26,7 @@ fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[test]
 fn text_and_lines_stand_out_in_light_and_dark() {
-    let css = include_str!("page.css");
+    let css = crate::PAGE_STYLE;
     let (light, dark) = css
         .split_once("@media (prefers-color-scheme: dark)")
         .unwrap();

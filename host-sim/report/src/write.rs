@@ -140,7 +140,7 @@ fn write_traces(root: &Path, input: &ReportInput, origin: &Origin) -> io::Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 

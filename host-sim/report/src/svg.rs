@@ -350,7 +350,7 @@ pub fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figure::Range;
+    use crate::figure::Range;
 
     const SIZE: Size = Size {
         width: 250,

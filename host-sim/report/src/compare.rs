@@ -133,7 +133,7 @@ fn kept(values: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
 
     #[test]

@@ -206,7 +206,7 @@ mod tests {
     use ::parquet::file::reader::{FileReader, SerializedFileReader};
 
     use super::*;
-    use crate::report::synthetic;
+    use crate::synthetic;
     use touchstone_control::LawKind;
 
     /// Writes a run's trace and reads it back: trace, metadata, and number of row groups.

@@ -1,5 +1,9 @@
 //! Report page of the comparison in three degrees of freedom: a picture, tables, claims, and the folded figures of every run.
 
+mod picture;
+mod results;
+pub mod schema;
+
 use std::fmt::Write;
 use std::fs;
 use std::io;
@@ -9,12 +13,6 @@ use rayon::prelude::*;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::verdict::Verdict;
 
-use super::html::table;
-pub use super::space_results::{numbers, results};
-use super::staging::{Staging, io_error};
-use super::svg::{self, Size, escape};
-use super::write::Written;
-use super::{FileOptions, ProgramVersion, label, previous, space_picture};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
 use crate::thesis::space::held_out::HeldOut;
@@ -22,6 +20,12 @@ use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
 use crate::thesis::space::tuned_wall::TunedWall;
 use crate::thesis::space::{Mechanism, Object, Phase, RATE_HZ, Record, figures};
+pub use results::{numbers, results};
+use touchstone_report::html::table;
+use touchstone_report::staging::{Staging, io_error};
+use touchstone_report::svg::{self, Size, escape};
+use touchstone_report::write::Written;
+use touchstone_report::{FileOptions, ProgramVersion, label, previous};
 
 const SIZE: Size = Size {
     width: 460,
@@ -114,7 +118,7 @@ pub fn held_out_text(found: &HeldOut) -> String {
 /// Writes the page and `results.json` into a folder. On an error no new file is left.
 ///
 /// # Errors
-/// The errors of [`super::write::write`].
+/// The errors of [`touchstone_report::write::write`].
 pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     let names = FILES.map(str::to_owned);
     let stale = previous::stale(folder, input.command, input.files.force, &names)?;
@@ -311,11 +315,11 @@ pub fn page(input: &Input) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
          <header>\n<h1>{title}</h1>\n<p>Simulated on {}. {}</p>\n</header>\n<main>\n",
-        include_str!("page.css"),
+        touchstone_report::PAGE_STYLE,
         escape(input.mechanism.about()),
         escape(about)
     );
-    page.push_str(&space_picture::section(input.runs));
+    page.push_str(&picture::section(input.runs));
     if let ([run], false) = (input.runs, compares) {
         page.push_str(&figures_of(run, 0, true));
     }

@@ -1,6 +1,6 @@
 //! Builds `results.json` of the comparison in three degrees of freedom.
 
-use super::space::{FILES, Input};
+use super::{FILES, Input};
 use crate::thesis::space::held_out::{HeldOut, HeldOutCell};
 use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
