@@ -4,7 +4,7 @@
 
 Require Import ZArith QArith Qabs Qminmax List.
 From Touchstone Require Import Quotient Root Guard Port GuardLosesNothing ToldChange Shipped GuardSettings AcceptedIsValid AcceptedCovers
-  AcceptedWindow Laws LawsArePassive Mass Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
+  AcceptedWindow Hand Laws LawsArePassive Mass Enhanced EnhancedIsPassive EnhancedOffset EnhancedStorage EnhancedPort.
 
 Open Scope Q_scope.
 Set Printing Width 140.
@@ -37,6 +37,24 @@ Print AcceptedCovers.device_told.
 Print AcceptedCovers.no_worse.
 Print AcceptedWindow.joules.
 Print AcceptedWindow.si.
+Print Hand.moment.
+Print Hand.way_in.
+Print Hand.motor.
+Print Hand.obeys.
+Print Hand.along.
+Print Hand.speed_after.
+Print Hand.put_in.
+Print Hand.dissipates.
+Print Hand.old_way.
+Print Hand.new_way.
+Print Hand.kinetic.
+Print Hand.is_damped.
+Print Hand.time.
+Print Hand.is_made_of.
+Print Hand.all_made_of.
+Print Hand.motion.
+Print Hand.inertia_of.
+Print Hand.speed_of.
 Print LawsArePassive.tdpa_run.
 Print LawsArePassive.thesis_sum.
 Print LawsArePassive.fba_run.
@@ -110,6 +128,10 @@ Check accepted_is_valid.
 Check accepted_covers.
 Check no_worse_is_covered.
 Check any_accepted_window.
+Check hand_balance.
+Check drag_damps.
+Check hand_gets.
+Check any_accepted_hand.
 Check thesis_sum_is_never_negative.
 Check fba_is_passive.
 Check contact_gives_at_most_the_loan.
@@ -132,10 +154,11 @@ Check halves_are_the_root.
     is slow. *)
 Definition claims :=
   (change_of_force, pure_delay_acts_late, current_loop_acts_late, told_change_acts_late, any_window, any_window_by_settings,
-   once_a_tick, read_in_between, knob_acts_late, shipped_window, accepted_is_valid, accepted_covers,
-   no_worse_is_covered, any_accepted_window, thesis_sum_is_never_negative, fba_is_passive, contact_gives_at_most_the_loan,
-   given_at_most, enhanced_gives_at_most_the_loan, enhanced_gives_at_most, enhanced_energy_is_never_negative, offset_in_a_tick,
-   offset_goes_no_further, storage_is_kept, force_is_the_tension_rounded, hand_over_adds_nothing,
-   contact_gives_at_most_what_it_took, quotient_is_div, digits_are_the_root, level_fits, halves_are_the_root).
+   once_a_tick, read_in_between, knob_acts_late, shipped_window, accepted_is_valid, accepted_covers, no_worse_is_covered,
+   any_accepted_window, hand_balance, drag_damps, hand_gets, any_accepted_hand, thesis_sum_is_never_negative, fba_is_passive,
+   contact_gives_at_most_the_loan, given_at_most, enhanced_gives_at_most_the_loan, enhanced_gives_at_most,
+   enhanced_energy_is_never_negative, offset_in_a_tick, offset_goes_no_further, storage_is_kept, force_is_the_tension_rounded,
+   hand_over_adds_nothing, contact_gives_at_most_what_it_took, quotient_is_div, digits_are_the_root, level_fits,
+   halves_are_the_root).
 
 Print Assumptions claims.

@@ -52,6 +52,7 @@ pub mod functions;
 pub mod guard;
 pub mod heart;
 pub mod impact;
+pub mod monitors;
 pub mod multiplied;
 pub mod objects;
 pub mod offset;

@@ -63,6 +63,18 @@ impl ModelConfig {
             over_log2: (settings.timing.rate_hz / 50).max(1).ilog2(),
         })
     }
+
+    /// Coefficients that do not come from settings: resistance in ohm, flux linkage in V·s/rad and inductance in H, both times the
+    /// number of pole pairs, and the filter's time constant in control periods as a power of two, up to 24. Proofs take any.
+    #[must_use]
+    pub const fn from_motor(ohms: I16F16, flux: I16F16, henries: I16F16, over_log2: u32) -> Self {
+        Self {
+            ohms,
+            flux,
+            henries,
+            over_log2,
+        }
+    }
 }
 
 /// Memory of the low-pass filters of the voltages.
@@ -78,6 +90,19 @@ impl Model {
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
+    }
+
+    /// The memory with these decaying sums of `r_d`, `a_d`, `r_q` and `a_q`; proofs begin with any.
+    #[must_use]
+    pub const fn from_filter_sums(sums: [i64; 4]) -> Self {
+        Self { sums }
+    }
+
+    /// The decaying sums of `r_d`, `a_d`, `r_q` and `a_q`; divided by the filter's time constant in control periods they are V with 16
+    /// fractional bits.
+    #[must_use]
+    pub const fn filter_sums(&self) -> [i64; 4] {
+        self.sums
     }
 
     /// Takes a control period in which the control law drove the motor. `speed`, in rad/s, is positive if the electrical angle

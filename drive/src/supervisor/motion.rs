@@ -71,6 +71,18 @@ impl MotionConfig {
             rate_hz,
         }
     }
+
+    /// Coefficients that do not come from settings: counts in the speed's window at the least speed of a swing and of a runaway, the
+    /// least current in A that opposes a runaway, and the control rate in Hz. Proofs take any.
+    #[must_use]
+    pub const fn from_least(swing: i32, run: i32, opposing: I16F16, rate_hz: u32) -> Self {
+        Self {
+            swing,
+            run,
+            opposing,
+            rate_hz,
+        }
+    }
 }
 
 /// The latest swings, and the present runaway.
@@ -99,6 +111,32 @@ impl Motion {
             began: 0,
             run: 0,
         }
+    }
+
+    /// The memory after `swings` swings in a row, the last with a speed of the sign `direction` (0: none yet) and begun `since` control
+    /// periods ago, and with a runaway of `run` control periods, which began with `began` counts in the speed's window. Proofs begin
+    /// with any.
+    #[must_use]
+    pub const fn from_swings_and_run(
+        direction: i8,
+        swings: u8,
+        since: u32,
+        began: i32,
+        run: u32,
+    ) -> Self {
+        Self {
+            direction,
+            swings,
+            since,
+            began,
+            run,
+        }
+    }
+
+    /// Number of swings in a row, and number of control periods of the present runaway.
+    #[must_use]
+    pub const fn swings_and_run(&self) -> (u8, u32) {
+        (self.swings, self.run)
     }
 
     /// Takes a control period's speed, as counts in the speed's window. A current of positive sign drives the shaft towards rising

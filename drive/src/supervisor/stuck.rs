@@ -51,6 +51,17 @@ impl StuckConfig {
             ticks: (settings.timing.rate_hz / 100).max(2),
         }
     }
+
+    /// Coefficients that do not come from settings: the winding's resistance in ohm, the largest voltage beyond `R i` that does not
+    /// yet show a motion, and the number of control periods in a row that are a fault. Proofs take any.
+    #[must_use]
+    pub const fn from_limits(resistance_ohm: I16F16, least: Volts, ticks: u32) -> Self {
+        Self {
+            resistance_ohm,
+            least,
+            ticks,
+        }
+    }
 }
 
 /// The time for which the encoder has looked stuck, in control periods.
@@ -70,6 +81,18 @@ impl Stuck {
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }
+    }
+
+    /// The state after this number of control periods in a row in which the encoder looked stuck; proofs begin with any number.
+    #[must_use]
+    pub const fn suspected_for(ticks: u32) -> Self {
+        Self { ticks }
+    }
+
+    /// Number of control periods in a row in which the encoder looked stuck.
+    #[must_use]
+    pub const fn suspected_ticks(&self) -> u32 {
+        self.ticks
     }
 
     /// Whether the encoder looked stuck in the last control period.

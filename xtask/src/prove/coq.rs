@@ -14,7 +14,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 /// Names of the Coq files without ending, in the order of compilation: each comes after the files that it imports.
-const FILES: [&str; 21] = [
+const FILES: [&str; 22] = [
     "Quotient",
     "Root",
     "Guard",
@@ -26,6 +26,7 @@ const FILES: [&str; 21] = [
     "AcceptedIsValid",
     "AcceptedCovers",
     "AcceptedWindow",
+    "Hand",
     "Laws",
     "LawsArePassive",
     "Mass",
