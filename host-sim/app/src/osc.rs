@@ -5,8 +5,8 @@ use super::out::note;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use touchstone_sim::error::{Error, Result};
 
-/// Largest size of a received datagram, bytes.
-const LONGEST: usize = 1024;
+/// Largest size of a received datagram, bytes: the largest that UDP has.
+const LONGEST: usize = 65_536;
 
 /// An argument of a message.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,7 +170,7 @@ impl Osc {
     /// The next received message; `None` if none is waiting. Invalid datagrams are skipped with a note.
     pub fn next(&self) -> Option<Message> {
         let socket = self.from.as_ref()?;
-        let mut bytes = [0; LONGEST];
+        let mut bytes = vec![0; LONGEST];
         while let Ok((length, _)) = socket.recv_from(&mut bytes) {
             let read = bytes.get(..length).and_then(Message::read);
             if read.is_some() {

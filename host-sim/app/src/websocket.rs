@@ -21,8 +21,8 @@ use tungstenite::{Message, WebSocket};
 
 /// Largest number of clients.
 const CLIENTS: usize = 8;
-/// Largest message from a client, bytes.
-const MESSAGE_MAX: usize = 4096;
+/// Largest message from a client, bytes. A scene with all its values and comments fits.
+const MESSAGE_MAX: usize = 65_536;
 /// Largest number of bytes that wait for a client in this program, beyond the operating system's buffers.
 const WAITING_MAX: usize = 64 * 1024;
 /// Largest number of messages that are read from a client in one turn. A client that sends without pause then does not delay the
@@ -211,7 +211,7 @@ impl Client {
                     return Err(None);
                 }
                 Err(tungstenite::Error::Capacity(_)) => {
-                    return Err(Some("sent a message of more than 4096 bytes"));
+                    return Err(Some("sent a message of more than 65536 bytes"));
                 }
                 Err(_) => return Err(Some("sent an invalid WebSocket message")),
             }

@@ -97,9 +97,11 @@ impl Positions {
     }
 
     /// The positions of a scene's environment. They come from the first of these that acts: the listed detents, the equally spaced
-    /// detents, the torque profile, the clicks. In a profile that is repeated around the turn, the point of least energy of each
-    /// copy is a position. In any other profile, every angle at which the knob rests is a position. `None` if nothing gives a
-    /// position.
+    /// detents, the torque profile, the clicks. If none of them acts, they come from equally spaced detents without torque, which
+    /// number the angles of a knob that turns freely.
+    ///
+    /// In a profile that is repeated around the turn, the point of least energy of each copy is a position. In any other profile,
+    /// every angle at which the knob rests is a position. `None` if nothing gives a position.
     #[must_use]
     pub fn of(environment: &Environment) -> Option<Self> {
         let every = |per_rev: u32, pitch_rad: f64, centre_rad: f64| {
@@ -109,9 +111,10 @@ impl Positions {
             };
             Self::every(pitch_rad, centre_rad)
         };
-        let detents = || {
+        let detents = |felt: bool| {
             let it = environment.detents.as_ref()?;
-            (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
+            ((it.strength_n_m > 0.0) == felt)
+                .then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
         };
         let listed = environment.acting_list();
         let listed = listed.and_then(|it| Self::at(it.rests()));
@@ -128,7 +131,8 @@ impl Positions {
             let it = environment.click.as_ref()?;
             (it.strength_n_m > 0.0).then(|| every(it.per_rev, it.pitch_rad, it.centre_rad))
         };
-        let positions = listed.or_else(detents).or_else(profile).or_else(clicks)?;
+        let felt = listed.or_else(|| detents(true)).or_else(profile);
+        let positions = felt.or_else(clicks).or_else(|| detents(false))?;
         Some(positions.between(environment))
     }
 
@@ -352,6 +356,21 @@ mod tests {
         assert_eq!(positions.take(13.0 * pitch).unwrap().position, 10);
         assert_eq!(positions.take(14.0 * pitch), None);
         assert_eq!(positions.take(-5.0 * pitch).unwrap().position, 0);
+    }
+
+    /// Detents without torque number the positions, unless clicks or a profile beside them do.
+    #[test]
+    fn detents_without_torque_are_counted() {
+        use crate::scene::Clicks;
+        let mut around = dial();
+        around.detents.as_mut().unwrap().strength_n_m = 0.0;
+        let silent = Positions::of(&around).unwrap();
+        assert_eq!(silent.numbers(), Some((0, 10)));
+        around.click = Some(Clicks {
+            per_rev: 12,
+            ..Clicks::default()
+        });
+        assert_eq!(Positions::of(&around).unwrap().numbers(), Some((0, 5)));
     }
 
     #[test]

@@ -145,7 +145,6 @@ pub fn of_scene(named: &scene::Environment) -> Surround {
             stiffness_n_m_per_rad: wall.stiffness_n_m_per_rad.map(decimal),
         })
     };
-    let ring = named.detents.as_ref().filter(|it| it.strength_n_m > 0.0);
     Surround {
         first_wall: named.first_wall,
         further: [&named.wall2, &named.wall3, &named.wall4].map(further),
@@ -154,7 +153,8 @@ pub fn of_scene(named: &scene::Environment) -> Surround {
             upper_rad: decimal(ends.upper_rad),
             stiffness_n_m_per_rad: ends.stiffness_n_m_per_rad.map(decimal),
         }),
-        detents: ring.map(|ring| DetentsBeside {
+        // Detents without torque are sent too: they number the positions of a knob that turns freely.
+        detents: named.detents.as_ref().map(|ring| DetentsBeside {
             per_rev: u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
             pitch_rad: decimal(ring.pitch_rad),
             strength_n_m: decimal(ring.strength_n_m),

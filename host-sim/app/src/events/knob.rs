@@ -1,5 +1,6 @@
 //! A board as a knob with numbered positions: its feel, its position numbers, and the requests of other programs.
 
+use super::feel::{Feel, Refusal};
 use super::kept::Kept;
 use super::lines::Lines;
 use super::wish::Wish;
@@ -9,10 +10,10 @@ use crate::out::{note, tell};
 use crate::zero::{Angles, Zero};
 use touchstone_device::Client;
 use touchstone_protocol::settings::environment::Surround;
-use touchstone_protocol::{DeviceSettings, Reply, Request, Telemetry};
+use touchstone_protocol::{Decimal, DeviceSettings, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::positions::{Place, Positions};
-use touchstone_sim::scene::{Scene, feels, list};
+use touchstone_sim::scene::Environment;
 
 /// A board with its numbered positions.
 #[derive(Debug)]
@@ -21,8 +22,10 @@ pub struct Knob<'a> {
     settings: &'a DeviceSettings,
     /// The numbered positions of the present feel.
     pub positions: Positions,
-    /// Name of the feel that a program chose last; `None` before any choice.
-    feel: Option<String>,
+    /// The feel that a program chose last; `None` before any choice.
+    feel: Option<Feel>,
+    /// The device's limit on the rate at which the force changes while one feel replaces another.
+    change_n_m_per_s: Decimal,
     /// The number that the present position gets at the next record; `None` to keep its number.
     called: Option<i64>,
     kept: Option<Kept>,
@@ -61,6 +64,7 @@ impl<'a> Knob<'a> {
             settings,
             positions,
             feel: None,
+            change_n_m_per_s: environment.change_n_m_per_s,
             called,
             kept,
             zero: Zero::new(settings.timing.rate_hz),
@@ -87,10 +91,17 @@ impl<'a> Knob<'a> {
         for (from, wish) in lines.wishes(&self.positions) {
             match wish {
                 Wish::Position(number) => self.called = Some(number.into()),
-                Wish::Feel(name) => match self.render(client, &name)? {
-                    Ok(()) => self.feel = Some(name),
-                    Err(problem) => lines.refuse(from, &problem),
-                },
+                Wish::Feel(asked) => {
+                    let limit_n_m = self.settings.law.force_limit_n_m.to_num();
+                    let taken = match Feel::read(&asked, limit_n_m) {
+                        Ok(feel) => self.render(client, &feel)?.map(|()| feel),
+                        Err(refusal) => Err(refusal),
+                    };
+                    match taken {
+                        Ok(feel) => self.feel = Some(feel),
+                        Err(refusal) => lines.refuse(from, &refusal),
+                    }
+                }
             }
         }
         let angles = self.zero.see(record);
@@ -142,9 +153,9 @@ impl<'a> Knob<'a> {
     fn begin_again(&mut self, client: &mut Client) -> Result<()> {
         tell!("the board was reset");
         self.ask_for_records(client)?;
-        if let Some(name) = self.feel.clone() {
-            if let Err(problem) = self.render(client, &name)? {
-                note!("note: {problem}");
+        if let Some(feel) = self.feel.clone() {
+            if let Err(refusal) = self.render(client, &feel)? {
+                note!("note: {}", refusal.problem);
             }
             return Ok(());
         }
@@ -159,35 +170,41 @@ impl<'a> Knob<'a> {
         self.positions.hysteresis = self.options.hysteresis;
     }
 
-    /// Sends a shipped feel to the board. If no feel has this name, or the board refuses it, nothing changes and the inner error
-    /// says why.
+    /// Sends a feel to the board. If the board refuses it, nothing changes and the inner error says why.
     fn render(
         &mut self,
         client: &mut Client,
-        name: &str,
-    ) -> Result<std::result::Result<(), String>> {
-        // Only shipped feels: a message must not make this program read a file.
-        if !feels().contains(&name) {
-            return Ok(Err(format!(
-                "there is no feel {name}; give {}",
-                list(&feels())
-            )));
-        }
+        feel: &Feel,
+    ) -> Result<std::result::Result<(), Refusal>> {
         if !client.identity().board.is_large() {
-            return Ok(Err("this board's flash is too small for feels".to_owned()));
+            let problem = "this board's flash is too small for feels".to_owned();
+            return Ok(Err(Refusal::of_request(problem)));
         }
-        let around = Scene::load(name)?.environment.unwrap_or_default();
-        let environment = of_scene(&around);
+        let mut environment = of_scene(&feel.around);
+        environment.change_n_m_per_s = self.change_n_m_per_s;
         if let Err(error) = environment.check(self.settings) {
-            return Ok(Err(format!("the device refuses the feel {name}: {error}")));
+            let name = feel.name.as_deref().unwrap_or("that was sent");
+            return Ok(Err(Refusal {
+                setting: Some(error.path.to_string()),
+                problem: format!("the device refuses the feel {name}: {error}"),
+            }));
         }
         match client.ask(&Request::SetEnvironment(environment))? {
             Reply::Taken(_) => {}
             other => return Err(client.odd(&other)),
         }
-        tell!("feel {name}");
-        self.follow(Positions::of(&around).unwrap_or_else(unnumbered));
+        tell!("feel {}", feel.name.as_deref().unwrap_or("of a program"));
+        let own = Positions::of(&feel.around);
+        self.follow(own.unwrap_or_else(|| by_pitch(self.options, &feel.around)));
         Ok(Ok(()))
+    }
+}
+
+/// The positions of a knob whose feel has none: one for each `--pitch`, or for each whole turn.
+fn by_pitch(options: &Options, around: &Environment) -> Positions {
+    match options.pitch {
+        Some(degrees) => Positions::every(degrees.to_radians(), 0.0).between(around),
+        None => unnumbered(),
     }
 }
 

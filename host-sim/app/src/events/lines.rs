@@ -1,5 +1,6 @@
 //! Prints a line for every change of state or position, and reports the change to the programs that use the knob.
 
+use super::feel::Refusal;
 use super::midi::Midi;
 use super::wish::{Asker, Wish};
 use crate::osc::{Osc, Value};
@@ -11,6 +12,9 @@ use touchstone_link::words::name_of;
 use touchstone_protocol::{Fault, Phase, Telemetry};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::positions::{Place, Positions};
+
+/// Largest length of the problem in the answer to a refused request, characters.
+const LONGEST_PROBLEM: usize = 1000;
 
 /// The pair of keys that the knob presses, and the virtual keyboard that sends them.
 #[derive(Debug)]
@@ -53,14 +57,16 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// The requests of all programs since the last call. For an invalid OSC message a note is printed; an invalid WebSocket request
-    /// is answered with an error.
+    /// The requests of all programs since the last call. Invalid ones are refused.
     pub fn wishes(&mut self, positions: &Positions) -> Vec<(Asker, Wish)> {
         let mut wishes = Vec::new();
         while let Some(message) = self.osc.next() {
             match Wish::of_message(&message) {
                 Some(wish) => wishes.push((Asker::Osc, wish)),
-                None => note!("note: {} is not a message for a knob", message.address),
+                None => {
+                    let problem = format!("{} is not a message for a knob", message.address);
+                    self.refuse(Asker::Osc, &Refusal::of_request(problem));
+                }
             }
         }
         if let Some(midi) = &mut self.midi {
@@ -80,20 +86,32 @@ impl Lines {
             let from = Asker::Client(asked.client);
             match serde_json::from_str(&asked.text) {
                 Ok(wish) => wishes.push((from, wish)),
-                Err(error) => self.refuse(from, &format!("this is not a valid request: {error}")),
+                Err(error) => {
+                    let problem = format!("this is not a valid request: {error}");
+                    self.refuse(from, &Refusal::of_request(problem));
+                }
             }
         }
         wishes
     }
 
-    /// Reports why a request was refused: to its WebSocket client, else as a printed note.
-    pub fn refuse(&mut self, from: Asker, problem: &str) {
-        match (from, &mut self.websocket) {
-            (Asker::Client(client), Some(websocket)) => {
-                websocket.answer(client, &json!({ "event": "error", "problem": problem }));
-            }
-            _ => note!("note: {problem}"),
+    /// Reports which setting of a request was refused and why: to its WebSocket client, else as a printed note. The refusal
+    /// of an OSC message is also sent to the program that receives all OSC messages.
+    pub fn refuse(&mut self, from: Asker, refusal: &Refusal) {
+        // A program may send a long text, which the problem quotes.
+        let short = |text: &String| text.chars().take(LONGEST_PROBLEM).collect::<String>();
+        let (setting, problem) = (refusal.setting.as_ref().map(short), short(&refusal.problem));
+        if let (Asker::Client(client), Some(websocket)) = (from, &mut self.websocket) {
+            let line = json!({ "event": "error", "setting": setting, "problem": problem });
+            websocket.answer(client, &line);
+            return;
         }
+        if matches!(from, Asker::Osc) {
+            let setting = setting.unwrap_or_default();
+            let texts = [setting, problem.clone()].map(Value::Text);
+            self.osc.send("/touchstone/error", texts);
+        }
+        note!("note: {problem}");
     }
 
     /// Passes the new number of the present position to MIDI.

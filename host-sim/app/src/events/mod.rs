@@ -5,12 +5,15 @@
 //! |---|---|---|
 //! | `/touchstone/position` | position, change, distance from it as a fraction | sent on every change |
 //! | `/touchstone/state` | the device's state, its fault or an empty text | sent on every change |
+//! | `/touchstone/error` | the setting that is wrong or an empty text, the problem | sent for every refused message |
 //! | `/touchstone/position` | the number that the present position gets | received |
-//! | `/touchstone/feel` | name of a shipped feel, which the device renders from now on | received |
+//! | `/touchstone/feel` | name of a shipped feel or text of a scene, which the device renders from now on | received |
 //!
 //! A WebSocket client gets the lines that `events --json` prints, and sends the same requests as `{"position": 3}` and
-//! `{"feel": "on-off"}`. For MIDI see [`midi`]. A change of position can also press keys.
+//! `{"feel": "on-off"}`, or `{"feel": {"environment": {}}}` with the tables of a scene. For MIDI see [`midi`]. A change of position
+//! can also press keys.
 
+mod feel;
 mod kept;
 mod knob;
 mod lines;
@@ -65,12 +68,15 @@ pub struct Options {
     /// Also sends every change as an OSC message over UDP, to a port on this computer or to HOST:PORT.
     #[arg(long, value_name = "PORT")]
     osc: Option<String>,
-    /// Receives OSC messages from this computer on this port: /touchstone/feel NAME renders a shipped feel, /touchstone/position N
-    /// gives the present position the number N.
+    /// Receives OSC messages from this computer on this port: /touchstone/feel FEEL renders a feel, by the name of a shipped one or
+    /// as the TOML text of a scene with [environment]; /touchstone/position N gives the present position the number N. A refused
+    /// message is answered to --osc with /touchstone/error SETTING PROBLEM.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
     /// Also sends every change, as --json prints it, to the clients of a WebSocket on a port of this computer. Accepts the requests
-    /// {"position": N} and {"feel": "NAME"} from them. Prints the WebSocket's address, which contains a secret token. With
+    /// {"position": N} and {"feel": FEEL} from them. FEEL is the name of a shipped feel, the TOML text of a scene with
+    /// [environment], or its tables, e.g. {"environment": {"detents": {"per_rev": 12}}}. A refused request changes nothing and is
+    /// answered with {"event": "error"}, setting and problem. Prints the WebSocket's address, which contains a secret token. With
     /// HOST:PORT other computers can connect.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     websocket: Option<String>,

@@ -2,6 +2,7 @@
 
 use super::midi::Asked;
 use crate::osc::{Message, Value};
+use serde_json::Value as Json;
 use touchstone_sim::scene::feels;
 
 /// A request of a program.
@@ -10,8 +11,8 @@ use touchstone_sim::scene::feels;
 pub enum Wish {
     /// Gives the present position this number.
     Position(i32),
-    /// Renders the shipped feel of this name.
-    Feel(String),
+    /// Renders the shipped feel of this name, or the feel in this text or object.
+    Feel(Json),
 }
 
 impl Wish {
@@ -19,7 +20,7 @@ impl Wish {
     pub fn of_message(message: &Message) -> Option<Self> {
         match (&*message.address, &*message.values) {
             ("/touchstone/position", [Value::Int(number)]) => Some(Self::Position(*number)),
-            ("/touchstone/feel", [Value::Text(name)]) => Some(Self::Feel(name.clone())),
+            ("/touchstone/feel", [Value::Text(feel)]) => Some(Self::Feel(feel.as_str().into())),
             _ => None,
         }
     }
@@ -28,7 +29,7 @@ impl Wish {
     /// refused.
     pub fn of_midi(Asked::Program(number): Asked) -> Self {
         let name = feels().get(usize::from(number)).copied();
-        Self::Feel(name.map_or_else(|| format!("number {number}"), str::to_owned))
+        Self::Feel(name.map_or_else(|| format!("number {number}").into(), Json::from))
     }
 }
 

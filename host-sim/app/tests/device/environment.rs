@@ -76,7 +76,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
 fn a_demo_knob_takes_every_shipped_feel() {
     let demo = crate::demo::Demo::new();
     let feels = touchstone_sim::scene::feels();
-    assert_eq!(feels.len(), 20);
+    assert_eq!(feels.len(), 23);
     for name in feels {
         let said = demo.run(&["config", "environment", name]);
         assert!(said.contains("takes effect"), "{name}: {said}");

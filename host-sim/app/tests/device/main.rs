@@ -31,6 +31,8 @@ mod link_faults;
 #[cfg(target_os = "linux")]
 mod midi;
 mod monitor;
+#[cfg(unix)]
+mod sent_feel;
 mod setup;
 #[cfg(target_os = "linux")]
 mod setup_outputs;

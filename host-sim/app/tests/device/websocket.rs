@@ -13,7 +13,7 @@ use tungstenite::{Message, WebSocket};
 const LIMIT: Duration = Duration::from_secs(30);
 
 /// A running `touchstone --json events --websocket`; its process ends with the test.
-struct Events {
+pub struct Events {
     child: Child,
     lines: Lines<BufReader<ChildStdout>>,
     /// The printed address, which contains the token.
@@ -28,7 +28,7 @@ impl Drop for Events {
 }
 
 impl Events {
-    fn new(demo: &Demo, words: &[&str]) -> Self {
+    pub fn new(demo: &Demo, words: &[&str]) -> Self {
         let all = [&["--json", "events", "--websocket"], words].concat();
         let mut child = demo
             .command(&all)
@@ -70,28 +70,28 @@ impl Events {
         }
     }
 
-    fn page(&self) -> Page {
+    pub fn page(&self) -> Page {
         self.connect(&self.address, &[]).unwrap()
     }
 
     /// Ends the program; returns what it wrote to standard error.
-    fn ended(mut self) -> String {
+    pub fn ended(mut self) -> String {
         self.child.kill().unwrap();
         std::io::read_to_string(self.child.stderr.take().unwrap()).unwrap()
     }
 }
 
 /// A connected client.
-struct Page {
+pub struct Page {
     socket: WebSocket<TcpStream>,
 }
 
 impl Page {
-    fn say(&mut self, text: &str) {
+    pub fn say(&mut self, text: &str) {
         self.socket.send(Message::text(text)).unwrap();
     }
 
-    fn next(&mut self) -> Value {
+    pub fn next(&mut self) -> Value {
         let begun = Instant::now();
         while begun.elapsed() < LIMIT {
             match self.socket.read() {
@@ -104,7 +104,7 @@ impl Page {
         panic!("no line came");
     }
 
-    fn until(&mut self, event: &str) -> Value {
+    pub fn until(&mut self, event: &str) -> Value {
         loop {
             let line = self.next();
             if line["event"] == event {
@@ -267,8 +267,8 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
     endless.closed();
     // A message of many frames without a last one.
     let mut parts = events.page();
-    let part = [&[0x01, 0xfe, 0x0f, 0xa0, 0, 0, 0, 0][..], &[b'x'; 4000]].concat();
-    let next = [&[0x00, 0xfe, 0x0f, 0xa0, 0, 0, 0, 0][..], &[b'x'; 4000]].concat();
+    let part = [&[0x01, 0xfe, 0x9c, 0x40, 0, 0, 0, 0][..], &[b'x'; 40_000]].concat();
+    let next = [&[0x00, 0xfe, 0x9c, 0x40, 0, 0, 0, 0][..], &[b'x'; 40_000]].concat();
     let _ = parts.socket.get_mut().write_all(&[part, next].concat());
     parts.closed();
     let mut nonsense = events.page();
@@ -322,7 +322,7 @@ fn wrong_clients_are_refused_and_harmful_ones_disconnected() {
         "wrong Host",
         "this address serves a WebSocket, not a page",
         "8 clients are connected",
-        "a client sent a message of more than 4096 bytes; it is disconnected",
+        "a client sent a message of more than 65536 bytes; it is disconnected",
         "a client sent an invalid WebSocket message; it is disconnected",
         "a client answers no ping; it is disconnected",
     ] {

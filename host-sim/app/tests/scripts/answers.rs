@@ -288,7 +288,7 @@ fn feels_are_listed_and_run() {
         .iter()
         .map(|it| it["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names.len(), 20);
+    assert_eq!(names.len(), 23);
     assert!(names.contains(&"on-off"));
     let listed = run(&["feels"]).ended(0).out;
     assert!(

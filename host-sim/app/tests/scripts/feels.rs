@@ -26,6 +26,8 @@ fn a_feel_is_edited_on_the_live_page() {
     .ended(0);
     assert!(made.out.contains("touchstone-feel.html"), "{}", made.out);
     let page = std::fs::read_to_string(here.join("touchstone-feel.html")).unwrap();
+    // The page names the command that sends its download to a board.
+    assert!(page.contains("<code>touchstone config environment feel.toml</code>"));
     let edited = content(&page);
     assert_eq!(
         (&edited["name"], &edited["edits"]),

@@ -36,8 +36,8 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    /// Reads a scene from TOML text. Only the TOML syntax is checked here.
-    pub fn from_toml(text: &str, file: &Path) -> Result<Self> {
+    /// Reads the fields that a TOML text writes, without those of its base. `file` is the name of the text in error messages.
+    pub fn of_text(text: &str, file: &Path) -> Result<Self> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, file, &error))?;
         let mut draft = Draft {
             fields: BTreeMap::new(),
@@ -48,27 +48,50 @@ impl Draft {
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
+        Ok(draft)
+    }
+
+    /// Takes the fields of tables that no file gave.
+    pub fn of_tables(tables: toml::Table) -> Self {
+        let mut draft = Draft {
+            fields: BTreeMap::new(),
+            tables: BTreeSet::new(),
+            origin: Origin::default(),
+        };
+        draft.take_values("", tables);
+        draft
+    }
+
+    /// Reads a scene from TOML text. Only the TOML syntax is checked here.
+    pub fn from_toml(text: &str, file: &Path) -> Result<Self> {
+        let mut draft = Self::of_text(text, file)?;
         draft.take_profile(file)?;
-        draft.take_base()?;
-        if let Some(stem) = file.file_stem() {
-            draft
-                .fields
-                .entry("name".into())
-                .or_insert_with(|| Value::String(stem.to_string_lossy().into_owned()));
-        }
+        let stem = file.file_stem();
+        let mut draft = draft.completed(stem.map(|it| it.to_string_lossy().into_owned()))?;
         // The path of a recording is relative to the scene's folder, not to the current folder.
         if let (Some(Value::String(recording)), Some(folder)) =
             (draft.fields.get_mut("operator.motion.file"), file.parent())
         {
             *recording = folder.join(&*recording).to_string_lossy().into_owned();
         }
-        if draft.has_table("operator.hand") && !draft.fields.contains_key("operator.grip") {
-            draft.fields.insert(
+        Ok(draft)
+    }
+
+    /// Adds the fields of the base, the name of a scene that gives none, and the custom grip of a scene that describes its hand.
+    pub fn completed(mut self, name: Option<String>) -> Result<Self> {
+        self.take_base()?;
+        if let Some(name) = name {
+            self.fields
+                .entry("name".into())
+                .or_insert(Value::String(name));
+        }
+        if self.has_table("operator.hand") && !self.fields.contains_key("operator.grip") {
+            self.fields.insert(
                 "operator.grip".into(),
                 Value::String(Grip::Custom.name().into()),
             );
         }
-        Ok(draft)
+        Ok(self)
     }
 
     /// Replaces the key that names a torque profile's file by the profile's points.

@@ -130,7 +130,7 @@ pub struct DetentRing {
     /// Angle between two neighbouring detents, rad, 0.001 to a turn. Only used if `per_rev` is 0. Default 0.2.
     pub pitch_rad: f64,
     /// Largest torque of a detent, N·m, from 0 to the force limit of the control law; it acts a quarter of the way to the next
-    /// detent. Default 0.02.
+    /// detent. With 0 a program counts the detents and the hand does not feel them. Default 0.02.
     pub strength_n_m: f64,
     /// Position of one of the detents, rad. Default 0.
     pub centre_rad: f64,

@@ -24,6 +24,7 @@ mod problem;
 mod profile_file;
 mod renamed;
 pub mod schema;
+mod sent;
 mod settings;
 mod shipped;
 #[cfg(test)]

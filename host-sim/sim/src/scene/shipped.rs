@@ -119,6 +119,18 @@ const FEELS: &[(&str, &str)] = &[
         "washboard",
         include_str!("../../../../scenes/feels/washboard.toml"),
     ),
+    (
+        "multi-turn-smooth",
+        include_str!("../../../../scenes/feels/multi-turn-smooth.toml"),
+    ),
+    (
+        "fine-values",
+        include_str!("../../../../scenes/feels/fine-values.toml"),
+    ),
+    (
+        "weak-detents",
+        include_str!("../../../../scenes/feels/weak-detents.toml"),
+    ),
 ];
 
 /// Names of the shipped scenes.

@@ -106,7 +106,7 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "environment.detents.strength_n_m",
         "n_m",
         NotNegative,
-        "the detents' largest torque",
+        "the detents' largest torque (0: counted, not felt)",
     ),
     number(
         "environment.detents.centre_rad",
