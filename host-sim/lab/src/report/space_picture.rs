@@ -158,7 +158,7 @@ pub fn section(runs: &[Record]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::thesis::space::{Cell, Mechanism, run};
+    use crate::thesis::space::{Cell, Mechanism, SurfaceFeel, run};
 
     /// Checks that the shipped wall is in both figures, and displays the requested stiffness where the spring does not come to
     /// rest.
@@ -170,6 +170,7 @@ mod tests {
                 object: Object::Inclined,
                 k_desired_n_per_mm: 25.0,
                 approach,
+                feel: SurfaceFeel::default(),
             })
             .expect("settings")
         };
