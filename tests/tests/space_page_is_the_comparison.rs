@@ -3,7 +3,8 @@
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{
-    Approach, Cell, Mechanism, Object, ProbingMotion, RADIUS_MM, RATE_HZ, run, settings,
+    Approach, Cell, Mechanism, Object, ProbingMotion, RADIUS_MM, RATE_HZ, SurfaceFeel, run,
+    settings,
 };
 use touchstone_live::space_loop::{SPACE_ROW, SpaceChoice, SpaceLoop, SpaceObject};
 
@@ -38,6 +39,7 @@ fn the_same_hand_gives_the_same_forces() {
                 k_desired_n_per_mm: 25.0,
                 approach,
                 mechanism: Mechanism::Cartesian,
+                feel: SurfaceFeel::default(),
             };
             let record = run(&cell).unwrap();
             let motion = ProbingMotion::of(object);

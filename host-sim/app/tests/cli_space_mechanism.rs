@@ -175,12 +175,24 @@ fn what_is_wrong_with_it_is_one_line() {
     std::fs::write(folder.join("c.toml"), "name = \"x\"\ndof = 3.0\n").unwrap();
     std::fs::write(folder.join("d.toml"), "dof = \"3\"\n").unwrap();
     std::fs::write(folder.join("e.toml"), "dof = 2\n").unwrap();
+    let touch = "dof = 3\n[law.impact]\nvibration_hz = 60\n";
+    std::fs::write(folder.join("f.toml"), touch).unwrap();
+    let steep = "dof = 3\n[object.texture]\nperiod_mm = 2\nheight_mm = 0.5\n";
+    std::fs::write(folder.join("g.toml"), steep).unwrap();
     for (arguments, parts) in [
         (&["run", "a.toml"][..], &["a.toml:3:", "detla", "delta"][..]),
         (&["run", "b.toml"], &["b.toml:3:", "at most 50"]),
         (&["run", "c.toml"], &["c.toml:2: dof: must be 3, is 3.0"]),
         (&["run", "d.toml"], &["d.toml:1: dof: must be 3, is \"3\""]),
         (&["run", "e.toml"], &["e.toml:1: dof: must be 3"]),
+        (
+            &["run", "f.toml"],
+            &["f.toml:2: law.impact: needs law.approach = \"shipped\""],
+        ),
+        (
+            &["run", "g.toml"],
+            &["g.toml:4: object.texture.height_mm: must be above 0 and at most 0.1 of period_mm"],
+        ),
         (&["run", BALL, "--law", "sfa"], &["--law", "three axes"]),
         (
             &["thesis", "--mechanism", "delta"],

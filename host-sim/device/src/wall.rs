@@ -159,6 +159,9 @@ impl<'m> DeviceWall<'m> {
         let shell = match settings.per_axis {
             true => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
             false => {
+                if settings.estimator.is_some() {
+                    settings.law.impact.validate(settings.law.rate_hz)?;
+                }
                 let impact = UNIT.impact(&settings.law)?;
                 Shell::Magnitude(Magnitude::new(law).with_impact(impact))
             }

@@ -95,6 +95,9 @@ macro_rules! numbers {
         $with!(limit_of_force_per_ms, settings.limit_of_force);
         $with!(limit_of_penetration_per_ms, settings.limit_of_penetration);
         $with!(impact_momentum, settings.impact.momentum);
+        $with!(impact_vibration, settings.impact.vibration);
+        $with!(impact_vibration_hz, settings.impact.frequency_hz);
+        $with!(impact_vibration_decay_s, settings.impact.decay_s);
         $with!(estimator_bandwidth_hz, settings.estimator.bandwidth_hz);
         $with!(estimator_mass_kg, settings.estimator.inertia);
         $with!(estimator_damping_n_s_per_m, settings.estimator.damping);
@@ -312,6 +315,8 @@ impl SpaceLoop {
         let point = SurfacePoint::new(Rule::Closest);
         let mut wall = SpaceWall::new(choice.shape()?, point, shell, limit);
         if choice.law.states == StatesKind::Estimated {
+            let impact = choice.law.impact.validate(choice.law.rate_hz);
+            impact.map_err(|why| refused(&why))?;
             let axes = [choice.law.estimator; 3];
             let estimator = UNIT.estimator(&axes, choice.law.rate_hz, choice.law.force_limit);
             wall.estimator = Some(estimator.map_err(|why| refused(&why))?);

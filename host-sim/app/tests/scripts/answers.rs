@@ -1,6 +1,7 @@
 //! Tests of the program's output: JSON, `--quiet`, completions, manual pages, and one line of error for a mistake.
 
 use crate::{folder, names, run, run_in};
+use touchstone_protocol::Board;
 
 #[test]
 fn json_and_silence_go_with_every_command() {
@@ -277,6 +278,55 @@ fn a_feel_is_judged_and_what_has_none_is_refused() {
     assert!(steep.err.contains("counts at rest"), "{}", steep.err);
     let wall = card(&["thesis-knob", "--feel"]).ended(2);
     assert!(wall.err.contains("has no feel"), "{}", wall.err);
+}
+
+/// Checks the scorecard of a feel on the five boards: every board is listed with its own figures, and a failed demand names its
+/// board.
+#[test]
+fn a_feel_is_judged_on_each_board() {
+    let words = [
+        "scorecard",
+        "on-off",
+        "--feel",
+        "--boards",
+        "--crossings",
+        "20",
+    ];
+    let asked = |more: &[&str]| run(&[&words[..], more].concat());
+    let json = asked(&["--json"]).ended(0).json();
+    let cards = json["feels"].as_array().unwrap();
+    let boards: Vec<&str> = cards
+        .iter()
+        .map(|card| card["board"].as_str().unwrap())
+        .collect();
+    let all: Vec<&str> = Board::ALL.iter().map(|board| board.name()).collect();
+    assert_eq!(boards, all);
+    for (index, card) in cards.iter().enumerate() {
+        let grips = card["grips"].as_array().unwrap();
+        let crossed = |grip: &serde_json::Value| grip["crossings"].as_u64().unwrap();
+        assert!(
+            grips.len() == 3 && grips.iter().all(|grip| crossed(grip) >= 20),
+            "{card}"
+        );
+        // Encoder, rate, delay or current resolution differ between any two boards.
+        for other in &cards[..index] {
+            assert_ne!(grips, other["grips"].as_array().unwrap(), "{card}");
+        }
+    }
+    let table = asked(&["--no-buzz", "--positions"]).ended(0).out;
+    for board in all {
+        let heading = format!("on-off on {board}");
+        assert!(table.lines().any(|line| line == heading), "{table}");
+    }
+    // A feel without positions meets no demand on positions, on no board.
+    let none = run(&["scorecard", "smooth", "--feel", "--boards", "--positions"])
+        .ended(3)
+        .err;
+    for board in Board::ALL {
+        let named = format!("(smooth on {})", board.name());
+        assert!(none.contains(&named), "{none}");
+    }
+    run(&["scorecard", "on-off", "--boards"]).refused(&["--feel"]);
 }
 
 #[test]

@@ -162,7 +162,7 @@ pub fn section(runs: &[Record]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::thesis::space::{Cell, Mechanism, run};
+    use crate::thesis::space::{Cell, Mechanism, SurfaceFeel, run};
 
     /// Checks that the shipped wall is in both figures, and displays the requested stiffness where the spring does not come to
     /// rest.
@@ -174,6 +174,7 @@ mod tests {
                 object: Object::Inclined,
                 k_desired_n_per_mm: 25.0,
                 approach,
+                feel: SurfaceFeel::default(),
             })
             .expect("settings")
         };

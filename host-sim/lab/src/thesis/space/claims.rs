@@ -5,7 +5,7 @@
 use super::record::Record;
 use super::stepwise::wall;
 use super::tuned::{self, DirectionCard};
-use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, place};
+use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, SurfaceFeel, place};
 use crate::thesis::claims::{Claim, Outcome};
 use touchstone_control::{Fixed32, Reported, SettingsError};
 use touchstone_world::plant::{BareLinear, Cartesian, Invalid, Kinematics, OMEGA3, OMEGA3_AXIS};
@@ -88,6 +88,7 @@ fn grows(k: f64) -> Result<bool, SettingsError> {
         object: Object::Horizontal,
         k_desired_n_per_mm: k,
         approach: Approach::Spring,
+        feel: SurfaceFeel::default(),
     };
     let mut wall = wall(&cell)?;
     let Ok(plant) = bare() else {

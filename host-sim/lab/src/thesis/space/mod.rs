@@ -14,6 +14,8 @@ pub mod pressed;
 mod record;
 pub mod scene;
 mod stepwise;
+pub mod surface_feel;
+pub mod texture;
 pub mod tuned;
 pub mod tuned_wall;
 pub mod verdict;
@@ -21,7 +23,8 @@ pub mod verdict;
 pub use mechanism::{Crossed, Deviation, HeldMechanism, Mechanism, Stopped};
 pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
 pub use record::Record;
-pub use stepwise::{CellPlant, CellWall};
+pub use stepwise::{CellPlant, CellWall, wall};
+pub use surface_feel::SurfaceFeel;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -84,6 +87,8 @@ pub struct Cell {
     pub k_desired_n_per_mm: f64,
     /// Way in which the force is computed.
     pub approach: Approach,
+    /// What is added along the surface's normal.
+    pub feel: SurfaceFeel,
 }
 
 impl Object {
@@ -193,6 +198,7 @@ pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
                 object,
                 k_desired_n_per_mm,
                 approach,
+                feel: SurfaceFeel::default(),
             });
         };
         for k_desired_n_per_mm in mechanism.stiffnesses_n_per_mm() {

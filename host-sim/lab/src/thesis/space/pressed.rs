@@ -8,7 +8,7 @@ use crate::scorecard::direction::{Approach, DirectionFigures};
 use crate::scorecard::measure::{Figures, Measure};
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
-    Direction, LengthUnit, Magnitude, Rule, Shape, Shell, SpaceWall, SurfacePoint, Vector,
+    Direction, LengthUnit, Magnitude, Rule, Shape, Shell, SpaceWall, Surface, SurfacePoint, Vector,
     VectorGuard,
 };
 use touchstone_control::{
@@ -111,15 +111,15 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
 ///
 /// # Errors
 /// Control law or energy guard do not accept their settings.
-pub(super) fn guarded(
-    shape: Shape<N>,
+pub(super) fn guarded<S: Surface<N>>(
+    surface: S,
     law: &Settings,
     estimator: Option<&EstimatorSettings>,
     mechanism: Mechanism,
-) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+) -> Result<SpaceWall<N, S, AnyLaw<N>>, SettingsError> {
     let unit = LengthUnit::Centimetre;
     let mut wall = SpaceWall::new(
-        shape,
+        surface,
         SurfacePoint::new(Rule::Closest),
         Shell::Magnitude(Magnitude::new(unit.law::<N>(law)?).with_impact(unit.impact(law)?)),
         Force::from_f64(law.force_limit.to_num()),

@@ -1,7 +1,8 @@
 //! Scene files for three degrees of freedom (`dof = 3`), which `touchstone run` simulates.
 
 use super::mechanism::Mechanism;
-use super::{Approach, Cell, Object, shipped_n_per_mm};
+use super::surface_feel::{SpaceImpact, SpaceTexture};
+use super::{Approach, Cell, Object, SurfaceFeel, shipped_n_per_mm};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use touchstone_sim::harmless::one_line;
@@ -36,6 +37,9 @@ pub struct SpaceObject {
     /// Type of the object.
     #[serde(default)]
     pub kind: Object,
+    /// Grooves in its surface; a smooth surface if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texture: Option<SpaceTexture>,
 }
 
 /// Table `[law]` of the scene file: how the force is computed.
@@ -49,6 +53,9 @@ pub struct SpaceLaw {
     /// or, with the approach [`Approach::Shipped`], that of the shipped wall.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
+    /// Pulse and vibration at the touch, for the approach [`Approach::Shipped`]; if left out, the pulse of the shipped wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub impact: Option<SpaceImpact>,
 }
 
 /// Table `[mechanism]` of the scene file: the device.
@@ -89,6 +96,18 @@ impl SpaceScene {
             return Err(("law.k_desired_n_per_mm", tuned));
         }
         self.law.k_desired_n_per_mm = Some(stiff);
+        let impact = self.law.impact;
+        self.law.impact = match self.law.approach {
+            Approach::Shipped => Some(impact.unwrap_or_default().completed(self.mechanism.kind)?),
+            _ if impact.is_some() => {
+                let needs = "needs law.approach = \"shipped\": other approaches do not estimate the speed at the touch";
+                return Err(("law.impact", needs.to_owned()));
+            }
+            _ => None,
+        };
+        if let Some(texture) = self.object.texture {
+            self.object.texture = Some(texture.completed()?);
+        }
         Ok(self)
     }
 
@@ -110,6 +129,10 @@ impl SpaceScene {
             object: self.object.kind,
             k_desired_n_per_mm: given.unwrap_or(self.own_stiffness_n_per_mm()),
             approach: self.law.approach,
+            feel: SurfaceFeel {
+                impact: (self.law.impact).map(|impact| impact.settings(self.mechanism.kind)),
+                texture: self.object.texture.map(|texture| texture.texture()),
+            },
         }
     }
 }
@@ -136,7 +159,10 @@ pub fn schema() -> Value {
             "name": text("heading"),
             "description": text("what it is about"),
             "dof": {"const": 3, "description": "degrees of freedom"},
-            "object": table("what is touched", json!({"kind": {"enum": Object::ALL}})),
+            "object": table("what is touched", json!({
+                "kind": {"enum": Object::ALL},
+                "texture": SpaceTexture::schema(),
+            })),
             "law": table("how the force is made", json!({
                 "approach": {"enum": Approach::ALL},
                 "k_desired_n_per_mm": {
@@ -145,6 +171,7 @@ pub fn schema() -> Value {
                     "maximum": STIFFEST_N_PER_MM,
                     "description": "desired stiffness, N/mm; left out: five times the critical one of the mechanism, or that of the wall that ships",
                 },
+                "impact": SpaceImpact::schema(),
             })),
             "mechanism": table("what it is played on", json!({"kind": {"enum": Mechanism::ALL}})),
         },
@@ -190,6 +217,89 @@ mod tests {
             json!({"dof": 3, "law": {"k_desired": 1.0}}),
         ] {
             assert!(read(wrong.clone()).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn touch_and_texture_have_defaults_and_ranges_and_are_refused_by_name() {
+        let shipped = |law: Value, object: Value| {
+            let mut scene = json!({"dof": 3, "law": {"approach": "shipped"}, "object": object});
+            scene["law"]["impact"] = law;
+            read(scene)
+        };
+        let tuned = shipped(json!({}), json!({})).expect("a scene");
+        let left_out = read(json!({"dof": 3, "law": {"approach": "shipped"}})).expect("a scene");
+        assert_eq!(tuned, left_out);
+        let impact = tuned.law.impact.expect("the pulse of the wall that ships");
+        assert_eq!(
+            (impact.share_of_momentum, impact.vibration_share_of_speed),
+            (Some(0.3), Some(0.0))
+        );
+        assert_eq!(
+            (impact.vibration_hz, impact.vibration_decay_s),
+            (Some(100.0), Some(0.011))
+        );
+        // The law's own pulse, bit for bit.
+        let own = super::super::TunedWall::of(Mechanism::Cartesian, super::super::RATE_HZ);
+        let own = own.settings(super::super::RATE_HZ, 12.0).impact;
+        assert_eq!(
+            tuned.cell().feel.impact.expect("a pulse").momentum,
+            own.momentum
+        );
+        let grooves = json!({"texture": {"height_mm": 0.1, "period_mm": 2, "along": [0, 3, 4]}});
+        let grooved = shipped(json!({}), grooves).expect("a scene").cell();
+        let along = grooved.feel.texture.expect("grooves").along;
+        assert_eq!(along, [0.0, 0.6, 0.8]);
+        for (law, texture, field) in [
+            (
+                json!({"share_of_momentum": 2.1}),
+                json!(null),
+                "law.impact.share_of_momentum",
+            ),
+            (
+                json!({"vibration_share_of_speed": -0.1}),
+                json!(null),
+                "law.impact.vibration_share_of_speed",
+            ),
+            (
+                json!({"vibration_hz": 101}),
+                json!(null),
+                "law.impact.vibration_hz",
+            ),
+            (
+                json!({"vibration_decay_s": 0}),
+                json!(null),
+                "law.impact.vibration_decay_s",
+            ),
+            (
+                json!({}),
+                json!({"height_mm": 0.3, "period_mm": 2}),
+                "object.texture.height_mm",
+            ),
+            (
+                json!({}),
+                json!({"height_mm": 0.01, "period_mm": 0.1}),
+                "object.texture.period_mm",
+            ),
+            (
+                json!({}),
+                json!({"height_mm": 0.1, "period_mm": 2, "along": [0, 0, 0]}),
+                "object.texture.along",
+            ),
+        ] {
+            let refused = shipped(law, json!({"texture": texture})).unwrap_err();
+            assert!(refused.starts_with(field), "{refused}");
+        }
+        for approach in [
+            "spring",
+            "spring-damper",
+            "bounding",
+            "per-axis",
+            "magnitude",
+        ] {
+            let law = json!({"approach": approach, "impact": {"vibration_hz": 60}});
+            let refused = read(json!({"dof": 3, "law": law})).unwrap_err();
+            assert!(refused.starts_with("law.impact needs"), "{refused}");
         }
     }
 

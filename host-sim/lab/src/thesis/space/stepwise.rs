@@ -1,5 +1,6 @@
 //! Runs a cell of the comparison tick by tick in two halves: the wall ([`CellWall`]), and the device in the hand ([`CellPlant`]).
 
+use super::texture::Textured;
 use super::tuned_wall::TunedWall;
 use super::{
     Approach, Cell, Crossed, Deviation, HeldMechanism, N, ProbingMotion, RATE_HZ, Stopped, place,
@@ -14,7 +15,7 @@ use touchstone_world::plant::FIRM_TRANSLATION;
 /// The wall of a cell: the object with its control law, and the energy guard if the cell has the shipped wall.
 #[derive(Debug, Clone)]
 pub struct CellWall {
-    wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
+    wall: SpaceWall<N, Textured<Shape<N>>, AnyLaw<N>>,
     is_too_fast: bool,
 }
 
@@ -135,14 +136,25 @@ impl CellPlant {
     }
 }
 
-/// Makes the wall of a cell: its object with its control law.
-pub(super) fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+/// Makes the wall of a cell: its object with its control law, and the energy guard if the cell has the shipped wall.
+///
+/// # Errors
+/// The control law does not accept its settings; it accepts those of [`super::settings`].
+pub fn wall(cell: &Cell) -> Result<SpaceWall<N, Textured<Shape<N>>, AnyLaw<N>>, SettingsError> {
     let mechanism = cell.mechanism;
+    let surface = Textured {
+        smooth: cell.object.shape(),
+        texture: cell.feel.texture,
+    };
     if cell.approach == Approach::Shipped {
         let tuned = TunedWall::of(mechanism, RATE_HZ);
-        let law = tuned.settings(RATE_HZ, mechanism.force_n());
+        let mut law = tuned.settings(RATE_HZ, mechanism.force_n());
+        if let Some(impact) = cell.feel.impact {
+            impact.validate(RATE_HZ)?;
+            law.impact = impact;
+        }
         let estimator = Some(tuned.estimator());
-        return pressed::guarded(cell.object.shape(), &law, estimator.as_ref(), mechanism);
+        return pressed::guarded(surface, &law, estimator.as_ref(), mechanism);
     }
     let unit = LengthUnit::Centimetre;
     let law = unit.law::<N>(&settings_for(
@@ -157,7 +169,7 @@ pub(super) fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, Set
     };
     let limit = Force(N::signal_from_f64(mechanism.force_n()));
     Ok(SpaceWall::new(
-        cell.object.shape(),
+        surface,
         SurfacePoint::new(Rule::Closest),
         shell,
         limit,

@@ -101,7 +101,7 @@ impl PortEnergy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Approach, Cell, Mechanism, Object, Phase, ProbingMotion, run};
+    use super::super::{Approach, Cell, Mechanism, Object, Phase, ProbingMotion, SurfaceFeel, run};
     use super::*;
 
     fn of(approach: Approach, k_desired_n_per_mm: f64) -> Record {
@@ -110,6 +110,7 @@ mod tests {
             object: Object::Horizontal,
             k_desired_n_per_mm,
             approach,
+            feel: SurfaceFeel::default(),
         })
         .expect("settings of the comparison")
     }
