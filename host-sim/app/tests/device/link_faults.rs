@@ -8,8 +8,8 @@
 //! TOUCHSTONE_LINK_FAULTS=1000 cargo test -p touchstone --test device link_faults -- --nocapture --test-threads 1
 //! ```
 
-mod page;
-mod proxy;
+pub mod page;
+pub mod proxy;
 
 use crate::fake::Fake;
 use crate::haply_mock::{Service, Wrong};
