@@ -142,21 +142,9 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
 /// # Panics
 /// The board is not armed.
 #[must_use]
-pub fn good(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> (Played, f64) {
-    let (mut settings, motor, shaft, bus_v) = parts(board);
-    settings.wall.surface_rad = Si::lit("0.2");
-    let motor = MotorParameters {
-        resistance_ohm: motor.resistance_ohm * ohms,
-        flux_linkage_wb: motor.flux_linkage_wb * flux,
-        inductance_h: motor.inductance_h * henries,
-        ..motor
-    };
-    let shaft = Shaft {
-        inertia: shaft.inertia * inertia,
-        ..shaft
-    };
-    let mut knob = calibrated(board, &settings, motor, &shaft, hand, bus_v);
-    let surface_rad = knob.rig.now().angle_rad + 0.2;
+pub fn good(board: Board, factors: [f64; 4], hand: &Hand) -> (Played, f64) {
+    let mut knob = ready(board, factors, hand);
+    let surface_rad = knob.rig.now().angle_rad + READY_SURFACE_RAD;
     knob.ask(Command::Arm);
     knob.tick();
     assert_eq!(
@@ -168,6 +156,30 @@ pub fn good(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand)
     knob.tamper.breaks = Breaks::Encoder(Encoder::Usual);
     knob.tamper.is_broken = true;
     (knob, surface_rad)
+}
+
+/// Distance from the shaft's angle after the calibration to the wall's surface, rad, for [`good`] and [`ready`].
+const READY_SURFACE_RAD: f64 = 0.2;
+
+/// A calibrated board without a fault, with its outputs off. The four factors are those of [`good`].
+///
+/// # Panics
+/// The calibration fails.
+#[must_use]
+pub fn ready(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> Played {
+    let (mut settings, motor, shaft, bus_v) = parts(board);
+    settings.wall.surface_rad = Si::from_num(READY_SURFACE_RAD);
+    let motor = MotorParameters {
+        resistance_ohm: motor.resistance_ohm * ohms,
+        flux_linkage_wb: motor.flux_linkage_wb * flux,
+        inductance_h: motor.inductance_h * henries,
+        ..motor
+    };
+    let shaft = Shaft {
+        inertia: shaft.inertia * inertia,
+        ..shaft
+    };
+    calibrated(board, &settings, motor, &shaft, hand, bus_v)
 }
 
 fn calibrated(
