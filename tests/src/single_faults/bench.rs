@@ -144,7 +144,7 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
 #[must_use]
 pub fn good(board: Board, factors: [f64; 4], hand: &Hand) -> (Played, f64) {
     let mut knob = ready(board, factors, hand);
-    let surface_rad = knob.rig.now().angle_rad + READY_SURFACE_RAD;
+    let surface_rad = knob.rig.now().angle_rad + 0.2;
     knob.ask(Command::Arm);
     knob.tick();
     assert_eq!(
@@ -158,17 +158,15 @@ pub fn good(board: Board, factors: [f64; 4], hand: &Hand) -> (Played, f64) {
     (knob, surface_rad)
 }
 
-/// Distance from the shaft's angle after the calibration to the wall's surface, rad, for [`good`] and [`ready`].
-const READY_SURFACE_RAD: f64 = 0.2;
-
-/// A calibrated board without a fault, with its outputs off. The four factors are those of [`good`].
+/// A calibrated board without a fault, with its outputs off. The wall's surface is 0.2 rad from the shaft. The four factors are those
+/// of [`good`].
 ///
 /// # Panics
 /// The calibration fails.
 #[must_use]
 pub fn ready(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> Played {
     let (mut settings, motor, shaft, bus_v) = parts(board);
-    settings.wall.surface_rad = Si::from_num(READY_SURFACE_RAD);
+    settings.wall.surface_rad = Si::lit("0.2");
     let motor = MotorParameters {
         resistance_ohm: motor.resistance_ohm * ohms,
         flux_linkage_wb: motor.flux_linkage_wb * flux,
