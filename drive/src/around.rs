@@ -421,11 +421,11 @@ pub(crate) mod tests {
         let mut least = full;
         for arming in 0..100_i64 {
             let is_wall = arming % 3 == 2;
+            let before = account(&around, &law);
             // Every third arming renders the detents of the one before.
             if arming % 3 != 1 {
                 around.prepare(&surroundings[usize::from(!is_wall)], &mut law, false, false);
             }
-            let before = account(&around, &law);
             around.armed(&mut law, &fresh);
             assert_eq!(around.runs(), !is_wall, "{arming}");
             assert_eq!(account(&around, &law), before, "{arming}");
@@ -443,5 +443,35 @@ pub(crate) mod tests {
             least = least.min(account(&around, &law));
         }
         assert!(least < full / 2, "{least} of {full}");
+    }
+    /// While an environment runs, its guard gets the acting force and the switching off, and the wall's guard does not.
+    #[test]
+    fn the_guard_of_what_runs_gets_what_acts() {
+        let settings = settings(ChangeOfForce::Estimated);
+        let scale = CountScale::new(settings.encoder.counts_per_rev, Si::ZERO).unwrap();
+        let surrounding = Surrounding::new(&settings, &IHM08M1, &detents()).unwrap();
+        let mut law = law(&settings);
+        let (fresh, mut around) = (law, Around::new());
+        around.prepare(&surrounding, &mut law, false, false);
+        around.armed(&mut law, &fresh);
+        let here = Here {
+            count: 220,
+            penetration: scale.penetration(220),
+            since_change: None,
+        };
+        let force = around.tick(&mut law, &scale, &here);
+        assert_ne!(force, Force::zero());
+        let wall = law.guard;
+        let acts: [fn(&mut Around, &mut Law); 2] = [
+            |around, law| around.commanded(law, Force::zero()),
+            |around, law| around.switched_off(law),
+        ];
+        for act in acts {
+            around.tick(&mut law, &scale, &here);
+            let before = around.running().unwrap().guard;
+            act(&mut around, &mut law);
+            assert_ne!(around.running().unwrap().guard, before);
+            assert_eq!(law.guard, wall);
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! Tests of parts that break while the motor is on: which fault the firmware raises, and the energy that the hand gets until then.
 
 use touchstone_drive::calibration::Reason;
-use touchstone_drive::encoder::Frames;
 use touchstone_drive::{ControlInput, CurrentSample, DeviceSettings, EncoderReading, Si};
 use touchstone_protocol::{Board, Command, FaultCode, State};
 use touchstone_tests::knob::{Knob, Tamper};
-use touchstone_world::motor::{GIMBAL, as5047p_frame};
+use touchstone_tests::single_faults::{Breaks, Encoder, Played, ready};
+use touchstone_world::motor::GIMBAL;
+use touchstone_world::plant::MEDIUM;
 
 fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
@@ -13,79 +14,135 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// Falsifies the encoder as if its magnet had slipped by this many counts since the calibration.
-struct Slip {
-    counts: i64,
+/// Boards that measure currents, and so can compare the motor's voltages with its currents.
+fn boards() -> impl Iterator<Item = Board> {
+    Board::ALL
+        .into_iter()
+        .filter(|board| board.senses_current())
 }
-impl Slip {
-    fn shift(&self, reading: EncoderReading) -> EncoderReading {
-        match reading {
-            EncoderReading::As5047p(Frames { angle, before }) => {
-                let angle = as5047p_frame(i64::from(angle & 0x3fff) + self.counts);
-                EncoderReading::As5047p(Frames { angle, before })
+
+/// Time in which a magnet slips on a calibrated board, control ticks: slowly, so that neither a jump nor an over-speed is detected.
+const BREAKS_IN: u32 = 200;
+
+/// A part that breaks between calibration and arming.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Part {
+    /// The magnet slips on its shaft by this many electrical degrees.
+    Magnet(f64),
+    /// The motor's wires are connected in this order.
+    Wires([usize; 3]),
+}
+
+/// Angles by which a magnet slips, and orders of exchanged wires.
+const PARTS: [Part; 12] = [
+    Part::Magnet(-150.0),
+    Part::Magnet(-120.0),
+    Part::Magnet(-100.0),
+    Part::Magnet(100.0),
+    Part::Magnet(120.0),
+    Part::Magnet(150.0),
+    Part::Magnet(180.0),
+    Part::Wires([1, 0, 2]),
+    Part::Wires([0, 2, 1]),
+    Part::Wires([2, 1, 0]),
+    Part::Wires([1, 2, 0]),
+    Part::Wires([2, 0, 1]),
+];
+
+impl Part {
+    fn breaks(self, knob: &mut Played) {
+        match self {
+            Self::Magnet(degrees) => {
+                knob.tamper.breaks = Breaks::Encoder(Encoder::Slip(degrees, BREAKS_IN));
+                knob.tamper.is_broken = true;
             }
-            other => other,
+            Self::Wires(order) => knob.rig.wires.order = order,
         }
     }
-}
-impl Tamper for Slip {
-    fn input(&mut self, _: u32, input: &mut ControlInput) -> bool {
-        input.encoder = self.shift(input.encoder);
-        true
-    }
-    fn change(&mut self, _: u32, reading: EncoderReading) -> Option<EncoderReading> {
-        Some(self.shift(reading))
+
+    /// Whether a board finds the fault within 50 ms of pushing. The check of the motor's voltages allows for half a volt and more
+    /// (`drive/src/supervisor/model.rs`). Smaller errors are found later or never: those of the small motor of the boards with the
+    /// X-NUCLEO-IHM16M1, and those of some exchanged wires.
+    fn is_found_in_time(self, board: Board) -> bool {
+        match board {
+            Board::NucleoG474re => !matches!(self, Self::Wires([1, 0, 2] | [0, 2, 1])),
+            // The slip by 100 degrees is found after 52 ms.
+            Board::BG431bEsc1 => {
+                self != Self::Magnet(100.0)
+                    && !matches!(self, Self::Wires([1, 0, 2] | [0, 2, 1] | [2, 1, 0]))
+            }
+            _ => false,
+        }
     }
 }
 
-/// Simulates a magnet that has slipped by this many electrical degrees. The motor is switched on, and a hand presses 1.5 rad
-/// through the wall. Returns the most energy in J that the motor gave, the control ticks in which it pushed, and the fault.
-fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
-    let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Slip { counts: 0 });
-    assert_eq!(knob.calibrate(), State::Ready);
-    // Slowly, so that neither a jump nor an over-speed is detected.
-    for step in 1..=10 {
-        knob.tamper.counts = (degrees / 360.0 / 7.0 * 16_384.0 * f64::from(step) / 10.0) as i64;
-        for _ in 0..20 {
-            knob.rest_rad = 0.0;
-            knob.tick();
-        }
+/// What a board did with a broken part.
+#[derive(Debug)]
+struct Pressed {
+    /// Most energy that the motor gave the knob, J.
+    most_j: f64,
+    /// Control ticks (ms) in which the motor pushed.
+    pushing: u32,
+    fault: Option<FaultCode>,
+}
+
+/// Breaks a part of a calibrated board. Then the motor is switched on, and a hand presses 1.5 rad through the wall.
+fn pressed_after(board: Board, part: Part) -> Pressed {
+    let mut knob = ready(board, [1.0; 4], &MEDIUM);
+    let rest_rad = knob.rig.now().angle_rad;
+    part.breaks(&mut knob);
+    for _ in 0..=BREAKS_IN {
+        knob.rest_rad = rest_rad;
+        knob.tick();
     }
+    assert_eq!(knob.device.state(), State::Ready, "{board:?} {part:?}");
     knob.ask(Command::Arm);
     knob.tick();
-    let (mut work, mut most) = (0.0, 0.0_f64);
+    let (mut work, mut most_j) = (0.0, 0.0_f64);
     let mut last = knob.rig.now().angle_rad;
     let mut pushing = 0;
-    for tick in 0..20_000_u32 {
-        knob.rest_rad = f64::from(tick).min(1_000.0) * 0.0015;
+    for tick in 0..3_000_u32 {
+        knob.rest_rad = rest_rad + f64::from(tick).min(1_000.0) * 0.0015;
         while !knob.period() {
             let now = knob.rig.now();
             work += now.torque_n_m * (now.angle_rad - last);
             last = now.angle_rad;
-            most = most.max(work);
+            most_j = most_j.max(work);
         }
         if knob.fault().is_some() {
             break;
         }
         pushing += u32::from(knob.record.force.0 != 0);
     }
-    (most, pushing, knob.fault())
+    Pressed {
+        most_j,
+        pushing,
+        fault: knob.fault(),
+    }
 }
 
 #[test]
-fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
-    for degrees in [-150.0, -120.0, -100.0, 100.0, 120.0, 150.0, 180.0] {
-        let (most, pushing, fault) = pressed_after_slip(degrees);
-        // The motor pushes for at most 50 ms.
-        assert!(
-            pushing <= 50,
-            "{degrees} degrees: pushed for {pushing} ticks"
-        );
-        assert!(most < 0.2, "{degrees} degrees: {most:.3} J, {fault:?}");
-        assert!(
-            matches!(fault, Some(FaultCode::MotorModel | FaultCode::OverSpeed)),
-            "{degrees} degrees: {fault:?}"
-        );
+fn a_slipped_magnet_or_exchanged_wires_give_less_than_a_fifth_of_a_joule_on_every_board() {
+    for board in boards() {
+        for part in PARTS {
+            let pressed = pressed_after(board, part);
+            let Pressed {
+                most_j,
+                pushing,
+                fault,
+            } = pressed;
+            let what = format!("{board:?} {part:?}: {pressed:?}");
+            let in_time = part.is_found_in_time(board);
+            // The energy guard's bound is 45 mJ. A slip by 120 degrees that is found in time gives no more.
+            let is_slip = matches!(part, Part::Magnet(-120.0 | 120.0));
+            let limit_j = if is_slip && in_time { 0.05 } else { 0.2 };
+            assert!(most_j < limit_j, "{what}");
+            assert_eq!(in_time, fault.is_some() && pushing <= 50, "{what}");
+            assert!(
+                !in_time || matches!(fault, Some(FaultCode::MotorModel | FaultCode::OverSpeed)),
+                "{what}"
+            );
+        }
     }
 }
 

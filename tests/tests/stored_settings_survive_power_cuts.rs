@@ -310,3 +310,22 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
     let start = stored::start(None, settings(0), &check);
     assert_eq!((start.settings, start.refused), (settings(0), None));
 }
+
+/// Checks that the settings before the newest ones do not come back by themselves. The user replaced them, so they may be wrong for
+/// the motor.
+#[test]
+fn invalid_settings_mean_defaults_even_if_older_ones_are_valid() {
+    let mut wrong = settings(12);
+    wrong.limits.bus_max_v = Si::lit("49");
+    let mut buffer = [0; IMAGE_MAX];
+    let image = stored::encode(&wrong, &mut buffer).expect("room");
+    let mut flash = Flash::erased(PAGES);
+    assert!(save(&mut flash, 11));
+    let pages = flash.range();
+    flash::save(&mut flash, pages, image).expect("room");
+    let start = load(&mut flash);
+    assert_eq!(start.settings, DeviceSettings::defaults(BOARD));
+    assert!(matches!(start.refused, Some(Refused::Invalid(_))));
+    assert!(save(&mut flash, 13));
+    assert_eq!(number_in(&mut flash), 13);
+}

@@ -22,6 +22,7 @@ mod float_free;
 mod fmt;
 mod inspect;
 mod ladder;
+mod links;
 mod lint;
 mod live;
 mod machine;
@@ -187,6 +188,12 @@ const STEPS: &[Step] = &[
                 right; `faults --write` writes them",
         gates: Gates::FULL_ONLY,
         run: faults::run,
+    },
+    Step {
+        name: "links",
+        about: "a board or haptic device behind a link with faults: no program leaves it on in silence, in 100 to 1,000 random faults each: `links [SEEDS]`",
+        gates: Gates::FULL_ONLY,
+        run: links::run,
     },
     Step {
         name: "traces",

@@ -348,6 +348,9 @@ fn other_side(length: Volts, side: Volts) -> Volts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Device;
+    use crate::hardware::IHM08M1;
+    use touchstone_protocol::DeviceSettings;
 
     #[test]
     fn the_sides_stay_in_the_circle() {
@@ -356,5 +359,111 @@ mod tests {
         assert_eq!(other_side(v(5.0), v(-5.0)), Volts::ZERO);
         assert_eq!(other_side(v(5.0), v(6.0)), Volts::ZERO);
         assert!(other_side(Volts::MAX, Volts::MIN) == Volts::ZERO);
+    }
+
+    const RESTS: Offsets = Offsets {
+        a: 2_128 << Offsets::BITS,
+        b: 2_100 << Offsets::BITS,
+        spread: 4,
+    };
+
+    /// A loop on the reference board whose sensors' offsets are known.
+    fn measured() -> CurrentLoop {
+        let settings = DeviceSettings::default();
+        let device = Device::new(&settings, &IHM08M1).unwrap();
+        let mut current = CurrentLoop::new(device.current_config());
+        current.report.offsets = Some(RESTS);
+        current
+    }
+
+    /// A sample with these currents in the phases A and B.
+    fn sample(current: &CurrentLoop, [a, b]: [f64; 2], command: CurrentCommand) -> CurrentSample {
+        let per_code = f64::from(current.config.amps_per_code) / 2_f64.powi(28);
+        let code = |amps: f64, offset: u16| {
+            (f64::from(offset >> Offsets::BITS) + amps / per_code).round() as u16
+        };
+        CurrentSample {
+            phase_a: code(a, RESTS.a),
+            phase_b: code(b, RESTS.b),
+            bus: 2_000,
+            temperature: 1_300,
+            hardware_break: false,
+            late: false,
+            command,
+        }
+    }
+
+    /// The first command after power-up: drives this current on the q axis.
+    fn drives(q: Amps) -> CurrentCommand {
+        CurrentCommand {
+            mode: CurrentMode::Drive,
+            tick: 1,
+            current: Dq { d: Amps::ZERO, q },
+            ..CurrentCommand::OFF
+        }
+    }
+
+    #[test]
+    fn a_current_beyond_the_limit_is_driven_as_the_limit_in_both_directions() {
+        // So small that the voltage is not at its limit.
+        let limit = measured().config.limit / 64;
+        let bridge = |q: Amps| {
+            let mut current = measured();
+            current.config.limit = limit;
+            let sample = sample(&current, [0.0, 0.0], drives(q));
+            current.tick(&sample).bridge
+        };
+        for sign in [1, -1] {
+            assert_eq!(bridge(limit * 3 * sign), bridge(limit * sign));
+            assert_ne!(bridge(limit * sign), bridge(limit * sign / 2));
+        }
+    }
+
+    /// Two opposite phases that each stay below the trip current are a vector that is longer.
+    #[test]
+    fn a_current_that_two_phases_share_trips_by_its_vector() {
+        for (share, trips) in [(0.8, 0), (0.95, 1)] {
+            let mut current = measured();
+            let amps = share * current.config.trip.to_num::<f64>();
+            let sample = sample(&current, [amps, -amps], drives(Amps::ZERO));
+            let bridge = current.tick(&sample).bridge;
+            assert_eq!(current.report.trips, trips, "{share}");
+            assert_eq!(bridge == BridgeCommand::Off, trips == 1, "{share}");
+        }
+    }
+
+    #[test]
+    fn a_break_stays_tripped_until_it_ends_and_a_new_command_is_off() {
+        let mut current = measured();
+        let mut sample = sample(&current, [0.0, 0.0], drives(Amps::ZERO));
+        let mut trips = |current: &mut CurrentLoop, is_broken: bool, mode: CurrentMode| {
+            sample.hardware_break = is_broken;
+            sample.command.mode = mode;
+            sample.command.tick += 1;
+            let bridge = current.tick(&sample).bridge;
+            (bridge == BridgeCommand::Off, current.report.trips)
+        };
+        use CurrentMode::{Drive, Off};
+        assert_eq!(trips(&mut current, false, Drive), (false, 0));
+        assert_eq!(trips(&mut current, true, Drive), (true, 1));
+        // Neither an off command during the break nor new coefficients clear it.
+        assert_eq!(trips(&mut current, true, Off), (true, 1));
+        let config = current.config;
+        current.reconfigure(config);
+        assert_eq!(current.report.offsets, None);
+        current.report.offsets = Some(RESTS);
+        assert_eq!(trips(&mut current, false, Drive), (true, 1));
+        assert_eq!(trips(&mut current, false, Off), (true, 1));
+        assert_eq!(trips(&mut current, false, Drive), (false, 1));
+    }
+
+    #[test]
+    fn without_a_second_reading_none_is_requested() {
+        let mut current = measured();
+        current.config.read_at = 0;
+        let sample = sample(&current, [0.0, 0.0], CurrentCommand::OFF);
+        for _ in 0..100 {
+            assert!(!current.tick(&sample).reads_change);
+        }
     }
 }

@@ -118,3 +118,79 @@ impl CurrentLoop {
         self.give(command, Dq { d, q })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::current::{CurrentCommand, CurrentMode};
+    use crate::{Device, DeviceSettings, wire};
+    use touchstone_protocol::Board;
+
+    /// A loop on the board without current sensors after one PWM period that drives this current, with this code of the bus voltage
+    /// and this trip current as a share of the current limit.
+    fn after(share: [i32; 2], bus: u16, trip_share: i32) -> CurrentLoop {
+        let board = Board::NucleoG474reSimplefocMini;
+        let mut settings = DeviceSettings::defaults(board);
+        settings.motor.resistance_ohm = Si::lit("5.53");
+        settings.motor.inductance_h = Si::lit("0.00105");
+        settings.motor.torque_constant_n_m_per_a = Si::lit("0.0565");
+        settings.law.force_limit_n_m = Si::lit("0.045");
+        let device = Device::new(&settings, wire::hardware(board)).unwrap();
+        let mut current = CurrentLoop::new(device.current_config());
+        let limit = current.config.limit;
+        current.config.trip = limit * trip_share / 4;
+        let [d, q] = share.map(|share| limit * share / 4);
+        let command = CurrentCommand {
+            mode: CurrentMode::Drive,
+            tick: 1,
+            current: Dq { d, q },
+            ..CurrentCommand::OFF
+        };
+        current.tick(&CurrentSample {
+            bus,
+            command,
+            ..CurrentSample::default()
+        });
+        current
+    }
+
+    const HIGH: u16 = 3_000;
+
+    #[test]
+    fn a_current_beyond_the_limit_is_driven_as_the_limit_in_both_directions() {
+        for (beyond, at) in [([12, 0], [4, 0]), ([-12, 0], [-4, 0]), ([0, -12], [0, -4])] {
+            let [beyond, at] = [beyond, at].map(|share| after(share, HIGH, 8).report.voltage);
+            assert_eq!(beyond, at);
+            assert_ne!(at, Dq::ZERO);
+        }
+    }
+
+    #[test]
+    fn a_low_bus_shortens_the_vector_and_is_counted() {
+        let needs = after([4, 4], HIGH, 8).report.voltage;
+        let low = (1..HIGH).find(|bus| after([0, 0], *bus, 8).longest() >= needs.d);
+        let low = low.unwrap();
+        let current = after([4, 4], low, 8);
+        let [d, q, longest] = [
+            current.report.voltage.d,
+            current.report.voltage.q,
+            current.longest(),
+        ]
+        .map(|volts| volts.to_num::<f64>());
+        // `other_side` rounds the d component down to 1/1,024 V, so the vector may be longer by as much.
+        let most = longest + 1.0 / 1_024.0;
+        assert!(d > 0.0 && d.hypot(q) <= most, "{d} {q} {longest}");
+        assert_eq!(current.report.saturated, 1);
+        // The d axis alone is shortened, too.
+        assert_eq!(after([4, 0], low / 2, 8).report.saturated, 1);
+        assert_eq!(after([4, 0], HIGH, 8).report.saturated, 0);
+    }
+
+    #[test]
+    fn a_current_on_either_axis_trips() {
+        for share in [[4, 0], [-4, 0], [0, 4], [0, -4]] {
+            assert_eq!(after(share, HIGH, 3).report.trips, 1, "{share:?}");
+            assert_eq!(after(share, HIGH, 8).report.trips, 0, "{share:?}");
+        }
+    }
+}

@@ -1,9 +1,11 @@
 //! Force Dimension's omega.3, through the maker's library.
 //!
 //! The program does not change the device's own safety functions: velocity limit, watchdog, time guard and gravity compensation. It
-//! calls no function with which the library moves the arm. Every call returns within a bounded time. Each step of a release (force
-//! to zero, motors off, close) is tried at most twice and then reported as failed. Then only the device's watchdog can switch the
-//! motors off.
+//! calls no function with which the library moves the arm. Each step of a release (force to zero, motors off, close) is tried at
+//! most twice and then reported as failed. Then only the device's watchdog can switch the motors off.
+//!
+//! Every function here makes a bounded number of library calls. A library call itself has no deadline: the servo loop checks the
+//! lateness after the call has returned, and after a call that never returns only the device's watchdog can switch the motors off.
 
 use crate::haptic::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, SwitchOff, Workspace,

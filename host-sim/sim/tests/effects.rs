@@ -515,6 +515,10 @@ fn a_guard_configured_for_more_damping_or_another_delay_is_warned_of() {
             &["timing.computational_delay_s=0.0015"],
             "at most one control period",
         ),
+        (
+            &["timing.latency_spread_s=2e-4"],
+            "for a delay that stays the same, and here it varies by up to 0.0002 s",
+        ),
     ] {
         let scene = with(&knob, sets);
         let texts = said(&scene);
@@ -540,6 +544,9 @@ fn a_guard_configured_for_more_damping_or_another_delay_is_warned_of() {
             "timing.computational_delay_s=1e-4",
             "law.guard.change=measured",
         ],
+        &["timing.latency_spread_s=2e-4", "law.guard.change=measured"],
+        // Jitter shifts sample and force together.
+        &["timing.latency_spread_s=0", "timing.jitter_s=1e-4"],
     ] {
         let texts = said(&with(&knob, sets));
         assert!(texts.is_empty(), "{sets:?}: {texts:?}");

@@ -142,20 +142,8 @@ fn parts(board: Board) -> (DeviceSettings, MotorParameters, Shaft, f64) {
 /// # Panics
 /// The board is not armed.
 #[must_use]
-pub fn good(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> (Played, f64) {
-    let (mut settings, motor, shaft, bus_v) = parts(board);
-    settings.wall.surface_rad = Si::lit("0.2");
-    let motor = MotorParameters {
-        resistance_ohm: motor.resistance_ohm * ohms,
-        flux_linkage_wb: motor.flux_linkage_wb * flux,
-        inductance_h: motor.inductance_h * henries,
-        ..motor
-    };
-    let shaft = Shaft {
-        inertia: shaft.inertia * inertia,
-        ..shaft
-    };
-    let mut knob = calibrated(board, &settings, motor, &shaft, hand, bus_v);
+pub fn good(board: Board, factors: [f64; 4], hand: &Hand) -> (Played, f64) {
+    let mut knob = ready(board, factors, hand);
     let surface_rad = knob.rig.now().angle_rad + 0.2;
     knob.ask(Command::Arm);
     knob.tick();
@@ -168,6 +156,28 @@ pub fn good(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand)
     knob.tamper.breaks = Breaks::Encoder(Encoder::Usual);
     knob.tamper.is_broken = true;
     (knob, surface_rad)
+}
+
+/// A calibrated board without a fault, with its outputs off. The wall's surface is 0.2 rad from the shaft. The four factors are those
+/// of [`good`].
+///
+/// # Panics
+/// The calibration fails.
+#[must_use]
+pub fn ready(board: Board, [ohms, flux, henries, inertia]: [f64; 4], hand: &Hand) -> Played {
+    let (mut settings, motor, shaft, bus_v) = parts(board);
+    settings.wall.surface_rad = Si::lit("0.2");
+    let motor = MotorParameters {
+        resistance_ohm: motor.resistance_ohm * ohms,
+        flux_linkage_wb: motor.flux_linkage_wb * flux,
+        inductance_h: motor.inductance_h * henries,
+        ..motor
+    };
+    let shaft = Shaft {
+        inertia: shaft.inertia * inertia,
+        ..shaft
+    };
+    calibrated(board, &settings, motor, &shaft, hand, bus_v)
 }
 
 fn calibrated(

@@ -18,8 +18,9 @@ mod list;
 mod table;
 mod tamper;
 
-pub use bench::{Bench, Grip, Moment, good};
+pub use bench::{Bench, Grip, Moment, Played, good, ready};
 pub use cell::{Cell, Row, run};
+pub use encoder::Encoder;
 pub use known::UNFOUND;
 pub use list::{FAULTS, Fault, Group, Same};
 pub use table::Table;

@@ -2,10 +2,11 @@
 
 use crate::demo::Demo;
 use crate::fake::{Fake, Trouble};
+use crate::program;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::OpenOptionsExt;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Encodes a number as a protobuf varint: seven bits per byte, the lowest bits first.
@@ -122,7 +123,7 @@ fn position_of(state: &[Part]) -> i32 {
     value(state, 1) as u32 as i32
 }
 
-struct Client {
+pub struct Client {
     terminal: File,
     buffer: Vec<u8>,
     nonce: i64,
@@ -241,7 +242,8 @@ fn config(position: i64, bounds: [i64; 2], width_deg: f32, only: &[u64], name: &
     bytes(4, &config)
 }
 
-struct Bridge(Child);
+/// A running `touchstone bridge`; its process ends with the test.
+pub struct Bridge(pub Child);
 
 impl Drop for Bridge {
     fn drop(&mut self) {
@@ -252,7 +254,17 @@ impl Drop for Bridge {
 
 /// Starts the program on a board, and connects a client to its pseudo terminal.
 fn bridged(board: &Demo) -> (Bridge, Client) {
-    let mut command = board.command(&["bridge", "--arm"]);
+    connected(board.command(&["bridge", "--arm"]))
+}
+
+/// Starts the program at this port, and connects a client that chooses a dial. The program then arms the board.
+pub fn armed(port: &str) -> (Bridge, Client) {
+    let (bridge, mut client) = connected(program(&["bridge", "--arm", "--port", port]));
+    client.send(&config(5, [0, 10], 12.0, &[], "dial"));
+    (bridge, client)
+}
+
+fn connected(mut command: Command) -> (Bridge, Client) {
     command.stdout(Stdio::piped()).stderr(Stdio::null());
     let mut bridge = Bridge(command.spawn().unwrap());
     let mut path = String::new();

@@ -58,6 +58,11 @@ impl Demo {
         Self { process, address }
     }
 
+    /// Address of the demo's port, as the option `--port` takes it.
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
     /// The program's command with these arguments, connected to the demo's port; not yet run.
     pub fn command(&self, words: &[&str]) -> Command {
         let mut command = Command::new(PROGRAM);

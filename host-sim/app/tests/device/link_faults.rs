@@ -2,14 +2,15 @@
 //! the device may still be on.
 //!
 //! A proxy between program and device drops, damages or delays frames, blocks one direction, or cuts the connection. A seed chooses
-//! the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS=1000` runs 1000 seeds with each program:
+//! the fault, its time and its strength. `TOUCHSTONE_LINK_FAULTS` is the number of seeds. `cargo xtask links`, a step of `cargo xtask
+//! test --full`, sets 100 to 1000. This runs 1000 seeds with each program:
 //!
 //! ```text
 //! TOUCHSTONE_LINK_FAULTS=1000 cargo test -p touchstone --test device link_faults -- --nocapture --test-threads 1
 //! ```
 
-mod page;
-mod proxy;
+pub mod page;
+pub mod proxy;
 
 use crate::fake::Fake;
 use crate::haply_mock::{Service, Wrong};

@@ -7,7 +7,7 @@ use touchstone_control::ChangeOfForce;
 
 /// The warnings of a scene with an energy guard.
 pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Error> {
-    let all = [encoder(scene), damping(scene), delay(scene)];
+    let all = [encoder(scene), damping(scene), delay(scene), spread(scene)];
     let is_on = scene.law.guard.on;
     all.into_iter().flatten().filter(move |_| is_on)
 }
@@ -88,6 +88,22 @@ fn delay(scene: &Scene) -> Option<Error> {
                 "the energy guard is configured for a force that acts {told} s after the sample, and here it acts after {delay} s: a hand may get out more energy than the guard's bound"
             ),
             fix,
+        )
+    })
+}
+
+/// A warning if the delay of the force varies. The energy guard counts on the same delay in each control period, except if it gets
+/// the position measured when the force changes. Jitter shifts sample and force together, so it does not change the delay.
+fn spread(scene: &Scene) -> Option<Error> {
+    let spread = scene.timing.latency_spread_s.unwrap_or(0.0);
+    let is_covered = scene.law.guard.change == ChangeOfForce::Measured;
+    (spread > 0.0 && !is_covered).then(|| {
+        scene.error(
+            "timing.latency_spread_s",
+            format!(
+                "the energy guard is configured for a delay that stays the same, and here it varies by up to {spread} s: a hand may get out more energy than the guard's bound"
+            ),
+            "give 0, or let the guard know the position when the force changes: law.guard.change = \"measured\"",
         )
     })
 }

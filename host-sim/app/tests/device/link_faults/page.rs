@@ -5,6 +5,7 @@ use crate::Said;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::net::TcpStream;
+use std::process::{Child, ChildStdout};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
@@ -31,15 +32,15 @@ const PLAYS: Duration = Duration::from_millis(1_800);
 
 /// Runs `touchstone live` with a page, on the device at `port`. Returns the program's output, and all texts that the page received.
 pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
-    let mut child = started(&["live", "--no-open", "--port", port]);
-    let mut out = BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
-    out.read_line(&mut line).unwrap();
+    let Opened {
+        child,
+        mut out,
+        line,
+        page,
+    } = Opened::new(port);
     let mut shown = String::new();
-    // Without an address of a page, the program has no connection and ends with an error.
-    if let Some(place) = line.trim().strip_prefix("page    http://") {
-        let (host, token) = place.split_once("/?token=").unwrap();
-        let mut page = Page::open(host, token);
+    // Without a page, the program has no connection and ends with an error.
+    if let Some(mut page) = page {
         page.plays(PLAYS, &mut shown);
         match end {
             PageEnd::Stops => {
@@ -69,7 +70,39 @@ pub fn played(port: &str, seed: u64, end: PageEnd) -> (Said, String) {
     (said, shown)
 }
 
-struct Page {
+/// A running `touchstone live` with a page.
+pub struct Opened {
+    pub child: Child,
+    /// The program's standard output after its first line.
+    pub out: BufReader<ChildStdout>,
+    /// The program's first line.
+    pub line: String,
+    /// The page; `None` if the first line has no address of a page.
+    pub page: Option<Page>,
+}
+
+impl Opened {
+    /// Runs `touchstone live` on the device at `port`, and opens its page.
+    pub fn new(port: &str) -> Self {
+        let mut child = started(&["live", "--no-open", "--port", port]);
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        out.read_line(&mut line).unwrap();
+        let place = line.trim().strip_prefix("page    http://");
+        let page = place.map(|place| {
+            let (host, token) = place.split_once("/?token=").unwrap();
+            Page::open(host, token)
+        });
+        Self {
+            child,
+            out,
+            line,
+            page,
+        }
+    }
+}
+
+pub struct Page {
     socket: WebSocket<TcpStream>,
 }
 
@@ -88,7 +121,7 @@ impl Page {
     }
 
     /// Sends an order. The program may have ended, so errors are ignored.
-    fn says(&mut self, order: &Value) {
+    pub fn says(&mut self, order: &Value) {
         let _ = self.socket.send(Message::text(order.to_string()));
     }
 
@@ -115,7 +148,12 @@ impl Page {
 
     /// Reads messages until one satisfies `ends`, at most for this time. Acknowledges batches of records, and appends all texts to
     /// `shown`.
-    fn hears(&mut self, time: Duration, shown: &mut String, mut ends: impl FnMut(&Value) -> bool) {
+    pub fn hears(
+        &mut self,
+        time: Duration,
+        shown: &mut String,
+        mut ends: impl FnMut(&Value) -> bool,
+    ) {
         let begun = Instant::now();
         while begun.elapsed() < time {
             match self.socket.read() {

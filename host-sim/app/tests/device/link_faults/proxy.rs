@@ -2,9 +2,11 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use touchstone_protocol::frame::{Decoder, message};
+use touchstone_protocol::{FromDevice, Phase};
 
 /// A pseudo-random number generator.
 #[derive(Clone)]
@@ -71,6 +73,16 @@ impl Fault {
         }
     }
 
+    /// A link without a fault, until the proxy's connections are closed.
+    pub fn none() -> Self {
+        Self {
+            what: What::Cuts,
+            from_ms: u64::MAX,
+            until_ms: u64::MAX,
+            draw: Draw::new(0),
+        }
+    }
+
     pub fn kind(&self) -> &'static str {
         match self.what {
             What::Drops(_) => "drops",
@@ -97,6 +109,7 @@ pub enum Unit {
 pub struct Proxy {
     pub address: String,
     over: Arc<AtomicBool>,
+    phase: Arc<Mutex<Option<Phase>>>,
 }
 
 impl Drop for Proxy {
@@ -114,6 +127,8 @@ impl Proxy {
         let device = device.trim_start_matches("tcp:").to_owned();
         let over = Arc::new(AtomicBool::new(false));
         let ends = Arc::clone(&over);
+        let phase = Arc::new(Mutex::new(None));
+        let seen = Arc::clone(&phase);
         std::thread::spawn(move || {
             let mut begun = None;
             while !ends.load(Ordering::Relaxed) {
@@ -148,12 +163,23 @@ impl Proxy {
                         begun,
                         fault: fault.clone(),
                         unit,
+                        decoder: Decoder::new(),
+                        phase: Arc::clone(&seen),
                     };
                     std::thread::spawn(move || way.passes(&ends));
                 }
             }
         });
-        Self { address, over }
+        Self {
+            address,
+            over,
+            phase,
+        }
+    }
+
+    /// State of the device in its newest telemetry record, as it came from the device; `None` before the first record.
+    pub fn phase(&self) -> Option<Phase> {
+        *self.phase.lock().unwrap()
     }
 
     /// Closes all connections.
@@ -170,6 +196,9 @@ struct Way {
     begun: Instant,
     fault: Fault,
     unit: Unit,
+    /// Decodes what the device sends, to follow the device's state.
+    decoder: Decoder,
+    phase: Arc<Mutex<Option<Phase>>>,
 }
 
 impl Way {
@@ -183,7 +212,12 @@ impl Way {
             }
             match self.from.read(&mut bytes) {
                 Ok(0) => break,
-                Ok(count) => rest.extend(&bytes[..count]),
+                Ok(count) => {
+                    if !self.to_device {
+                        self.follow(&bytes[..count]);
+                    }
+                    rest.extend(&bytes[..count]);
+                }
                 Err(error)
                     if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
                 {
@@ -214,6 +248,18 @@ impl Way {
         ends[1].store(true, Ordering::Relaxed);
         for stream in [&self.from, &self.to] {
             let _ = stream.shutdown(std::net::Shutdown::Both);
+        }
+    }
+
+    /// Stores the state of the newest telemetry record in these bytes of the device.
+    fn follow(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            let Some(Ok(payload)) = self.decoder.push(byte) else {
+                continue;
+            };
+            if let Some(FromDevice::Telemetry(record)) = message(payload) {
+                *self.phase.lock().unwrap() = Some(record.phase);
+            }
         }
     }
 
