@@ -48,7 +48,6 @@ pub mod modulation;
 pub mod output;
 pub mod pi;
 pub mod record;
-pub mod reset;
 pub mod ring;
 mod scenery;
 pub mod settings;
@@ -78,12 +77,12 @@ pub use hardware::Hardware;
 pub use input::ControlInput;
 pub use output::ControlOutput;
 pub use record::Record;
-pub use reset::{ResetFlags, ResetReason};
 pub use ring::{CompactRecord, Ring};
 pub use timing::TickTiming;
 
 pub use touchstone_control::Si;
 pub use touchstone_protocol::DeviceSettings;
+pub use touchstone_protocol::reset::{self, ResetFlags, ResetReason};
 pub use touchstone_protocol::settings::SettingsError;
 
 /// A current, A: ±32,768 in steps of 15 µA.

@@ -3,7 +3,7 @@
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 use crate::settings::validate;
 use crate::units::milli;
-use crate::{CompactRecord, CurrentReport, Record, ResetReason};
+use crate::{CompactRecord, CurrentReport, Record};
 use touchstone_control::Si;
 use touchstone_protocol::settings::{Decimal, DeviceSettings, SettingsError};
 use touchstone_protocol::{
@@ -86,22 +86,6 @@ impl From<CompactRecord> for RingRecord {
             lateness_64: record.lateness,
             limits: record.limits.to_wire(),
             phase: record.state,
-        }
-    }
-}
-
-impl From<ResetReason> for touchstone_protocol::ResetReason {
-    fn from(reason: ResetReason) -> Self {
-        match reason {
-            ResetReason::PowerOn => Self::PowerOn,
-            ResetReason::BrownOut => Self::BrownOut,
-            ResetReason::Pin => Self::Pin,
-            ResetReason::Software => Self::Software,
-            ResetReason::IndependentWatchdog => Self::IndependentWatchdog,
-            ResetReason::WindowWatchdog => Self::WindowWatchdog,
-            ResetReason::Panic(place) => Self::Panic(place),
-            ResetReason::OptionBytes => Self::OptionBytes,
-            ResetReason::LowPower => Self::LowPower,
         }
     }
 }

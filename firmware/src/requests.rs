@@ -192,8 +192,10 @@ impl Backend for Thread {
     fn telemetry(&mut self, decimation: u16) {
         control(self.here, |control| control.decimation = decimation);
     }
+}
 
-    #[cfg(feature = "g474re")]
+#[cfg(feature = "g474re")]
+impl touchstone_protocol::session::LargeBackend for Thread {
     fn use_environment(
         &mut self,
         settings: &DeviceSettings,
@@ -202,7 +204,6 @@ impl Backend for Thread {
         crate::surround::give(self.here, settings, environment).transpose()
     }
 
-    #[cfg(feature = "g474re")]
     fn use_kept(&mut self, kept: Option<touchstone_protocol::KeptAlignment>) {
         // If new settings wait, `apply` hands the alignment over together with them.
         if !self.new_settings {
@@ -212,7 +213,6 @@ impl Backend for Thread {
         }
     }
 
-    #[cfg(feature = "g474re")]
     fn use_cogging(
         &mut self,
         settings: &DeviceSettings,
@@ -224,12 +224,10 @@ impl Backend for Thread {
         }
     }
 
-    #[cfg(feature = "g474re")]
     fn sweep(&mut self, sweep: touchstone_protocol::Sweep) {
         control(self.here, |control| control.device.sweep(sweep));
     }
 
-    #[cfg(feature = "g474re")]
     fn alignment(&self) -> Option<(u16, bool)> {
         let found = control(self.here, |control| control.device.found()).flatten();
         found
@@ -237,7 +235,6 @@ impl Backend for Thread {
             .map(|found| (found.offset.0, found.against))
     }
 
-    #[cfg(feature = "g474re")]
     fn started(&self) -> (bool, touchstone_protocol::SelfStart) {
         let started = control(self.here, |control| {
             (control.device.was_checked(), control.autostart.told())

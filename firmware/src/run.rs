@@ -53,7 +53,7 @@ fn start(
         "touchstone {=str} on {=str}, started after: {=str}",
         env!("CARGO_PKG_VERSION"),
         board::BOARD.name(),
-        touchstone_protocol::ResetReason::from(reason).words()
+        reason.words()
     );
     let (session, are_refused) = session(&mut storage);
     let current = control(session.settings(), reason, are_refused, here);
@@ -66,7 +66,7 @@ fn start(
     crate::surround::play(here, session.settings(), session.cogging(board::BOARD));
     #[cfg(feature = "g474re")]
     crate::autostart::begin(here, session, reason);
-    let device = Thread::new(storage, reason.into(), here);
+    let device = Thread::new(storage, reason, here);
     match link(serial, session, device) {
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the link's task exists already"),

@@ -13,6 +13,7 @@ pub mod board;
 pub mod limit;
 pub mod machine;
 pub mod measuring;
+pub mod reset;
 pub mod settings;
 pub mod unwrap;
 
@@ -38,6 +39,7 @@ pub use board::Board;
 pub use limit::{Limit, Limits};
 pub use machine::{Command, Context, Event, FaultCode, Machine, Outputs, State};
 pub use measuring::MeasuringPart;
+pub use reset::{ResetFlags, ResetReason};
 pub use settings::{Decimal, DeviceSettings};
 pub use unwrap::{Unwrap16, Unwrap32};
 
@@ -51,7 +53,7 @@ pub use settings::kept::{KeptAlignment, KeptStart, SelfStart, StartReport, Unkep
 #[cfg(feature = "wire")]
 pub use measuring::MeasuringTick;
 #[cfg(feature = "wire")]
-pub use reply::{Counters, FromDevice, Identity, Refusal, Reply, ResetReason, Status};
+pub use reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 #[cfg(feature = "wire")]
 pub use request::{DeviceCommand, PROTOCOL_VERSION, Request, ToDevice};
 #[cfg(feature = "wire")]

@@ -1,6 +1,7 @@
 //! Messages from the device: replies to requests, and telemetry, which it sends without a request.
 
 use crate::Board;
+pub use crate::reset::ResetReason;
 use crate::settings::{DeviceSettings, Invalid, KeyError, VALUE_MAX};
 use crate::telemetry::{Fault, Phase, RingChunk, Telemetry};
 use heapless::{String, Vec};
@@ -96,47 +97,6 @@ pub struct Identity {
     pub reset_reason: ResetReason,
     /// Hash of the source code from which the firmware was built; 0 if unknown.
     pub build_hash: u64,
-}
-
-/// Why the processor last started.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ResetReason {
-    /// The supply was switched on.
-    PowerOn,
-    /// The supply dipped below what the processor needs, and recovered before the memory lost its content.
-    BrownOut,
-    /// The reset pin was pulled, by a button or a debug probe.
-    Pin,
-    /// The firmware (request `Reboot`) or a debug probe reset the processor.
-    Software,
-    /// The independent watchdog was not fed in time.
-    IndependentWatchdog,
-    /// The window watchdog was fed too late or too early.
-    WindowWatchdog,
-    /// The program panicked. The value is the place of the panic as a number, from the crash record in RAM.
-    Panic(u32),
-    /// The chip's option bytes were loaded.
-    OptionBytes,
-    /// The program entered a low-power mode that the option bytes forbid.
-    LowPower,
-}
-
-impl ResetReason {
-    /// The reason as text for people.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::PowerOn => "power on",
-            Self::BrownOut => "brown-out",
-            Self::Pin => "reset pin",
-            Self::Software => "software",
-            Self::IndependentWatchdog => "independent watchdog",
-            Self::WindowWatchdog => "window watchdog",
-            Self::Panic(_) => "panic",
-            Self::OptionBytes => "option bytes",
-            Self::LowPower => "low-power mode",
-        }
-    }
 }
 
 /// The device's state with its stored fault and the number of the tick.

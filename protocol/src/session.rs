@@ -5,18 +5,20 @@
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
 use crate::request::{DeviceCommand, Request, ToDevice};
-#[cfg(feature = "large")]
-use crate::settings::cogging::{CoggingMap, CoggingReport, KeptCogging, Sweep};
-#[cfg(feature = "large")]
-use crate::settings::environment::{CountsFrom, Surround};
-#[cfg(feature = "large")]
-use crate::settings::kept::{KeptAlignment, KeptStart, SelfStart, StartReport};
 use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
 
+/// What a session of this chip has beside the settings.
+#[cfg_attr(feature = "large", path = "session/large.rs")]
+#[cfg_attr(not(feature = "large"), path = "session/small.rs")]
+mod beside;
+
+use beside::BesideSettings;
+pub use beside::LargeBackend;
+
 /// The functions of a device that a session calls.
-pub trait Backend {
+pub trait Backend: LargeBackend {
     /// The identity of the device.
     fn identity(&self) -> Identity;
     /// State of the device's state machine.
@@ -46,37 +48,6 @@ pub trait Backend {
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Starts telemetry with one record every `decimation` control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
-    /// Hands over a new environment (walls, end stops, detents) for these settings. Returns the time from which it applies, or the
-    /// setting that the device refuses. `None`: this device has no room for environments.
-    #[cfg(feature = "large")]
-    fn use_environment(
-        &mut self,
-        _settings: &DeviceSettings,
-        _environment: &Surround,
-    ) -> Option<Result<CountsFrom, SettingsError>> {
-        None
-    }
-    /// Hands over the stored encoder alignment that the next calibration only checks. With `None` the calibration searches for the
-    /// alignment.
-    #[cfg(feature = "large")]
-    fn use_kept(&mut self, _kept: Option<KeptAlignment>) {}
-    /// The encoder alignment in use: the electrical angle at the encoder's own zero (turns/65,536), and whether the angle falls
-    /// when the encoder count rises. `None` if no alignment was found with the settings in use.
-    #[cfg(feature = "large")]
-    fn alignment(&self) -> Option<(u16, bool)> {
-        None
-    }
-    /// Whether the encoder alignment in use is a stored one, and how the automatic start went.
-    #[cfg(feature = "large")]
-    fn started(&self) -> (bool, SelfStart) {
-        (false, SelfStart::Off)
-    }
-    /// Hands over the map of the motor's cogging torque that the device compensates from now on; `None`: no compensation.
-    #[cfg(feature = "large")]
-    fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
-    /// Hands over whether and how the next calibration turns the shaft slowly to measure the cogging torque.
-    #[cfg(feature = "large")]
-    fn sweep(&mut self, _sweep: Sweep) {}
 }
 
 /// The flash could not be written.
@@ -88,12 +59,7 @@ pub struct FlashError;
 #[derive(Debug, Clone)]
 pub struct Session {
     settings: DeviceSettings,
-    #[cfg(feature = "large")]
-    environment: Surround,
-    #[cfg(feature = "large")]
-    kept: KeptStart,
-    #[cfg(feature = "large")]
-    cogging: Option<KeptCogging>,
+    beside: BesideSettings,
     unsaved: bool,
     /// Number and command of a request whose result is not known yet, because the device has not carried it out.
     waiting: Option<(u8, DeviceCommand)>,
@@ -113,76 +79,16 @@ pub enum Answered {
     Unreadable,
 }
 
-#[cfg(feature = "large")]
-mod keeping;
-
 impl Session {
     /// A session with the settings that the device started with. `saved` says whether they are those in flash.
     #[must_use]
     pub fn new(settings: DeviceSettings, saved: bool) -> Self {
         Self {
             settings,
-            #[cfg(feature = "large")]
-            environment: Surround::default(),
-            #[cfg(feature = "large")]
-            kept: KeptStart::default(),
-            #[cfg(feature = "large")]
-            cogging: None,
+            beside: BesideSettings::default(),
             unsaved: !saved,
             waiting: None,
         }
-    }
-
-    /// Sets the environment (walls, end stops, detents) that the device started with.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn with_environment(mut self, environment: Surround) -> Self {
-        self.environment = environment;
-        self
-    }
-
-    /// Sets the data that are stored for the next start: the encoder's alignment and whether the board starts by itself.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn with_kept(mut self, kept: KeptStart) -> Self {
-        self.kept = kept;
-        self
-    }
-
-    /// Sets the map of the motor's cogging torque that the device started with.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
-        self.cogging = cogging;
-        self
-    }
-
-    /// The stored cogging map, even if it was measured with other hardware than the settings in use describe.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
-        self.cogging.as_ref()
-    }
-
-    /// The stored map of the motor's cogging torque, if it was measured with the hardware that the settings in use describe.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {
-        self.cogging.as_ref()?.usable(&self.settings, board).ok()
-    }
-
-    /// The data that are stored for the next start.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn kept(&self) -> &KeptStart {
-        &self.kept
-    }
-
-    /// The environment: the walls, end stops and detents that the knob renders.
-    #[cfg(feature = "large")]
-    #[must_use]
-    pub const fn environment(&self) -> &Surround {
-        &self.environment
     }
 
     /// The settings in use.
@@ -259,19 +165,7 @@ impl Session {
             | Request::Defaults
             | Request::Save
             | Request::Telemetry { .. } => self.act(request, device).map(|()| Reply::Done),
-            #[cfg(feature = "large")]
-            Request::SetEnvironment(environment) => {
-                self.surround(environment, device).map(Reply::Taken)
-            }
-            #[cfg(feature = "large")]
-            Request::KeepAlignment | Request::ForgetAlignment | Request::Autostart(_) => {
-                self.keep(request, device).map(|()| Reply::Done)
-            }
-            #[cfg(feature = "large")]
-            Request::KeepCogging(_) | Request::ForgetCogging | Request::Sweep(_) => {
-                self.keep_cogging(request, device).map(|()| Reply::Done)
-            }
-            _ => self.tell(request, decode_errors, device),
+            _ => self.answer_beside(request, decode_errors, device),
         }
     }
 
@@ -309,37 +203,7 @@ impl Session {
                 decode_errors,
                 ..device.counters()
             })),
-            #[cfg(feature = "large")]
-            Request::Environment => Ok(Reply::Environment(self.environment)),
-            #[cfg(feature = "large")]
-            Request::Start => {
-                let (was_checked, self_start) = device.started();
-                Ok(Reply::Start(StartReport {
-                    kept: self.kept,
-                    was_checked,
-                    self_start,
-                }))
-            }
-            #[cfg(feature = "large")]
-            Request::Cogging => Ok(Reply::Cogging(CoggingReport {
-                kept: self.cogging.clone(),
-                against: device.alignment().map(|(_, against)| against),
-            })),
-            #[cfg(feature = "large")]
-            Request::KeepCogging(_)
-            | Request::ForgetCogging
-            | Request::Sweep(_)
-            | Request::SetEnvironment(_)
-            | Request::KeepAlignment
-            | Request::ForgetAlignment
-            | Request::Autostart(_) => Err(Refusal::NotUnderstood),
-            // `act` carries out these requests; they return no data.
-            Request::Set { .. }
-            | Request::SetAll(_)
-            | Request::Defaults
-            | Request::Save
-            | Request::Command(_)
-            | Request::Telemetry { .. } => Err(Refusal::NotUnderstood),
+            _ => self.tell_beside(request, device),
         }
     }
 
@@ -384,18 +248,13 @@ impl Session {
         }
         let refused = |error: SettingsError| Refusal::Invalid(error.into());
         device.check(settings).map_err(refused)?;
-        #[cfg(feature = "large")]
-        self.environment.check(settings).map_err(refused)?;
+        self.beside.check(settings).map_err(refused)?;
         if *settings != self.settings {
             self.unsaved = true;
             self.settings.clone_from(settings);
         }
         device.use_settings(&self.settings);
-        #[cfg(feature = "large")]
-        {
-            self.give_kept(device);
-            device.use_cogging(&self.settings, self.cogging(device.identity().board));
-        }
+        self.give_beside(device);
         Ok(())
     }
 
@@ -410,22 +269,14 @@ impl Session {
             }
         }
         let mut buffer = [0; stored::IMAGE_MAX];
-        #[cfg(not(feature = "large"))]
-        let image = stored::encode(&self.settings, &mut buffer);
-        #[cfg(feature = "large")]
-        let image = stored::encode_with(
-            &self.settings,
-            &self.environment,
-            &self.kept,
-            self.cogging.as_ref(),
-            &mut buffer,
-        );
+        let image = self.beside.encode(&self.settings, &mut buffer);
         let image = image.map_err(|_| Refusal::Flash)?;
         device.save(image).map_err(|FlashError| Refusal::Flash)?;
         self.unsaved = false;
         Ok(())
     }
 }
+
 /// Whether a command that changed nothing counts as done, because the device already is in the requested state. Only for commands
 /// that switch off.
 const fn is_so(command: DeviceCommand, phase: Phase) -> bool {

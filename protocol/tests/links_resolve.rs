@@ -130,6 +130,41 @@ fn a_dead_link_is_noticed() {
     assert_eq!(links("a [b](c.md#d), `[e](f)`, [g](https://h)"), ["c.md#d"]);
 }
 
+/// The tests that the commands of a page run: each a file of `tests/tests/all` and the beginning of a test's name, from
+/// `-p touchstone-tests file::name`.
+fn run_tests(page: &str) -> Vec<(&str, &str)> {
+    page.split("-p touchstone-tests ")
+        .skip(1)
+        .filter_map(|rest| rest.split([' ', '`', '\n']).next()?.split_once("::"))
+        .collect()
+}
+
+/// `cargo test` with a name that no test has runs nothing and succeeds.
+#[test]
+fn every_command_of_a_page_runs_a_test() {
+    let mut all = Vec::new();
+    pages(&root(), &mut all);
+    let mut count = 0;
+    for page in &all {
+        let text = std::fs::read_to_string(page).expect("a page");
+        for (file, name) in run_tests(&text) {
+            count += 1;
+            let source = root().join(format!("tests/tests/all/{file}.rs"));
+            let source = std::fs::read_to_string(source).unwrap_or_default();
+            assert!(
+                source.contains(&format!("#[test]\nfn {name}")),
+                "{}: no test {file}::{name} in tests/tests/all",
+                page.display()
+            );
+        }
+    }
+    assert!(count > 10, "{count} commands");
+    assert_eq!(
+        run_tests("(`-p touchstone-tests a::b -- -c`)"),
+        [("a", "b")]
+    );
+}
+
 #[test]
 fn every_page_is_in_the_book() {
     let docs = root().join("docs");

@@ -76,7 +76,7 @@ impl Seen {
     }
 }
 
-/// The name of the test binary in a line that cargo prints, such as `Running tests/energy.rs (target/debug/deps/energy-1bb2)`.
+/// The name of the test binary in a line that cargo prints, such as `Running tests/talk.rs (target/debug/deps/talk-1bb2)`.
 fn binary(line: &str) -> Option<String> {
     let line = line.trim_start();
     if let Some(krate) = line.strip_prefix("Doc-tests ") {
@@ -190,7 +190,7 @@ mod tests {
         for line in [
             "     Running unittests src/lib.rs (target/debug/deps/touchstone_control-12ab)",
             "test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.96s",
-            "     Running tests/energy.rs (target/debug/deps/energy-34cd)",
+            "     Running tests/talk.rs (target/debug/deps/talk-34cd)",
             "test decay ... FAILED",
             "test result: FAILED. 1 passed; 1 failed; 0 ignored; 0 measured; 0 filtered out; finished in 5.10s",
             "   Doc-tests touchstone_drive",
@@ -202,14 +202,14 @@ mod tests {
         assert_eq!(seen.failed, ["decay"]);
         assert_eq!(
             seen.slowest(),
-            "3 test binaries ran for 6.6 s; the slowest:\n     5.1 s  energy (tests/energy.rs)\n\
+            "3 test binaries ran for 6.6 s; the slowest:\n     5.1 s  talk (tests/talk.rs)\n\
              \x20    1.0 s  touchstone_control (unittests src/lib.rs)\n     0.5 s  touchstone_drive, documentation\n"
         );
     }
 
     #[test]
     fn what_a_quick_run_leaves_out_is_in_the_sources_once() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests");
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests/all");
         let mut texts = String::new();
         for entry in std::fs::read_dir(folder).expect("the tests") {
             texts += &std::fs::read_to_string(entry.expect("readable").path()).unwrap_or_default();

@@ -13,30 +13,28 @@
 
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
+use embassy_stm32::Peripherals;
 use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
-use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::gpio::vals::Idr;
-use embassy_stm32::pac::{GPIOA, GPIOB, GPIOC, TIM2};
+use embassy_stm32::pac::{GPIOA, GPIOB};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::simple_pwm::PwmPin;
-use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
-use touchstone_drive::{EncoderReading, Hardware, hardware};
+use embassy_stm32::usart::BufferedUart;
+use touchstone_drive::{Hardware, hardware};
 
+#[path = "nucleo64.rs"]
+mod nucleo64;
 pub use crate::magnetic;
+pub use nucleo64::{encoder_count, is_stop_pressed};
+
 use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
-use crate::{encoder, pwm, sense, serial};
+use crate::{pwm, sense};
 
 /// Constants of the shield's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::IHM16M1;
-
-bind_interrupts!(struct Irqs {
-    LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
-});
 
 /// Settings of the PWM timer. The driver STSPIN830 has an input and an enable for each phase, and adds its own dead time. Its line
 /// EN\FAULT is the hardware break.
@@ -52,13 +50,9 @@ const BREAK_FUNCTION: u8 = 6;
 /// Pin numbers of the line EN\FAULT: on port B, and on port A.
 const FAULT_LINE: (usize, usize) = (12, 11);
 
-/// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
-const STOP_BUTTON: usize = 13;
-
 /// Sets up every pin and peripheral; the outputs stay off. The caller has yet to set the priority of the time driver's interrupt.
 /// Returns the serial port to the computer and the flash of the settings.
 pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
-    interrupt::LPUART1.set_priority(Priority::P6);
     // An open-drain line that is both error output and enable: pulled up here, pulled down by the driver. Of the two pins, the one
     // that no solder link connects to the line stays high.
     let mut fault_line = (Flex::new(p.PB12), Flex::new(p.PA11));
@@ -81,27 +75,11 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             ComplementaryPwmPin::new(p.PB15, OutputType::PushPull),
         ),
     );
-    let mut stop_button = Flex::new(p.PC13);
-    stop_button.set_as_input(Pull::Down);
-    // Incremental encoder: both tracks have pull-ups, which open-collector encoders need.
-    let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
-    tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
-    tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
-    encoder::count_edges!(TIM2);
-    // Encoder over SPI. The data line from the encoder has a pull-up, so a missing encoder reads as all ones. The parity of such a
-    // frame is right, but its error bit is set, which causes fault 16.
-    let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
-    lines
-        .0
-        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
-    lines.1.set_as_af_unchecked(6, AfType::input(Pull::Up));
-    lines
-        .2
-        .set_as_af_unchecked(6, AfType::output(OutputType::PushPull, Speed::High));
-    let select = Output::new(p.PD2, Level::High, Speed::High);
-    magnetic::start(p.SPI3);
+    nucleo64::set_up_stop_button(p.PC13);
+    nucleo64::set_up_tracks(p.PA15, p.PB3);
+    nucleo64::set_up_spi(p.SPI3, p.PC10, p.PC11, p.PC12, p.PD2);
     // The pins stay as they are until the next reset.
-    core::mem::forget((fault_line, limiter, stop_button, tracks, lines, select));
+    core::mem::forget((fault_line, limiter));
     // Both currents are sampled at the same time, one by each converter.
     sense::start(
         Adc::new(p.ADC1, Default::default()),
@@ -115,16 +93,8 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             (p.PC4.degrade_adc(), sense::SLOW),
         ],
     );
-    let serial = BufferedUart::new(
-        p.LPUART1,
-        p.PA3,
-        p.PA2,
-        serial::SEND.take(),
-        serial::RECEIVE.take(),
-        Irqs,
-        serial::config(),
-    );
-    (defmt::unwrap!(serial), Storage::new(p.FLASH))
+    let serial = nucleo64::serial_port(p.LPUART1, p.PA3, p.PA2);
+    (serial, Storage::new(p.FLASH))
 }
 
 /// Assigns the results of a finished set of conversions to phases A and B, bus voltage and temperature. The third phase's current
@@ -140,18 +110,6 @@ pub fn readings() -> Readings {
         bus,
         temperature,
     }
-}
-
-/// Reads the counter of encoder edges in TIM2, which has 32 bits.
-#[inline(always)]
-pub fn encoder_count() -> EncoderReading {
-    EncoderReading::Counter32(TIM2.cnt().read())
-}
-
-/// Whether the stop button is pressed. It is a convenience and no emergency stop: with a broken wire it does nothing.
-#[inline(always)]
-pub fn is_stop_pressed() -> bool {
-    GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
 /// Whether the line EN\FAULT was low at PA11 since [`forget_driver`].

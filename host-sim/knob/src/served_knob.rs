@@ -13,7 +13,7 @@ use touchstone_drive::around::Surrounding;
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
+use touchstone_protocol::session::{Answered, Backend, FlashError, LargeBackend, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Board, Command, Counters, CountsFrom, DeviceCommand, DeviceSettings, Fault, FromDevice,
@@ -229,6 +229,9 @@ impl Backend for ServedKnob {
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
     }
+}
+
+impl LargeBackend for ServedKnob {
     fn use_environment(
         &mut self,
         settings: &DeviceSettings,

@@ -1,9 +1,10 @@
 //! What boards with enough flash store beside the settings: the environment (walls, end stops, detents), the encoder's alignment,
 //! whether the board starts automatically, and the cogging map.
 
-use super::{Backend, Session};
+use super::Session;
 use crate::reply::Refusal;
 use crate::request::Request;
+use crate::session::Backend;
 use crate::settings::cogging::KeptCogging;
 use crate::settings::environment::{CountsFrom, Surround};
 use crate::settings::kept::{self, KeptAlignment, KeptStart, MeasuredWith, Unkept};
@@ -31,13 +32,13 @@ impl Session {
                     return Err(Refusal::Unkept(Unkept::SettingsWait));
                 }
                 let board = device.identity().board;
-                self.cogging = Some(KeptCogging {
+                self.beside.cogging = Some(KeptCogging {
                     with: MeasuredWith::new(&self.settings, board),
                     map: map.clone(),
                 });
             }
             (phase, Request::KeepCogging(_)) => return Err(Refusal::NotNow(phase)),
-            _ => self.cogging = None,
+            _ => self.beside.cogging = None,
         }
         self.unsaved = true;
         device.use_cogging(&self.settings, self.cogging(device.identity().board));
@@ -47,7 +48,10 @@ impl Session {
     /// Hands the stored encoder alignment to the device for the next calibration, if it was measured with the hardware that the
     /// present settings describe.
     pub(super) fn give_kept(&self, device: &mut impl Backend) {
-        let usable = self.kept.usable(&self.settings, device.identity().board);
+        let usable = self
+            .beside
+            .kept
+            .usable(&self.settings, device.identity().board);
         device.use_kept(usable.ok());
     }
 
@@ -72,26 +76,26 @@ impl Session {
                 let alignment = KeptAlignment::new(offset, against, &self.settings, board);
                 KeptStart {
                     alignment: Some(alignment),
-                    ..self.kept
+                    ..self.beside.kept
                 }
             }
             Request::Autostart(autostart) => {
                 if *autostart {
-                    let usable = self.kept.usable(&self.settings, board);
+                    let usable = self.beside.kept.usable(&self.settings, board);
                     usable.map_err(Refusal::Unkept)?;
                 }
                 KeptStart {
                     autostart: *autostart,
-                    ..self.kept
+                    ..self.beside.kept
                 }
             }
             _ => KeptStart {
                 alignment: None,
-                ..self.kept
+                ..self.beside.kept
             },
         };
-        self.unsaved |= self.kept != kept;
-        self.kept = kept;
+        self.unsaved |= self.beside.kept != kept;
+        self.beside.kept = kept;
         self.give_kept(device);
         Ok(())
     }
@@ -111,8 +115,8 @@ impl Session {
             .use_environment(&self.settings, environment)
             .ok_or(Refusal::NotUnderstood)?
             .map_err(|error| Refusal::Invalid(error.into()))?;
-        self.unsaved |= self.environment != *environment;
-        self.environment = *environment;
+        self.unsaved |= self.beside.environment != *environment;
+        self.beside.environment = *environment;
         Ok(from)
     }
 }

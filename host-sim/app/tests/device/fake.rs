@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 use touchstone_drive::wire::checked;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
-use touchstone_protocol::session::{Answered, Backend, FlashError, Session};
+use touchstone_protocol::session::{Answered, Backend, FlashError, LargeBackend, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::telemetry::RING_CHUNK;
 use touchstone_protocol::{
@@ -421,6 +421,9 @@ impl Backend for World {
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
     }
+}
+
+impl LargeBackend for World {
     fn use_environment(
         &mut self,
         settings: &DeviceSettings,

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use touchstone_drive::cogging::Played;
 use touchstone_drive::wire::{checked, hardware};
 use touchstone_protocol::frame::{self, FRAME_MAX};
-use touchstone_protocol::session::{Backend, FlashError, Session};
+use touchstone_protocol::session::{Backend, FlashError, LargeBackend, Session};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{
     Board, CoggingMap, Command, Counters, DeviceCommand, DeviceSettings, Fault, FromDevice,
@@ -269,6 +269,9 @@ impl Backend for Spinning {
     fn telemetry(&mut self, decimation: u16) {
         self.decimation = decimation;
     }
+}
+
+impl LargeBackend for Spinning {
     fn use_kept(&mut self, kept: Option<KeptAlignment>) {
         self.knob.device.keep(kept.map(Into::into));
     }

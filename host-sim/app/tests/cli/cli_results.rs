@@ -1,8 +1,6 @@
 //! Tests of the warnings for settings beyond a passivity bound, and of the files that the commands write.
 
-mod common;
-
-use common::run_in;
+use crate::common::{self, run_in};
 
 use std::path::PathBuf;
 

@@ -1,13 +1,12 @@
 //! Tests of `touchstone device list`, `info`, `run` and `survey` with a mock of the omega.3's driver library. Each test runs the
 //! program in a separate process.
-#![cfg(target_os = "linux")]
-
-mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use touchstone_mock_dhd::door::built;
+
+use crate::common;
 
 /// The program's command with the mock in place of the driver library; `plan` lists the faults that the mock produces.
 fn program(folder: &Path, plan: &str, arguments: &[&str]) -> Command {

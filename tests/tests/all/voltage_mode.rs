@@ -1,5 +1,5 @@
 //! Tests a motor that is driven by voltage because the board has no current sensors: its torque, its errors, and the faults that go
-//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of docs/voltage-mode.md.
+//! unnoticed. `cargo test -p touchstone-tests voltage_mode:: -- --nocapture` prints the figures of docs/voltage-mode.md.
 
 use touchstone_control::Si;
 use touchstone_drive::change::ChangeConfig;

@@ -1,8 +1,6 @@
 //! Tests of three-axis walls on a delta mechanism, and of the tuned law on walls and devices that the tuning did not use.
 
-mod common;
-
-use common::run_in;
+use crate::common::{self, run_in};
 
 fn json(bytes: &[u8]) -> serde_json::Value {
     serde_json::from_slice(bytes).expect("JSON")

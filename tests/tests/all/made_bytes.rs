@@ -1,11 +1,11 @@
 //! Tests the reading of random bytes from the serial line and random settings images. The generators are those of the fuzzer, with
 //! seeds.
 
-#[path = "../made/choices.rs"]
+#[path = "../../made/choices.rs"]
 mod choices;
-#[path = "../made/image.rs"]
+#[path = "../../made/image.rs"]
 mod image;
-#[path = "../made/wire.rs"]
+#[path = "../../made/wire.rs"]
 mod wire;
 
 use choices::Seeded;

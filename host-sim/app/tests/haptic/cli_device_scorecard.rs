@@ -1,15 +1,14 @@
 //! Tests of the scorecard that `touchstone device run` writes. On simulated devices its figures must match the simulator's. For
 //! mocks of real devices it must name the figures that cannot be measured.
-#![cfg(target_os = "linux")]
 
-mod common;
-#[path = "../../device/tests/haply_mock/mod.rs"]
+#[path = "../../../device/tests/haply_mock/mod.rs"]
 #[expect(
     dead_code,
     reason = "its faults are played by the device crate's own tests"
 )]
 mod haply_mock;
 
+use crate::common;
 use haply_mock::{Service, Wrong};
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,5 +1,5 @@
 //! Taps of the shipped wall with and without the pulse at the touch (`law.impact`), beside an ideal damped wall. The test prints
-//! the table of docs/tuning.md: `cargo test -p touchstone-tests --test pulse_at_the_touch -- --nocapture`.
+//! the table of docs/tuning.md: `cargo test -p touchstone-tests pulse_at_the_touch:: -- --nocapture`.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::Scene;

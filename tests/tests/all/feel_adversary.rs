@@ -1,6 +1,6 @@
 //! Searches for the hand that gets the most energy out of a hostile torque profile behind the energy guard.
 //!
-//! `TOUCHSTONE_EVALUATIONS=100000 cargo test --profile every -p touchstone-tests --test feel_adversary -- --ignored --nocapture`
+//! `TOUCHSTONE_EVALUATIONS=100000 cargo test --profile every -p touchstone-tests feel_adversary:: -- --ignored --nocapture`
 
 use rayon::prelude::*;
 use touchstone_tests::adversary::Way;

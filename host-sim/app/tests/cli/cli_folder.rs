@@ -1,11 +1,11 @@
 //! Tests of a report's folder: it records how its files were made, and every run in it can be repeated from it.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
+
+use crate::common;
 
 fn folder(test: &str) -> PathBuf {
     common::folder(&format!("cli-folder-{test}"))
@@ -276,7 +276,7 @@ fn the_documented_schemas_are_those_that_the_program_prints() {
         let documented = std::fs::read_to_string(schema_file(name)).unwrap();
         assert!(
             documented == printed && printed.len() > 1000,
-            "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone --test cli_folder printed"
+            "write it anew: TOUCHSTONE_WRITE_SCHEMA=1 cargo test -p touchstone --test cli documented_schemas"
         );
     }
 }

@@ -1,6 +1,8 @@
 //! The reason why the processor started, and which of the reasons is a fault.
 
-use touchstone_protocol::FaultCode;
+use crate::FaultCode;
+#[cfg(feature = "wire")]
+use serde::{Deserialize, Serialize};
 
 /// The processor's reset flags, and the values that survived the reset in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,8 +27,9 @@ pub struct ResetFlags {
     pub panic: Option<u32>,
 }
 
-/// Why the processor started.
+/// Why the processor last started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum ResetReason {
     /// Power came on.
     #[default]
@@ -83,6 +86,22 @@ impl ResetReason {
             } => Self::OptionBytes,
             ResetFlags { software: true, .. } => Self::Software,
             _ => Self::Pin,
+        }
+    }
+
+    /// The reason as text for people.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::PowerOn => "power on",
+            Self::BrownOut => "brown-out",
+            Self::Pin => "reset pin",
+            Self::Software => "software",
+            Self::IndependentWatchdog => "independent watchdog",
+            Self::WindowWatchdog => "window watchdog",
+            Self::Panic(_) => "panic",
+            Self::OptionBytes => "option bytes",
+            Self::LowPower => "low-power mode",
         }
     }
 

@@ -1,5 +1,5 @@
 //! Tests the torque resolution of each board: the torque of one code of its current sensors, and the torque ripple that noise of
-//! one code causes through current loop and motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints
+//! one code causes through current loop and motor. `cargo test -p touchstone-tests torque_resolution:: -- --nocapture` prints
 //! the table.
 
 use touchstone_drive::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};

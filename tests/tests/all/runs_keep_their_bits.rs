@@ -1,8 +1,8 @@
 //! Tests that every shipped scene file, with every combination of effects, gives the same results bit for bit as the stored hashes.
 //!
 //! The program's structure may change, its results may not. A hash covers every column of every control period and the measures of
-//! the simulation. For an intended change of behaviour, `cargo test --test runs_keep_their_bits -- --nocapture` prints the new
-//! hashes. They are then entered in the same commit as that change, and with no other.
+//! the simulation. For an intended change of behaviour, `cargo test -p touchstone-tests runs_keep_their_bits:: -- --nocapture` prints
+//! the new hashes. They are then entered in the same commit as that change, and with no other.
 //!
 //! The bits are the same on every machine: sums are calculated in one order, and sines and exponentials are those of `libm`.
 

@@ -1,9 +1,9 @@
 //! Tests of `touchstone hard` and `touchstone accuracy`: what they print, write and refuse, and their exit codes.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Output;
+
+use crate::common;
 
 fn folder(test: &str) -> PathBuf {
     common::folder(&format!("cli-hard-{test}"))

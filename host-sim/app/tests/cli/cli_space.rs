@@ -1,8 +1,6 @@
 //! Tests of the thesis' comparison in three degrees of freedom.
 
-mod common;
-
-use common::run_in;
+use crate::common::{self, run_in};
 use touchstone_report::plain_schema::misfit;
 
 use std::path::PathBuf;
