@@ -136,11 +136,14 @@ impl CellPlant {
     }
 }
 
+/// The wall of a cell: an object with its texture, behind its control law.
+pub type CellSpaceWall = SpaceWall<N, Textured<Shape<N>>, AnyLaw<N>>;
+
 /// Makes the wall of a cell: its object with its control law, and the energy guard if the cell has the shipped wall.
 ///
 /// # Errors
 /// The control law does not accept its settings; it accepts those of [`super::settings`].
-pub fn wall(cell: &Cell) -> Result<SpaceWall<N, Textured<Shape<N>>, AnyLaw<N>>, SettingsError> {
+pub fn wall(cell: &Cell) -> Result<CellSpaceWall, SettingsError> {
     let mechanism = cell.mechanism;
     let surface = Textured {
         smooth: cell.object.shape(),
