@@ -95,7 +95,8 @@ pub struct DeviceStanding {
 
 /// A device that can give a force.
 ///
-/// Every call returns within a bounded time. After a fault only [`HapticDevice::release`] may be called.
+/// How long a call may last depends on the device: an Inverse3's answer has a deadline, a call of an omega.3's library has none. After
+/// a fault only [`HapticDevice::release`] may be called.
 pub trait HapticDevice {
     /// The device's data sheet.
     fn sheet(&self) -> &DataSheet;
