@@ -1,5 +1,5 @@
 (** The step from the motor's port to the hand. The guard bounds the energy that the port gives ([any_window]). A device with
-    inertia also gives kinetic energy that it has at the window's beginning. So a hand gets at most the port's bound and this
+    inertia also gives the kinetic energy that it has at the window's beginning. So a hand gets at most the port's bound and this
     kinetic energy, less the kinetic energy at the window's end.
 
     The motion is divided into moments, in each of which all torques are constant. A moment may be as short as one likes. In it
@@ -25,7 +25,7 @@ Record moment : Set := {
 (** The displacement in a moment that begins with the speed [v]. *)
 Definition way_in (v : Q) (m : moment) : Q := (v + speed m) * (1 # 2) * lasts m.
 
-(** The motor's torque in a moment: the older force, as far as the change is still missing, and otherwise the last one. *)
+(** The motor's torque in a moment: the fraction [still_old] of the older force, and the rest of the last one. *)
 Definition motor (older_ force_ : Q) (m : moment) : Q := older_ * still_old m + force_ * (1 - still_old m).
 
 (** Newton's law in each moment for a device with the inertia [J], which begins with the speed [v]. Damping and friction only
@@ -44,7 +44,7 @@ Fixpoint along (of_ : Q -> moment -> Q) (v : Q) (ms : list moment) : Q :=
 Fixpoint speed_after (v : Q) (ms : list moment) : Q :=
   match ms with [] => v | m :: ms => speed_after (speed m) ms end.
 
-(** Energy that the hand puts in, energy that is dissipated, displacement, and its parts under older and last force. *)
+(** Energy that the hand puts in, energy that is dissipated, and the displacement's parts under the older and the last force. *)
 Definition put_in : Q -> list moment -> Q := along (fun v m => hand m * way_in v m).
 Definition dissipates : Q -> list moment -> Q := along (fun v m => drag m * way_in v m).
 Definition old_way : Q -> list moment -> Q := along (fun v m => still_old m * way_in v m).
@@ -116,7 +116,7 @@ Qed.
 
 (** * Events of the guard, with the motion that they are made of *)
 
-(** The event's displacements are those of its moments. The damping that the event counts is at most what is dissipated. *)
+(** The event's displacements are those of its moments. The event counts at most the energy that they dissipate. *)
 Definition is_made_of (e : event) (v : Q) (ms : list moment) : Prop :=
   match e with
   | Tick _ early rest damped _ _ _ _ _ | Off early rest damped _ =>
@@ -142,7 +142,7 @@ Proof. revert v. induction ms as [|m ms IH]; intros v; cbn [app along speed_afte
 Lemma speed_after_app (ms ms' : list moment) (v : Q) : speed_after v (ms ++ ms') = speed_after (speed_after v ms) ms'.
 Proof. revert v. induction ms as [|m ms IH]; intros v; cbn [app speed_after]; [reflexivity | apply IH]. Qed.
 
-(** In a window the hand puts in at least what the port took and what the kinetic energy grew by. *)
+(** In a window the hand puts in at least what the port took, plus the growth of the kinetic energy. *)
 Lemma put_in_at_least (G : guard) (D : device) (J : Q) (es : list (event * list moment)) (w : world) (v : Q) :
   all_possible G D w (map fst es) -> all_made_of G J w v es ->
   taken (run G w (map fst es)) - taken w + kinetic J (speed_after v (motion es)) - kinetic J v <= put_in v (motion es).

@@ -21,9 +21,9 @@ use touchstone_drive::transform::Dq;
 use touchstone_drive::units::product;
 use touchstone_protocol::FaultCode;
 
-/// The sum of bad readings that is a fault.
+/// The sum of bad readings that raises the fault.
 const FAULT: u16 = 1_000;
-/// What a bad reading adds to its sum, and so the number of good readings that make up for it.
+/// What a bad reading adds to its sum; as many good readings make up for it.
 const BAD: u16 = 50;
 
 fn any_value<S: Source>(s: &mut S) -> I16F16 {
@@ -52,7 +52,7 @@ fn any_report<S: Source>(s: &mut S) -> CurrentReport {
 
 property! {
     /// P10 (fault machine): a bad reading adds 50 to its sum, a good one takes 1 from it, and a reading that was not due leaves
-    /// it. A sum stays within 0 and 1,000, and is the fault if and only if it is 1,000. The fault's number says which sum it is.
+    /// it. A sum stays within 0 and 1,000, and raises the fault if and only if it is 1,000. The fault's value says which sum.
     equation "S' - S = 50 or S' = 1000 (bad), S' - S = -1 or S' = 0 (good); fault <=> S' = 1000"
     over "two sums from 0 to 1,000, readings"
     by cadical fn p10_share16(s) {
@@ -100,7 +100,7 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): twenty bad readings in a row are the fault, whatever was before. Without earlier bad readings the
+    /// P10 (fault machine): twenty bad readings in a row raise the fault, whatever was before. Without earlier bad readings the
     /// fault comes with the twentieth, not earlier.
     equation "20 bad in a row  =>  fault; S = 0: with the 20th"
     over "two sums from 0 to 1,000, which of the readings are bad, the other readings"
@@ -125,10 +125,10 @@ property! {
     }
 }
 
-/// Marks that the products from now on are asked a second time. Without the model checker it does nothing.
+/// Marks that the products from now on are asked for a second time. Without the model checker it does nothing.
 #[cfg(not(kani))]
 fn again() {}
-/// Marks that the products from now on are asked a second time, in the same order.
+/// Marks that the products from now on are asked for a second time, in the same order.
 #[cfg(kani)]
 fn again() {
     AGAIN.store(AT.load(Relaxed), Relaxed);
@@ -146,7 +146,7 @@ static AGAIN: AtomicUsize = AtomicUsize::new(0);
 /// The two factors and the product of each row.
 #[cfg(kani)]
 static ASKED: [[AtomicI32; 3]; ROWS] = [const { [const { AtomicI32::new(0) }; 3] }; ROWS];
-/// Replaces [`product`] when the model checker runs: any value, and the same value when it is asked again with the same factors.
+/// Replaces [`product`] when the model checker runs: any value, and the same one when it is asked for again with the same factors.
 #[cfg(kani)]
 pub fn remembered_product(a: i32, b: i32, _: u32) -> i32 {
     let (at, any): (usize, i32) = (AT.load(Relaxed), kani::any());
@@ -203,7 +203,7 @@ replaced_property! {
     [(touchstone_drive::units::product, crate::monitors::remembered_product)]
     /// P10 (fault machine): whether a period makes the encoder suspect does not depend on earlier ones. Each such period counts
     /// one, every other ends the count, and the fault comes as soon as the count is the configured one. So it comes after exactly
-    /// so many suspect periods in a row, never earlier, and the count does not overflow.
+    /// that many suspect periods in a row, never earlier, and the count does not overflow.
     equation "n' = n + 1 (suspect), 0 (not); fault <=> suspect and n' >= N"
     over "coefficients, memory, displacement, currents, voltages; under the checker whatever a product is"
     by cadical fn p10_stuck_counts32(s) {
@@ -231,7 +231,7 @@ const LONGEST_LOG2: u32 = 7;
 /// Bound of a filter's sum divided by its time constant: more than any unexplained or allowed voltage of a period, in 2^-16 V.
 const LARGEST: i64 = 1 << 34;
 
-/// A filter's memory: on each axis the sum of the unexplained voltage is at most that of the allowed one and `beyond`.
+/// A filter's memory: on each axis the sum of the unexplained voltage is at most that of the allowed one plus `beyond`.
 fn any_sums<S: Source>(s: &mut S, over_log2: u32, beyond: i64) -> [i64; 4] {
     let mut sums = [0; 4];
     for axis in [0, 2] {
@@ -337,9 +337,9 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): a runaway is counted only while the shaft is at least at the least speed, does not get slower than
-    /// where it began, and a current of at least the least one brakes it. Each such period counts one, every other ends the count
-    /// or begins it anew. The fault comes as soon as the count is more than 10 ms, and neither earlier nor never.
+    /// P10 (fault machine): a runaway is counted only while the shaft has at least the least speed, is not slower than when
+    /// the runaway began, and a current of at least the least one brakes it. Each such period counts one, every other ends the
+    /// count or begins it anew. The fault comes as soon as the count is more than 10 ms, and not earlier.
     equation "n' = n + 1 (runs on), 1 (begins), 0 (does not); fault Runaway <=> runs on and n' > rate/100, without an oscillation"
     over "coefficients, memory, speed, current"
     by cadical fn p10_runaway32(s) {

@@ -7,7 +7,7 @@ use crate::shell;
 const USAGE: &str = "cargo xtask links [SEEDS]";
 
 /// A program, the part of its test's name that no other test has, and the number of seeds that takes about a minute on two busy
-/// cores. The ordinary tests use ten. A person who wants 1,000 with each program waits for some twenty minutes: `links 1000`.
+/// cores. The ordinary tests use ten. `links 1000`, with 1,000 for each program, takes some twenty minutes.
 const PROGRAMS: [(&str, &str, &str); 4] = [
     ("monitor", "link_faults::a_monitor_", "1000"),
     ("live", "link_faults::a_page_s_program_", "100"),

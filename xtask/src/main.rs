@@ -191,7 +191,8 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "links",
-        about: "a board or haptic device behind a link with faults: no program leaves it on in silence, in 100 to 1,000 random faults each: `links [SEEDS]`",
+        about: "the link to a board or haptic device has 100 to 1,000 random faults, and no program leaves the device on \
+                without saying so: `links [SEEDS]`",
         gates: Gates::FULL_ONLY,
         run: links::run,
     },

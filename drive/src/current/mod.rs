@@ -405,7 +405,7 @@ mod tests {
 
     #[test]
     fn a_current_beyond_the_limit_is_driven_as_the_limit_in_both_directions() {
-        // So small that the voltage is not at its limit.
+        // A limit so small that the voltage stays below its own.
         let limit = measured().config.limit / 64;
         let bridge = |q: Amps| {
             let mut current = measured();
@@ -419,7 +419,7 @@ mod tests {
         }
     }
 
-    /// Two opposite phases that each stay below the trip current are a vector that is longer.
+    /// Opposite currents in two phases, each below the trip current, form a vector that is longer than it.
     #[test]
     fn a_current_that_two_phases_share_trips_by_its_vector() {
         for (share, trips) in [(0.8, 0), (0.95, 1)] {

@@ -126,8 +126,8 @@ mod tests {
     use crate::{Device, DeviceSettings, wire};
     use touchstone_protocol::Board;
 
-    /// A loop on the board without current sensors after one PWM period that drives this current, with this code of the bus voltage
-    /// and this trip current as a share of the current limit.
+    /// A loop on the board without current sensors after one PWM period that drives the current `share` (d and q). `share` and
+    /// `trip_share` are in quarters of the current limit; `bus` is the code of the bus voltage.
     fn after(share: [i32; 2], bus: u16, trip_share: i32) -> CurrentLoop {
         let board = Board::NucleoG474reSimplefocMini;
         let mut settings = DeviceSettings::defaults(board);

@@ -113,9 +113,9 @@ impl Motion {
         }
     }
 
-    /// The memory after `swings` swings in a row, the last with a speed of the sign `direction` (0: none yet) and begun `since` control
-    /// periods ago, and with a runaway of `run` control periods, which began with `began` counts in the speed's window. Proofs begin
-    /// with any.
+    /// The memory after `swings` swings in a row, of which the last has the direction `direction` (0: none yet) and began `since`
+    /// control periods ago, and of a runaway that has lasted `run` control periods and began with `began` counts in the speed's
+    /// window. Proofs begin with any.
     #[must_use]
     pub const fn from_swings_and_run(
         direction: i8,

@@ -32,13 +32,13 @@ impl Share {
         Self { of: [0; 2] }
     }
 
-    /// The memory with these sums of first and second readings, up to 1,000 each; proofs begin with any sums.
+    /// The memory with these sums of bad first and second readings, up to 1,000 each; proofs begin with any sums.
     #[must_use]
     pub const fn from_bad_sums(sums: [u16; 2]) -> Self {
         Self { of: sums }
     }
 
-    /// The sums of first and second readings, 0 to 1,000.
+    /// The sums of bad first and second readings, 0 to 1,000.
     #[must_use]
     pub const fn bad_sums(&self) -> [u16; 2] {
         self.of

@@ -53,7 +53,7 @@ impl StuckConfig {
     }
 
     /// Coefficients that do not come from settings: the winding's resistance in ohm, the largest voltage beyond `R i` that does not
-    /// yet show a motion, and the number of control periods in a row that are a fault. Proofs take any.
+    /// yet show a motion, and the number of suspect control periods in a row that raise the fault. Proofs take any.
     #[must_use]
     pub const fn from_limits(resistance_ohm: I16F16, least: Volts, ticks: u32) -> Self {
         Self {

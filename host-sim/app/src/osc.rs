@@ -5,7 +5,7 @@ use super::out::note;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use touchstone_sim::error::{Error, Result};
 
-/// Largest size of a received datagram, bytes: the largest that UDP has.
+/// Largest size of a received datagram, bytes; UDP has none larger.
 const LONGEST: usize = 65_536;
 
 /// An argument of a message.

@@ -21,7 +21,7 @@ fn boards() -> impl Iterator<Item = Board> {
         .filter(|board| board.senses_current())
 }
 
-/// Time in which a magnet slips on a calibrated board, control ticks: slowly, so that neither a jump nor an over-speed is detected.
+/// Time in which a magnet slips on a calibrated board, control ticks: so long that neither a jump nor an over-speed is detected.
 const BREAKS_IN: u32 = 200;
 
 /// A part that breaks between calibration and arming.
@@ -133,7 +133,7 @@ fn a_slipped_magnet_or_exchanged_wires_give_less_than_a_fifth_of_a_joule_on_ever
             } = pressed;
             let what = format!("{board:?} {part:?}: {pressed:?}");
             let in_time = part.is_found_in_time(board);
-            // The energy guard's bound is 45 mJ. A slip by 120 degrees that is found in time gives no more.
+            // The energy guard's bound is 45 mJ. A slip by 120 degrees that is found in time stays near it.
             let is_slip = matches!(part, Part::Magnet(-120.0 | 120.0));
             let limit_j = if is_slip && in_time { 0.05 } else { 0.2 };
             assert!(most_j < limit_j, "{what}");

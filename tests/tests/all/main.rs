@@ -1,4 +1,4 @@
-//! All tests across the crates, in one program: it is compiled and linked once. A file has the tests of one claim;
+//! All tests across the crates, in one program, which is compiled and linked once. A file has the tests of one claim;
 //! `cargo test -p touchstone-tests NAME::` runs those of the file `NAME.rs`.
 
 mod change_is_read;
@@ -75,7 +75,7 @@ mod vibration_at_the_touch;
 mod voltage_mode;
 mod what_a_hand_feels;
 
-/// A file that no line above names would be compiled and run by nothing.
+/// A file that no line above names would be neither compiled nor run.
 #[test]
 fn every_file_of_this_folder_is_part_of_the_program() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all");

@@ -6,7 +6,7 @@ use touchstone_tests::si::si;
 
 /// Largest speed of the hand, rad per control period.
 const STEP_RAD: f64 = 0.004;
-/// Control periods between two touches. It is longer than the time outside after which an entry is a new touch.
+/// Control periods between two touches, long enough outside the wall for the next entry to be a new touch.
 const PERIOD: u32 = 80;
 const TOUCHES: u32 = 60;
 

@@ -343,7 +343,7 @@ fn hand_at(numbers: &[f64], tick: u32) -> [f64; 3] {
 }
 
 /// The most energy that a hand takes out in any time window, above the refill, J. With `account` the guard's account has this many
-/// joules at the start, and windows begin there.
+/// joules at the start, and every window begins there.
 fn taken(cell: &Cell, numbers: &[f64], ticks: u32, account: Option<f64>) -> f64 {
     let mut wall = wall(cell).unwrap();
     if let (Some((_, state)), Some(joules)) = (&mut wall.guard, account) {

@@ -85,7 +85,7 @@ fn of_object(object: &Json, force_limit_n_m: f64) -> Result<Environment, Refusal
         return Err(Refusal::of_request(format!("feel: is {object}; {fix}")));
     };
     let tables = toml::Table::try_from(tables).map_err(|error| {
-        let fix = "give numbers, texts, flags and lists of them";
+        let fix = "give numbers, texts, true, false or lists of them";
         Refusal::of_request(format!("feel: {error}; {fix}"))
     })?;
     Ok(Environment::of_tables(tables, force_limit_n_m)?)

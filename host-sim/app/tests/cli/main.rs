@@ -1,4 +1,4 @@
-//! Tests of the program's commands that need no device, in one program: it is compiled and linked once.
+//! Tests of the program's commands that need no device, in one program, which is compiled and linked once.
 
 #[path = "../common/mod.rs"]
 mod common;

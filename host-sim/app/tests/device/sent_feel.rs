@@ -9,7 +9,7 @@ fn on_board(demo: &Demo) -> String {
     demo.run(&["config", "environment"])
 }
 
-/// Checks that a program sends a whole feel: as the text of a scene's file, as the tables in it, and as a shipped scene with
+/// Checks that a program can send a whole feel: as the text of a scene's file, as the tables in it, and as a shipped scene with
 /// changes. The board then renders the same as after `touchstone config environment` with that file.
 #[test]
 fn a_program_sends_a_whole_feel() {
@@ -171,7 +171,7 @@ fn osc(address: &str, texts: &[&str]) -> Vec<u8> {
     bytes
 }
 
-/// Checks that a program sends a feel as text by OSC, also one that is longer than a network's packet, and that each refused
+/// Checks that a program can send a feel as text by OSC, also one that is longer than a network's packet, and that each refused
 /// message is answered with the setting and the reason.
 #[test]
 fn a_program_sends_a_feel_by_osc() {

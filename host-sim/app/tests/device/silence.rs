@@ -29,7 +29,7 @@ impl Drop for Ends {
 /// A running program: the number of its process, and all that must live as long as the program.
 type Running = (u32, Box<dyn Any>);
 
-/// A program that uses a board with a motor that is on.
+/// A program that uses a board while its motor is on.
 struct Row {
     name: &'static str,
     /// Whether another command calibrates and arms the board before the program starts, because the program itself does not.
@@ -73,7 +73,7 @@ fn setup(port: &str) -> Running {
 }
 
 const ROWS: &[Row] = &[
-    // `monitor` and `events` never arm a board, and keep one on that is armed.
+    // `monitor` and `events` never arm a board, but keep an armed one on.
     Row {
         name: "monitor",
         armed_before: true,
@@ -116,7 +116,7 @@ const ROWS: &[Row] = &[
     },
 ];
 
-/// How a program stops to send requests.
+/// How a program's requests stop.
 #[derive(Debug, Clone, Copy)]
 enum End {
     /// The program is killed.
@@ -134,8 +134,8 @@ fn signal(process: u32, name: &str) {
     assert!(sent.unwrap().success());
 }
 
-/// Runs a program until it has kept the motor on for longer than the board's limit. After this `end`, the board must find the
-/// computer's silence at its limit.
+/// Runs a program until it has kept the motor on for longer than the board's limit. After this `end`, the board must switch
+/// off at its limit.
 fn is_off_after(row: &Row, end: End) {
     let demo = Demo::new();
     if row.phase == Phase::Armed {

@@ -36,7 +36,7 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    /// Reads the fields that a TOML text writes, without those of its base. `file` is the name of the text in error messages.
+    /// Reads the fields that a TOML text gives, without those of its base. `file` is the name of the text in error messages.
     pub fn of_text(text: &str, file: &Path) -> Result<Self> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, file, &error))?;
         let mut draft = Draft {
@@ -51,7 +51,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Takes the fields of tables that no file gave.
+    /// Takes the fields of tables that do not come from a file.
     pub fn of_tables(tables: toml::Table) -> Self {
         let mut draft = Draft {
             fields: BTreeMap::new(),
@@ -77,7 +77,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Adds the fields of the base, the name of a scene that gives none, and the custom grip of a scene that describes its hand.
+    /// Adds the fields of the base, this name if the scene has none, and the custom grip if the scene describes its hand.
     pub fn completed(mut self, name: Option<String>) -> Result<Self> {
         self.take_base()?;
         if let Some(name) = name {

@@ -13,7 +13,7 @@ use touchstone_sim::scene::Law;
 /// What is added to the wall of a cell along the normal of its surface; by default nothing but the shipped wall's own pulse.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SurfaceFeel {
-    /// Pulse and vibration at the touch of the shipped wall; `None` for those of the tuned wall.
+    /// Pulse and vibration at the touch of the shipped wall; `None` for those that it was tuned with.
     pub impact: Option<ImpactSettings>,
     /// Grooves in the surface; `None` for a smooth one.
     pub texture: Option<Texture>,
@@ -164,7 +164,7 @@ impl SpaceImpact {
             .collect();
         json!({
             "type": "object",
-            "description": "what is added along the normal at the touch of the approach \"shipped\"",
+            "description": "what the approach \"shipped\" adds along the normal at the touch",
             "additionalProperties": false,
             "properties": properties,
         })
@@ -173,8 +173,8 @@ impl SpaceImpact {
 
 /// Shortest and longest distance between two ridges, mm.
 const PERIODS_MM: [f64; 2] = [0.2, 100.0];
-/// Largest height of a ridge over the period. The force stays along the smooth object's normal, so steeper flanks would not be felt
-/// as such.
+/// Largest ratio of a ridge's height to the period. The force stays along the smooth object's normal, so steeper flanks would not
+/// be felt as such.
 const STEEPEST: f64 = 0.1;
 
 impl SpaceTexture {
