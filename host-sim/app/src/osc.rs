@@ -5,7 +5,7 @@ use super::out::note;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use touchstone_sim::error::{Error, Result};
 
-/// Largest size of a received datagram, bytes; UDP has none larger.
+/// Room for a received datagram, bytes: more than UDP can carry.
 const LONGEST: usize = 65_536;
 
 /// An argument of a message.
@@ -167,20 +167,18 @@ impl Osc {
         }
     }
 
-    /// The next received message; `None` if none is waiting. Invalid datagrams are skipped with a note.
+    /// The next received message; `None` if none is waiting, or after an invalid datagram, which a note reports.
     pub fn next(&self) -> Option<Message> {
         let socket = self.from.as_ref()?;
         let mut bytes = vec![0; LONGEST];
-        while let Ok((length, _)) = socket.recv_from(&mut bytes) {
-            let read = bytes.get(..length).and_then(Message::read);
-            if read.is_some() {
-                return read;
-            }
+        let (length, _) = socket.recv_from(&mut bytes).ok()?;
+        let read = bytes.get(..length).and_then(Message::read);
+        if read.is_none() {
             note!(
                 "note: --osc-listen: ignored {length} bytes that are not an OSC message of integers, floats and texts"
             );
         }
-        None
+        read
     }
 }
 

@@ -189,9 +189,11 @@ impl<'a> Knob<'a> {
                 problem: format!("the device refuses the feel {name}: {error}"),
             }));
         }
-        match client.ask(&Request::SetEnvironment(environment))? {
-            Reply::Taken(_) => {}
-            other => return Err(client.odd(&other)),
+        match client.ask_or_refusal(&Request::SetEnvironment(environment))? {
+            Ok(Reply::Taken(_)) => {}
+            Ok(other) => return Err(client.odd(&other)),
+            // For example during a calibration.
+            Err(refused) => return Ok(Err(refused.into())),
         }
         tell!("feel {}", feel.name.as_deref().unwrap_or("of a program"));
         let own = Positions::of(&feel.around);

@@ -40,6 +40,11 @@ impl Keys {
     }
 }
 
+/// Address of the OSC message that says why another one was refused.
+const ERROR: &str = "/touchstone/error";
+/// Largest number of OSC messages that are read before the board is served again.
+const OSC_AT_A_TIME: usize = 8;
+
 /// State of the printed lines, and the connections on which changes are reported.
 pub struct Lines {
     /// Number of the control period in which the first telemetry record was made.
@@ -60,9 +65,15 @@ impl Lines {
     /// The requests of all programs since the last call. Invalid ones are refused.
     pub fn wishes(&mut self, positions: &Positions) -> Vec<(Asker, Wish)> {
         let mut wishes = Vec::new();
-        while let Some(message) = self.osc.next() {
+        // A program that sends without pause must not hold up the board.
+        for message in (0..OSC_AT_A_TIME)
+            .map_while(|_| self.osc.next())
+            .collect::<Vec<_>>()
+        {
             match Wish::of_message(&message) {
                 Some(wish) => wishes.push((Asker::Osc, wish)),
+                // Never answered: two programs would answer each other for ever, and so would this one with its own port as receiver.
+                None if message.address == ERROR => {}
                 None => {
                     let problem = format!("{} is not a message for a knob", message.address);
                     self.refuse(Asker::Osc, &Refusal::of_request(problem));
@@ -109,7 +120,7 @@ impl Lines {
         if matches!(from, Asker::Osc) {
             let setting = setting.unwrap_or_default();
             let texts = [setting, problem.clone()].map(Value::Text);
-            self.osc.send("/touchstone/error", texts);
+            self.osc.send(ERROR, texts);
         }
         note!("note: {problem}");
     }

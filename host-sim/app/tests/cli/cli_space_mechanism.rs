@@ -189,7 +189,9 @@ fn what_is_wrong_with_it_is_one_line() {
         ),
         (
             &["run", "g.toml"],
-            &["g.toml:4: object.texture.height_mm: must be above 0 and at most 0.1 of period_mm"],
+            &[
+                "g.toml:4: object.texture.height_mm: must be above 0, at most 0.1 of period_mm and 5",
+            ],
         ),
         (&["run", BALL, "--law", "sfa"], &["--law", "three axes"]),
         (

@@ -247,3 +247,37 @@ fn a_program_sends_a_feel_by_osc() {
         "{shown}"
     );
 }
+
+/// Checks that a program whose OSC messages come back to it does not answer its own answers for ever.
+#[test]
+fn a_program_that_hears_itself_goes_on() {
+    use std::net::UdpSocket;
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    let demo = Demo::new();
+    let program = UdpSocket::bind("127.0.0.1:0").unwrap();
+    // A port that was free a moment ago.
+    let free = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = free.local_addr().unwrap().port().to_string();
+    drop(free);
+    let words = ["--osc", &port, "--osc-listen", &port, "--seconds", "2"];
+    let mut events = demo
+        .command(&[&["--quiet", "events"], &words[..]].concat())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let ended = loop {
+        let message = osc("/touchstone/feel", &["on-off"]);
+        let _ = program.send_to(&message, format!("127.0.0.1:{port}"));
+        match events.try_wait().unwrap() {
+            Some(status) => break status.success(),
+            None if begun.elapsed() > Duration::from_secs(60) => break false,
+            None => std::thread::sleep(Duration::from_millis(100)),
+        }
+    };
+    let _ = events.kill();
+    events.wait().unwrap();
+    assert!(ended, "it is still reading its own messages");
+    assert!(on_board(&demo).contains("strength_n_m = 0.025"));
+}

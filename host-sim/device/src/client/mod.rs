@@ -79,6 +79,20 @@ impl Client {
     /// # Errors
     /// No connection, no answer, or a refusal by the device.
     pub fn ask(&mut self, request: &Request<'_>) -> Result<Reply> {
+        self.answer_to(request)?
+            .map_err(|refusal| self.refused(&refusal))
+    }
+
+    /// Same as [`Self::ask`], but a refusal by the device is the inner error.
+    ///
+    /// # Errors
+    /// No connection or no answer.
+    pub fn ask_or_refusal(&mut self, request: &Request<'_>) -> Result<Result<Reply>> {
+        let answer = self.answer_to(request)?;
+        Ok(answer.map_err(|refusal| self.refused(&refusal)))
+    }
+
+    fn answer_to(&mut self, request: &Request<'_>) -> Result<std::result::Result<Reply, Refusal>> {
         // These requests are sent only once. A command that is carried out twice may have another effect, and a second `Save` wears
         // the flash.
         let tries = match request {
@@ -87,7 +101,7 @@ impl Client {
         };
         for _ in 0..tries {
             if let Some(answer) = self.exchange(request)? {
-                return answer.map_err(|refusal| self.refused(&refusal));
+                return Ok(answer);
             }
         }
         Err(self.silent(request))

@@ -325,21 +325,19 @@ impl Draft {
         }
     }
 
-    /// Lists the problems of single fields: unknown names, wrong types and values out of range.
+    /// Lists the problems of single fields: wrong types, values out of range, and the first unknown name.
     fn problems(&self) -> Vec<Problem> {
         // An unknown motion is reported by itself; its fields are then not checked, because they are unknown too.
         let motion = self
             .motion()
             .filter(|motion| choices(MOTION_KIND).contains(motion));
         let mut problems = Vec::new();
+        // Explaining an unknown name takes time, and only the first is reported.
+        let mut unknown: Vec<(&String, Option<&Value>)> = Vec::new();
         for table in self.tables.iter().filter(|table| !schema::is_table(table)) {
             match schema::at(table) {
                 Some(field) => problems.push(wrong_type(field, "a table")),
-                None => {
-                    let (problem, fix) =
-                        explain(table, motion, Some(&Value::Table(toml::Table::new())));
-                    problems.push(Problem::new(table, problem, fix));
-                }
+                None => unknown.push((table, None)),
             }
         }
         for (path, value) in &self.fields {
@@ -356,11 +354,16 @@ impl Draft {
                         fix,
                     ));
                 }
-                None => {
-                    let (problem, fix) = explain(path, motion, Some(value));
-                    problems.push(Problem::new(path, problem, fix));
-                }
+                None => unknown.push((path, Some(value))),
             }
+        }
+        let first = unknown
+            .into_iter()
+            .min_by_key(|(path, _)| (self.origin.place(path), path.len()));
+        if let Some((path, value)) = first {
+            let table = Value::Table(toml::Table::new());
+            let (problem, fix) = explain(path, motion, value.or(Some(&table)));
+            problems.push(Problem::new(path, problem, fix));
         }
         if self.has_table("operator.motion") && !self.fields.contains_key(MOTION_KIND) {
             problems.push(Problem::new(

@@ -6,19 +6,29 @@ use toml::Value;
 
 use super::draft::{Draft, PROFILE_FILE};
 use super::environment::Environment;
+use super::origin::Origin;
 use crate::error::Result;
 
 /// Name of a sent text in error messages, in place of a file's name.
 const SENT: &str = "feel";
+/// Largest number of inline tables in a sent text. With dotted keys, tables inside each other can be thousands of levels deep, too deep
+/// for functions that call themselves for each level.
+const MOST_INLINE_TABLES: usize = 16;
 
 impl Environment {
     /// Reads the table `[environment]` of a scene from TOML text that a program sent. The text is checked like a scene's file, with
-    /// the device's force limit (N·m) in place of the scene's. `base` may name a shipped scene or feel. No file is read.
+    /// the device's force limit (N·m) in place of the scene's. `base` may name a shipped scene or feel. The hand
+    /// (`[operator]`) is ignored, and no file is read.
     ///
     /// # Errors
     /// [`Error::File`](crate::error::Error::File) for the first problem in the text, with its line in the text; among the problems
     /// are a missing `[environment]` and a profile in a file.
     pub fn of_text(text: &str, force_limit_n_m: f64) -> Result<Self> {
+        if text.matches('{').count() > MOST_INLINE_TABLES {
+            let problem = format!("more than {MOST_INLINE_TABLES} inline tables");
+            let fix = "write tables under [headings]";
+            return Err(Origin::of_file(Path::new(SENT)).error("environment", problem, fix));
+        }
         checked(Draft::of_text(text, Path::new(SENT))?, force_limit_n_m)
     }
 
@@ -39,6 +49,8 @@ fn checked(draft: Draft, force_limit_n_m: f64) -> Result<Environment> {
         return Err(draft.origin.error(PROFILE_FILE, problem, fix));
     }
     let mut draft = draft.completed(Some(SENT.to_owned()))?;
+    // A feel has no hand. A recorded one would be a file that this program looks for.
+    draft.remove_table("operator");
     let limit = Value::Float(force_limit_n_m);
     draft.fields.insert("law.force_limit_n_m".into(), limit);
     let scene = draft.build()?;
@@ -72,6 +84,9 @@ mod tests {
             let read = Environment::of_tables(text.parse().unwrap(), LIMIT_N_M).unwrap();
             assert_eq!(Some(read), wanted, "{name}");
         }
+        let hand =
+            "[environment]\n[operator.motion]\nkind = \"recorded\"\nfile = \"/etc/passwd\"\n";
+        assert!(Environment::of_text(hand, LIMIT_N_M).is_ok());
         let more = "base = \"ratchet\"\n[environment.profile]\nper_rev = 12\n";
         let more = Environment::of_text(more, LIMIT_N_M).unwrap();
         assert_eq!(more.profile.unwrap().per_rev, 12);
@@ -113,6 +128,12 @@ mod tests {
         ] {
             assert!(said(text).starts_with(wanted), "{text}: {}", said(text));
         }
+        let deep = "a={".repeat(17);
+        assert!(
+            said(&deep).contains("more than 16 inline tables"),
+            "{}",
+            said(&deep)
+        );
         let tables = strong.parse().unwrap();
         let said = Environment::of_tables(tables, LIMIT_N_M).unwrap_err();
         let wanted = "environment.detents.strength_n_m: 0.05 is more than law.force_limit_n_m";

@@ -72,13 +72,16 @@ impl Record {
         }
     }
 
-    /// True depth below the surface in a tick, mm.
+    /// True depth below the surface in a tick, with its texture, mm.
     #[must_use]
     pub fn depth_mm(&self, tick: usize) -> f64 {
-        match self.cell.object {
+        let texture = self.cell.feel.texture;
+        let above_mm = texture.map_or(0.0, |texture| texture.above_mm(self.hip_mm[tick]));
+        let smooth_mm = match self.cell.object {
             Object::Horizontal | Object::Inclined => -dot(self.normal(tick), self.hip_mm[tick]),
             Object::Sphere => RADIUS_MM - length(self.hip_mm[tick]),
-        }
+        };
+        smooth_mm + above_mm
     }
 
     /// Component of the force out of the surface in a tick, N.

@@ -19,8 +19,8 @@ pub struct SurfaceFeel {
     pub texture: Option<Texture>,
 }
 
-/// Table `[law.impact]` of the scene file, with the keys, units and ranges of a scene of one axis. Shares refer to mass and speed of
-/// the device along the normal.
+/// Table `[law.impact]` of the scene file, with the keys, units and ranges of a scene of one axis. Shares refer to the mass of
+/// the device's lightest axis and the speed along the normal.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceImpact {
@@ -42,7 +42,7 @@ pub struct SpaceImpact {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceTexture {
-    /// Height of a ridge over a groove, mm; above 0 and at most a tenth of `period_mm`.
+    /// Height of a ridge over a groove, mm; above 0, at most a tenth of `period_mm` and 5.
     pub height_mm: f64,
     /// Distance between two ridges along `along`, 0.2 to 100 mm.
     pub period_mm: f64,
@@ -177,6 +177,9 @@ const PERIODS_MM: [f64; 2] = [0.2, 100.0];
 /// be felt as such.
 const STEEPEST: f64 = 0.1;
 
+/// Largest height of a ridge over a groove, mm. The hand begins 3 mm above the smooth surface.
+const HIGHEST_MM: f64 = 5.0;
+
 impl SpaceTexture {
     /// Checks the values, and makes the direction a unit vector.
     ///
@@ -190,10 +193,12 @@ impl SpaceTexture {
                 format!("must be {least} to {most}"),
             ));
         }
-        if !(self.height_mm > 0.0 && self.height_mm <= STEEPEST * self.period_mm) {
+        // The factor lets a tenth pass that the computer's numbers do not represent exactly.
+        let most_mm = HIGHEST_MM.min(STEEPEST * self.period_mm * (1.0 + 1e-12));
+        if !(self.height_mm > 0.0 && self.height_mm <= most_mm) {
             return Err((
                 "object.texture.height_mm",
-                format!("must be above 0 and at most {STEEPEST} of period_mm"),
+                format!("must be above 0, at most {STEEPEST} of period_mm and {HIGHEST_MM}"),
             ));
         }
         let length = self.along.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -230,7 +235,7 @@ impl SpaceTexture {
                 "height_mm": {
                     "type": "number",
                     "exclusiveMinimum": 0,
-                    "maximum": STEEPEST * most,
+                    "maximum": HIGHEST_MM,
                     "description": "height of a ridge over a groove, mm; at most a tenth of period_mm",
                 },
                 "period_mm": {

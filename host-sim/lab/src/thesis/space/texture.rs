@@ -3,7 +3,8 @@
 //! The grooves are planes of equal phase through the object, `period` apart along one direction. The depth below the textured surface
 //! is `depth + height/2 · sin(2π s/period)`, where `s` is the coordinate along that direction. The force stays along the normal of the
 //! smooth object. So it is not the gradient of an energy: a hand that goes in where the surface is low and out where it is high
-//! gets energy. The law does not count that; the energy guard does, because it multiplies force and displacement.
+//! gets energy. The law does not count that. The energy guard of the shipped wall does, because it multiplies force and displacement;
+//! the thesis' approaches have no guard.
 
 use super::N;
 use std::f64::consts::TAU;
@@ -62,6 +63,7 @@ impl<S: Surface<N>> Surface<N> for Textured<S> {
             ..smooth
         }
     }
+    // Right along the normal only. The rule that asks for other directions is not used with a texture.
     fn exit(
         &self,
         at: Vector<Position<N>>,
