@@ -8,13 +8,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A stored result: one word such as `caught`, and the reason.
-pub type Found = (String, String);
+pub type StoredResult = (String, String);
 
 /// The stored results of the wrong changes, and the file that holds them.
 pub struct Memo {
     file: PathBuf,
     ground: u64,
-    known: BTreeMap<u64, Found>,
+    known: BTreeMap<u64, StoredResult>,
 }
 
 impl Memo {
@@ -44,7 +44,7 @@ impl Memo {
     }
 
     /// The stored result with this key, if there is one.
-    pub fn get(&self, key: u64) -> Option<&Found> {
+    pub fn get(&self, key: u64) -> Option<&StoredResult> {
         self.known.get(&key)
     }
 
@@ -61,7 +61,7 @@ impl Memo {
     }
 }
 
-fn line(text: &str) -> Option<(u64, Found)> {
+fn line(text: &str) -> Option<(u64, StoredResult)> {
     let mut words = text.splitn(3, '\t');
     let key = u64::from_str_radix(words.next()?, 16).ok()?;
     let (word, reason) = (words.next()?, words.next()?);

@@ -27,7 +27,7 @@ const LEAST: usize = 12;
 /// A finished build: the program's path or why it could not be built, the build time in seconds, and the test to run on the
 /// program.
 struct Built<'s> {
-    asked: &'s Asked<'s>,
+    asked: &'s BuildJob<'s>,
     program: Result<PathBuf, String>,
     seconds: f64,
 }
@@ -105,7 +105,7 @@ fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
 
 /// One program to build and test: a board, the sabotage (removed safety function; `None` for unchanged firmware), and the checks to
 /// run. `is_known` means that a result is stored under `key`.
-struct Asked<'s> {
+struct BuildJob<'s> {
     board: &'static str,
     sabotage: Option<&'s Entry>,
     rows: Vec<&'s str>,
@@ -113,7 +113,7 @@ struct Asked<'s> {
     is_known: bool,
 }
 
-fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
+fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<BuildJob<'s>> {
     let mut asked = Vec::new();
     for board in firmware::BOARDS {
         let of_board: Vec<&Entry> = all
@@ -130,7 +130,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
                 None => of_board.iter().map(|one| one.word("only")).collect(),
             };
             let key = memo.key(&(board, sabotage, &rows));
-            asked.push(Asked {
+            asked.push(BuildJob {
                 is_known: memo.get(key).is_some(),
                 board,
                 sabotage,
@@ -144,7 +144,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
 
 /// Builds the programs one after the other and sends each to the thread that tests it. A program with a stored result is not built.
 fn build_all<'s>(
-    all: &'s [Asked<'s>],
+    all: &'s [BuildJob<'s>],
     folder: &Path,
     work: &Path,
     send: mpsc::SyncSender<Built<'s>>,
@@ -191,7 +191,7 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
 /// Tests each program as soon as it is built, and prints a line for each.
 fn judge_all(
     emulator: &Path,
-    all: &[Asked<'_>],
+    all: &[BuildJob<'_>],
     mut memo: Memo,
     receive: &mpsc::Receiver<Built<'_>>,
 ) -> Outcome {
@@ -204,7 +204,7 @@ fn judge_all(
     let (mut caught, mut known) = (0, 0);
     while let Ok(built) = receive.recv() {
         let begun = Instant::now();
-        let Asked {
+        let BuildJob {
             board,
             sabotage,
             rows,

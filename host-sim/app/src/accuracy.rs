@@ -5,7 +5,7 @@ use super::report_options::program;
 use super::{command_line, interrupt, out};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
-use touchstone_lab::accuracy::{Machine, Options as Asked, figures, measure, table};
+use touchstone_lab::accuracy::{AccuracyOptions, Machine, figures, measure, table};
 use touchstone_report::{check_folder, folder};
 use touchstone_sim::error::Result;
 
@@ -31,7 +31,7 @@ pub fn main(options: &Options) -> Result<()> {
         interrupt::sweep(folder);
         interrupt::clean_up()?;
     }
-    let asked = Asked {
+    let asked = AccuracyOptions {
         quick: options.quick,
     };
     let bar = if quiet() || json() {

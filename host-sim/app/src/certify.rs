@@ -6,7 +6,7 @@ use super::out::{json, say};
 use touchstone_lab::certify::feel::{PartAtSteepest, certify_feel};
 use touchstone_lab::certify::hands::{Family, HYPOTHETICAL};
 use touchstone_lab::certify::judge::HandReport;
-use touchstone_lab::certify::{Certificate, Options as Asked, certify};
+use touchstone_lab::certify::{Certificate, CertifyOptions, certify};
 use touchstone_lab::tune::outcome::Outcome;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
@@ -43,7 +43,7 @@ pub fn main(options: &Options) -> Result<()> {
         });
     }
     let (scene, _) = options.changes.load(&options.scene)?;
-    let asked = Asked {
+    let asked = CertifyOptions {
         family: if options.grips {
             Family::Grips
         } else {
@@ -69,7 +69,7 @@ pub fn main(options: &Options) -> Result<()> {
 }
 
 /// Certifies the parts of a feel instead of a wall.
-fn certify_parts(scene: &Scene, asked: &Asked) -> Result<()> {
+fn certify_parts(scene: &Scene, asked: &CertifyOptions) -> Result<()> {
     let found = certify_feel(scene, asked)?;
     if json() {
         let value = match &found {

@@ -8,7 +8,7 @@ use super::out::{self, note, say, tell};
 use super::report_options::program;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use touchstone_lab::beside::{Beside, HandWas, PARTS, Told, beside, sections};
+use touchstone_lab::beside::{Beside, HandWas, PARTS, WallRecording, beside, sections};
 use touchstone_report as report;
 use touchstone_report::{Section, pages};
 use touchstone_sim::error::{Error, Result};
@@ -95,7 +95,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         Hand::Released => HandWas::Gone,
         Hand::Programme => return board_scorecard::main(options, &scene),
     };
-    let told = Told::read(
+    let told = WallRecording::read(
         &options.recording,
         options.from,
         options.to.unwrap_or(f64::INFINITY),

@@ -4,7 +4,7 @@ use super::SceneOptions;
 use super::out::{json, say};
 use super::progress;
 use super::report_options::program;
-use touchstone_lab::plan::{Asked, plan, steps, table};
+use touchstone_lab::plan::{PlanOptions, plan, steps, table};
 use touchstone_sim::error::{Error, Result};
 
 /// Options of `touchstone plan`.
@@ -15,7 +15,7 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// Relative change of a result, as a fraction, from which on an omitted effect is listed.
-    #[arg(long, value_name = "SHARE", default_value_t = Asked::default().tolerance)]
+    #[arg(long, value_name = "SHARE", default_value_t = PlanOptions::default().tolerance)]
     tolerance: f64,
     /// Measures no computing times, so that the output is the same on every machine.
     #[arg(long)]
@@ -36,7 +36,7 @@ pub fn main(options: &Options) -> Result<()> {
         });
     }
     let (scene, _) = options.changes.load(&options.scene)?;
-    let asked = Asked {
+    let asked = PlanOptions {
         tolerance,
         times: !options.no_times,
         omitted: !options.no_omitted,

@@ -191,7 +191,7 @@ fn entries(
             });
             continue;
         }
-        let asked = tune::Options {
+        let asked = tune::TuneOptions {
             seed: options.seed,
             effort: match options.quick {
                 true => Effort::Quick,

@@ -109,7 +109,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         interrupt::clean_up()?;
         interrupt::sweep(folder);
     }
-    let asked = tune::Options {
+    let asked = tune::TuneOptions {
         seed: options.seed,
         effort: match options.quick {
             true => Effort::Quick,

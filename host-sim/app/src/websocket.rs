@@ -56,7 +56,7 @@ struct Client {
 
 /// A client's message.
 #[derive(Debug)]
-pub struct Asked {
+pub struct ClientMessage {
     /// The client's number, for the answer.
     pub client: u64,
     pub text: String,
@@ -67,7 +67,7 @@ pub struct Asked {
 pub struct News {
     /// Numbers of the clients that have just connected.
     pub arrived: Vec<u64>,
-    pub asked: Vec<Asked>,
+    pub asked: Vec<ClientMessage>,
 }
 
 /// Data that the server's threads share.
@@ -152,7 +152,7 @@ impl WebSocketServer {
         self.keep(|client| {
             let number = client.number;
             client.turn(|text| {
-                news.asked.push(Asked {
+                news.asked.push(ClientMessage {
                     client: number,
                     text,
                 });

@@ -9,7 +9,8 @@ mod board;
 
 #[cfg(feature = "probe-rs")]
 pub use board::{
-    Attached, Event, Fault, Found, Image, LIBRARY, Line, Phase, Step, Words, attach, choose,
+    Attached, ConnectedProbe, Event, Fault, Image, LIBRARY, Line, Phase, Step, Words, attach,
+    choose,
 };
 #[cfg(feature = "probe-rs")]
 pub use probe_rs::probe::list::Lister;

@@ -13,7 +13,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use touchstone_sim::error::Error;
-use touchstone_sim::output::{Beside, Found, is_number_of_process, missing, remove_empty};
+use touchstone_sim::output::{Beside, TemporaryFile, is_number_of_process, missing, remove_empty};
 
 /// Beginning of a temporary folder's name; numbers of process and folder follow.
 const PREFIX: &str = ".touchstone-report-";
@@ -314,14 +314,14 @@ fn swept(path: &Path) -> Option<Stale> {
         })
     };
     match Beside::find(&lock) {
-        Found::Left(lock) => {
+        TemporaryFile::Left(lock) => {
             undo(path, &lock);
             let removed = remove_folder(path);
             drop(lock);
             said(removed)
         }
-        Found::InUse => None,
-        Found::Unknown => said(false),
+        TemporaryFile::InUse => None,
+        TemporaryFile::Unknown => said(false),
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Beside {
 
 /// State of a temporary file that this or another process created.
 #[derive(Debug)]
-pub enum Found {
+pub enum TemporaryFile {
     /// Its process has ended. The file is now locked by this process.
     Left(Beside),
     /// Its process is still running.
@@ -58,23 +58,23 @@ impl Beside {
 
     /// Whether the temporary file's process has ended. A link is not followed, and a pipe is not waited for.
     #[must_use]
-    pub fn find(path: &Path) -> Found {
+    pub fn find(path: &Path) -> TemporaryFile {
         if !std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file()) {
-            return Found::Unknown;
+            return TemporaryFile::Unknown;
         }
         // Some file systems lock only files that are open for writing.
         let Ok(file) = OpenOptions::new().read(true).write(true).open(path) else {
-            return Found::Unknown;
+            return TemporaryFile::Unknown;
         };
         match file.try_lock() {
             // Since the file was opened, the process that created it has deleted it.
-            Ok(()) if path.symlink_metadata().is_err() => Found::InUse,
-            Ok(()) => Found::Left(Self {
+            Ok(()) if path.symlink_metadata().is_err() => TemporaryFile::InUse,
+            Ok(()) => TemporaryFile::Left(Self {
                 path: path.to_owned(),
                 file,
             }),
-            Err(TryLockError::WouldBlock) => Found::InUse,
-            Err(TryLockError::Error(_)) => Found::Unknown,
+            Err(TryLockError::WouldBlock) => TemporaryFile::InUse,
+            Err(TryLockError::Error(_)) => TemporaryFile::Unknown,
         }
     }
 

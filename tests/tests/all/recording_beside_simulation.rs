@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;
-use touchstone_lab::beside::{Beside, HandWas, Told, beside};
+use touchstone_lab::beside::{Beside, HandWas, WallRecording, beside};
 use touchstone_protocol::{Board, Telemetry};
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Encoder, Friction, Grip, MotionSpec, Scene};
@@ -90,7 +90,7 @@ fn simulated(test: &str, of: &Scene) -> PathBuf {
 }
 
 fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
-    let told = Told::read(file, 0.0, f64::INFINITY).unwrap();
+    let told = WallRecording::read(file, 0.0, f64::INFINITY).unwrap();
     let found = beside(scene, &told, hand, file.parent().unwrap()).unwrap();
     println!("{test}: {:#?} {:?}", found.differences, found.fits);
     found
@@ -224,7 +224,7 @@ fn a_bounce_of_the_whole_drive_tells_the_inertia() {
 fn what_does_not_fit_the_scene_is_refused() {
     let away = flicked().with(|scene| scene.device.initial_velocity_rad_per_s = -6.0);
     let file = simulated("refused", &away.unwrap());
-    let told = Told::read(&file, 0.0, f64::INFINITY).unwrap();
+    let told = WallRecording::read(&file, 0.0, f64::INFINITY).unwrap();
     let why = |scene: &Scene| {
         let refused = beside(scene, &told, HandWas::Gone, file.parent().unwrap());
         refused.expect_err("it does not fit").to_string()
@@ -240,7 +240,7 @@ fn what_does_not_fit_the_scene_is_refused() {
     assert!(
         why(&coarse.unwrap()).contains("not whole counts of an encoder with 4000 counts a turn")
     );
-    let short = Told::read(&file, 0.0, 0.05).expect_err("too short");
+    let short = WallRecording::read(&file, 0.0, 0.05).expect_err("too short");
     assert!(
         short.to_string().contains("no 0.1 s with the wall on"),
         "{short}"

@@ -24,7 +24,7 @@ const KIT: MotorParameters = MotorParameters {
 };
 
 /// Torque resolution of a board with a motor, mN·m; `per_code` is the torque of one code of the current sensors.
-struct Found {
+struct TorqueResolution {
     per_code: f64,
     /// Root mean square change, mN·m, of the mean torque from one control period to the next.
     ripple: f64,
@@ -38,7 +38,7 @@ fn held(
     settings: &DeviceSettings,
     motor: MotorParameters,
     noise: f64,
-) -> Found {
+) -> TorqueResolution {
     let blocked = Device {
         inertia: 1e3,
         ..KNOB
@@ -108,7 +108,7 @@ fn held(
     let mean = ticks.iter().sum::<f64>() / 1_000.0;
     let squares = ticks.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     let k_t = motor.torque_constant_nm_per_a();
-    Found {
+    TorqueResolution {
         per_code: 1e3 * amps_per_code.abs() * k_t,
         ripple: 1e3 * (squares.sum::<f64>() / 999.0).sqrt(),
         off: 1e3 * (mean - wanted_a * k_t).abs(),

@@ -76,13 +76,13 @@ pub struct ToKnob {
     #[prost(uint32, tag = "2")]
     pub nonce: u32,
     /// Content of the message.
-    #[prost(oneof = "Asked", tags = "3, 4")]
-    pub payload: Option<Asked>,
+    #[prost(oneof = "KnobRequest", tags = "3, 4")]
+    pub payload: Option<KnobRequest>,
 }
 
 /// Request of a program to the knob.
 #[derive(Clone, PartialEq, Oneof)]
-pub enum Asked {
+pub enum KnobRequest {
     /// The program requests the knob's state.
     #[prost(message, tag = "3")]
     RequestState(RequestState),

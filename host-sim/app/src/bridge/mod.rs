@@ -14,7 +14,7 @@ use super::port::PortOption;
 use super::stream::{self, Until};
 use super::zero::{Angles, Zero};
 use feel::{Played, Strength, played, refused};
-use messages::{Ack, Answer, Asked, KnobConfig, KnobState, Log, ToKnob, VERSION, answered};
+use messages::{Ack, Answer, KnobConfig, KnobRequest, KnobState, Log, ToKnob, VERSION, answered};
 use prost::Message;
 use serialport::{SerialPort, TTYPort};
 use std::io::{ErrorKind, Read, Write};
@@ -312,8 +312,8 @@ impl SmartKnob {
             return Ok(());
         }
         match message.payload {
-            Some(Asked::RequestState(_)) => self.is_asked = true,
-            Some(Asked::Config(config)) => self.configure(client, terminal, config)?,
+            Some(KnobRequest::RequestState(_)) => self.is_asked = true,
+            Some(KnobRequest::Config(config)) => self.configure(client, terminal, config)?,
             None => terminal.log("Unknown payload type"),
         }
         Ok(())

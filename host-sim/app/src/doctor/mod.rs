@@ -50,7 +50,7 @@ enum Needs {
 }
 
 /// The finding on one requirement. It becomes a line of text for people, or an entry of `things` in the JSON for programs.
-enum Found {
+enum Requirement {
     /// The requirement is met; holds a description.
     There(String),
     /// The requirement is missing; holds the problem and the remedy.
@@ -59,10 +59,10 @@ enum Found {
     Skipped(String),
 }
 
-use Found::{Missing, Skipped, There};
+use Requirement::{Missing, Skipped, There};
 
 /// The finding that a requirement is missing, and how to get it.
-fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
+fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Requirement {
     Missing {
         problem: problem.into(),
         fix: fix.into(),
@@ -78,7 +78,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let mut things = Vec::new();
     // The first error of the output, such as a full disk. All is examined nevertheless.
     let mut printed = Ok(());
-    let mut tell = |what: &str, found: Found| {
+    let mut tell = |what: &str, found: Requirement| {
         let (state, text, fix) = match &found {
             There(text) => ("there", text, None),
             Skipped(text) => ("skipped", text, None),
@@ -137,7 +137,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
 }
 
 /// Checks everything that a board needs, and reports each finding to `tell`.
-fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
+fn board(options: &Options, tell: &mut impl FnMut(&str, Requirement)) {
     let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
     // A TCP port leads to a simulated knob, which cannot be flashed.
     let for_boards = |found| match found {
@@ -171,14 +171,14 @@ fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     (output.status.success() && !line.is_empty()).then(|| line.to_owned())
 }
 
-fn probe_rs() -> Found {
+fn probe_rs() -> Requirement {
     match flash::there() {
         Ok(what) => There(what),
         Err((problem, fix)) => missing(problem, fix),
     }
 }
 
-fn rust_target() -> Found {
+fn rust_target() -> Requirement {
     if BoardName::value_variants()
         .iter()
         .all(|board| board.shipped().is_some())
@@ -203,7 +203,7 @@ fn rust_target() -> Found {
     }
 }
 
-fn firmware(board: BoardName) -> Found {
+fn firmware(board: BoardName) -> Requirement {
     let (name, program) = (board.name(), board.program());
     if program.is_file() {
         There(format!("{name}: {}", program.display()))
@@ -215,7 +215,7 @@ fn firmware(board: BoardName) -> Found {
 }
 
 /// The port on which to look for a device: the given one, or one that was detected; `None` without a port.
-fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<Address> {
+fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Requirement)) -> Option<Address> {
     if let Some(address) = given {
         tell("port", There(format!("{address}, as given")));
         return Some(address.clone());
@@ -250,7 +250,7 @@ fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<A
 }
 
 /// Checks the omega.3's library, and with the library the device. The library counts as missing only if the user wants an omega.3.
-fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
+fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Requirement)) {
     let library = match haptic::library(None) {
         Ok(library) => library,
         Err(Error::Device { problem, fix, .. }) if is_needed => {
@@ -275,7 +275,7 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
 
 /// Checks the device at this address: whether it answers, how it starts, and how much energy its energy guard lets it give to a
 /// hand.
-fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
+fn device(address: Option<&Address>) -> (Requirement, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port on which to read it".into()), None);
     };
@@ -299,7 +299,7 @@ fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, 
 }
 
 /// The finding for a device that does not answer: the reason and the remedy.
-fn not_there(address: &Address, error: Error) -> Found {
+fn not_there(address: &Address, error: Error) -> Requirement {
     match error {
         Error::Device { problem, .. } if problem.contains("ermission") => missing(
             format!("{address}: {problem}"),

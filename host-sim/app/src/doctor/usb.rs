@@ -1,6 +1,6 @@
 //! Looks for the debug probe on USB: on Linux in the kernel's files, elsewhere through probe-rs.
 
-use super::{Found, Skipped, There, missing};
+use super::{Requirement, Skipped, There, missing};
 use crate::flash;
 use std::fs::{self, OpenOptions};
 use std::io::ErrorKind;
@@ -23,7 +23,7 @@ sudo udevadm control --reload && sudo udevadm trigger
 then disconnect the board and connect it again";
 
 /// Looks for ST-LINK probes, and checks whether this user may access them.
-pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
+pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Requirement)) {
     let devices = sysfs.join("bus/usb/devices");
     let Ok(entries) = fs::read_dir(&devices) else {
         tell("probe", elsewhere(&devices));
@@ -71,7 +71,7 @@ pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
 }
 
 /// Checks whether this user may read and write a device node, by opening the node.
-fn permission(node: &Path) -> Found {
+fn permission(node: &Path) -> Requirement {
     match OpenOptions::new().read(true).write(true).open(node) {
         Ok(_) => There(format!("{} may be used", node.display())),
         Err(error) if error.kind() == ErrorKind::PermissionDenied => missing(
@@ -86,7 +86,7 @@ fn permission(node: &Path) -> Found {
 }
 
 /// Checks for a probe through probe-rs, on systems other than Linux and in containers without USB.
-fn elsewhere(devices: &Path) -> Found {
+fn elsewhere(devices: &Path) -> Requirement {
     match flash::probes() {
         Some(probes) if !probes.is_empty() => There(probes.join(", ")),
         Some(_) => missing(

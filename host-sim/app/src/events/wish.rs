@@ -1,6 +1,6 @@
 //! Requests of other programs to a knob.
 
-use super::midi::Asked;
+use super::midi::MidiRequest;
 use crate::osc::{Message, Value};
 use serde_json::Value as Json;
 use touchstone_sim::scene::feels;
@@ -27,7 +27,7 @@ impl Wish {
 
     /// The request of a MIDI program change. A number beyond the last feel gives a name that no feel has, so the request is
     /// refused.
-    pub fn of_midi(Asked::Program(number): Asked) -> Self {
+    pub fn of_midi(MidiRequest::Program(number): MidiRequest) -> Self {
         let name = feels().get(usize::from(number)).copied();
         Self::Feel(name.map_or_else(|| format!("number {number}").into(), Json::from))
     }

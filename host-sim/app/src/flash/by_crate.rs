@@ -21,7 +21,8 @@ pub fn there() -> std::result::Result<String, (String, String)> {
 /// The connected debug probes, one line for each.
 pub fn probes() -> Option<Vec<String>> {
     let found = choose::found(&Lister::new());
-    let line = |probe: &touchstone_probe::Found| format!("{} {}", probe.name, probe.selector);
+    let line =
+        |probe: &touchstone_probe::ConnectedProbe| format!("{} {}", probe.name, probe.selector);
     Some(found.iter().map(line).collect())
 }
 

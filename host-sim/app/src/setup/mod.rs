@@ -421,7 +421,7 @@ fn named(path: &str) -> Result<&'static touchstone_protocol::settings::fields::F
 
 /// Tuned settings of the control law for a scene, as TOML text.
 fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> {
-    let asked = tune::Options {
+    let asked = tune::TuneOptions {
         seed: 1,
         effort: match options.quick {
             true => Effort::Quick,

@@ -35,12 +35,12 @@ pub const FORCE_QUANTUM_N_M: f64 = 1.0 / 16_777_216.0;
 
 /// Options of an accuracy measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Options {
+pub struct AccuracyOptions {
     /// Measures fewer substeps, rates and repeats. A quick run shows that the program works; its times are not for publication.
     pub quick: bool,
 }
 
-impl Options {
+impl AccuracyOptions {
     fn substeps(self) -> &'static [u32] {
         if self.quick {
             &[1, 16, 64]
@@ -124,12 +124,12 @@ pub struct Accuracy {
     pub closed_loop: Vec<ClosedPoint>,
 }
 
-/// Runs all measurements. `on_round` is called [`Options::rounds`] times, to report progress.
+/// Runs all measurements. `on_round` is called [`AccuracyOptions::rounds`] times, to report progress.
 ///
 /// # Errors
 /// A shipped scene cannot be run.
 pub fn measure(
-    options: Options,
+    options: AccuracyOptions,
     program: ProgramVersion,
     machine: Machine,
     command: &str,

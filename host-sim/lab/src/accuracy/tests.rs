@@ -4,7 +4,7 @@ use touchstone_report::plain_schema::misfit;
 
 fn quick() -> Accuracy {
     let mut rounds = 0;
-    let options = Options { quick: true };
+    let options = AccuracyOptions { quick: true };
     let found = measure(
         options,
         ProgramVersion::default(),

@@ -7,7 +7,7 @@
 //! curves are smoothed to below [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that encoder steps do not count as
 //! motion.
 
-use super::told::Told;
+use super::recording::WallRecording;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Curve, Scene};
 
@@ -15,7 +15,7 @@ use touchstone_sim::scene::{Curve, Scene};
 const SLOW_RAD_PER_S: f64 = 0.02;
 
 /// The hand's rest point in every tick of the recording, as a penetration of the wall, rad.
-pub fn rest_point_rad(scene: &Scene, told: &Told) -> Result<Vec<f64>> {
+pub fn rest_point_rad(scene: &Scene, told: &WallRecording) -> Result<Vec<f64>> {
     let hand = scene.operator.hand().ok_or_else(|| Error::Option {
         option: "--hand held".into(),
         problem: format!("no hand holds the device in the scene {}", scene.name),

@@ -8,13 +8,13 @@
 mod fit;
 mod held;
 mod page;
+mod recording;
 mod replay;
-mod told;
 
 pub use fit::Fit;
 pub use page::sections;
+pub use recording::WallRecording;
 pub use replay::HAND_FILE;
-pub use told::Told;
 
 use serde::Serialize;
 use std::path::Path;
@@ -100,7 +100,7 @@ impl Beside {
 ///
 /// # Errors
 /// The recording does not fit the scene's encoder or rate, or is too short for this case; or the scene is not valid.
-pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Result<Beside> {
+pub fn beside(scene: &Scene, told: &WallRecording, hand: HandWas, folder: &Path) -> Result<Beside> {
     let replay = replay::Replay::new(scene, told, hand, folder)?;
     let simulated = replay.run(replay.scene())?;
     let recorded = replay.recorded();

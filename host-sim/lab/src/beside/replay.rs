@@ -1,7 +1,7 @@
 //! Simulates a scene with the hand's motion from a recording.
 
 use super::held::rest_point_rad;
-use super::told::Told;
+use super::recording::WallRecording;
 use super::{HandWas, closest, rms};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -26,7 +26,7 @@ const SPEED_HALVINGS: u32 = 6;
 
 /// A recording, with the scene that simulates it.
 pub struct Replay<'a> {
-    told: &'a Told,
+    told: &'a WallRecording,
     /// Index of the recording's first tick that is compared with the simulation.
     first: usize,
     scene: Scene,
@@ -49,7 +49,12 @@ pub struct Simulated {
 }
 
 impl<'a> Replay<'a> {
-    pub fn new(scene: &Scene, told: &'a Told, hand: HandWas, folder: &Path) -> Result<Self> {
+    pub fn new(
+        scene: &Scene,
+        told: &'a WallRecording,
+        hand: HandWas,
+        folder: &Path,
+    ) -> Result<Self> {
         let period_s = fits(scene, told)?;
         let surface_rad = surface_rad(scene, told)?;
         let (first, start_rad, speed, motion) = match hand {
@@ -151,7 +156,7 @@ impl<'a> Replay<'a> {
 }
 
 /// Checks that recording and scene have the same control rate; returns the control period, s.
-fn fits(scene: &Scene, told: &Told) -> Result<f64> {
+fn fits(scene: &Scene, told: &WallRecording) -> Result<f64> {
     let period_s = scene.timing.period_s();
     let steps = (told.time_s.len() - 1) as f64;
     let recorded = (told.time_s[told.time_s.len() - 1] - told.time_s[0]) / steps;
@@ -173,7 +178,7 @@ fn fits(scene: &Scene, told: &Told) -> Result<f64> {
 ///
 /// # Errors
 /// The scene has no encoder, or the recording's counts do not fit it.
-fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
+fn surface_rad(scene: &Scene, told: &WallRecording) -> Result<f64> {
     let Some(encoder) = &scene.encoder else {
         return Err(Error::Option {
             option: "encoder.counts_per_rev".into(),
@@ -206,7 +211,7 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
 ///
 /// # Errors
 /// The knob never reached the wall, or the recording starts too close to the wall.
-fn flight(told: &Told) -> Result<Range<usize>> {
+fn flight(told: &WallRecording) -> Result<Range<usize>> {
     let touch = told.penetration_rad.iter().position(|it| *it > 0.0);
     let no_flight = |problem: &str| {
         told.wrong(
@@ -237,7 +242,7 @@ fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
 }
 
 /// Writes the hand's motion to a file that `--operator-motion` can read; returns the path of the file.
-fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<PathBuf> {
+fn kept(scene: &Scene, told: &WallRecording, surface_rad: f64, folder: &Path) -> Result<PathBuf> {
     use std::fmt::Write as _;
     let rest = rest_point_rad(scene, told)?;
     let mut text = String::from("time_s,rest_rad\n");

@@ -19,7 +19,7 @@
 //!
 //! 6.4 % of the certificates are undecided.
 
-use super::{Options, Verdict, certify, hands::Family};
+use super::{CertifyOptions, Verdict, certify, hands::Family};
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
 use serde::{Deserialize, Serialize};
 use touchstone_control::{Choice as _, LawKind, StatesKind};
@@ -230,10 +230,10 @@ impl Row {
 /// The scene cannot be run or certified.
 pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
     let scene = scene(seed, index, states);
-    let options = Options {
+    let options = CertifyOptions {
         family: Family::Own,
         margins: false,
-        ..Options::default()
+        ..CertifyOptions::default()
     };
     let certificate = certify(&scene, &options)?;
     let own = &certificate.hands[0];

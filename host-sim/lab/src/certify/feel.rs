@@ -17,7 +17,7 @@ use super::judge::{HandReport, within_reach};
 use super::law::{Phases, Switching};
 use super::linear_law::{LinearLaw, Phase};
 use super::state_space::eigenvalues;
-use super::{Options, Verdict, certify, per_tick};
+use super::{CertifyOptions, Verdict, certify, per_tick};
 use cells::{Cell, statics, together};
 use serde::Serialize;
 use touchstone_control::Si;
@@ -124,7 +124,7 @@ pub struct FeelCertificate {
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
-pub fn certify_feel(scene: &Scene, options: &Options) -> Result<Option<FeelCertificate>> {
+pub fn certify_feel(scene: &Scene, options: &CertifyOptions) -> Result<Option<FeelCertificate>> {
     let around = scene.environment.clone().unwrap_or_default();
     let refused = |error: Refused| {
         let fix = "give 2 to 96 points from -1 to 1";
@@ -218,7 +218,7 @@ fn law(stiffness: f64, Drag { viscous, inertia }: Drag) -> LinearLaw {
 
 fn at_cell(
     base: &Contact,
-    options: &Options,
+    options: &CertifyOptions,
     drag: Drag,
     part: &str,
     cell: Cell,
@@ -319,7 +319,11 @@ fn leaves_without_swinging(contact: &Contact, hand: Option<&Hand>) -> bool {
 }
 
 /// Result for the scene's stiffest wall, certified like a scene's only wall; `None` without a wall.
-fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option<PartAtSteepest>> {
+fn wall(
+    scene: &Scene,
+    around: &Environment,
+    options: &CertifyOptions,
+) -> Result<Option<PartAtSteepest>> {
     let own = scene.wall.k_desired_n_m_per_rad;
     let first = around
         .first_wall
@@ -339,7 +343,7 @@ fn wall(scene: &Scene, around: &Environment, options: &Options) -> Result<Option
         it.environment = None;
         it.wall.k_desired_n_m_per_rad = stiffness;
     })?;
-    let asked = Options {
+    let asked = CertifyOptions {
         family: Family::Grips,
         margins: false,
         ..*options

@@ -83,7 +83,7 @@ impl Verdict {
 
 /// Options of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
+pub struct CertifyOptions {
     /// The set of hands that is examined.
     pub family: Family,
     /// Whether stability margins are calculated, which takes most of the time.
@@ -92,7 +92,7 @@ pub struct Options {
     pub current_loop_hz: Option<f64>,
 }
 
-impl Default for Options {
+impl Default for CertifyOptions {
     fn default() -> Self {
         Self {
             family: Family::All,
@@ -131,7 +131,7 @@ pub struct Certificate {
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
-pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
+pub fn certify(scene: &Scene, options: &CertifyOptions) -> Result<Certificate> {
     let mut contact = Contact::of(scene)?;
     contact.current_loop_hz = options.current_loop_hz;
     let mut holders: Vec<(String, Option<Hand>)> = Vec::new();

@@ -332,10 +332,10 @@ fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
     ] {
         *share *= ticks_per_ms;
     }
-    let options = Options {
+    let options = CertifyOptions {
         family: Family::Own,
         margins: false,
-        ..Options::default()
+        ..CertifyOptions::default()
     };
     let own = certify(&scene, &options).unwrap().hands.remove(0);
     let (touches, presses) = (own.ends.unwrap(), own.presses.unwrap());
@@ -349,7 +349,7 @@ fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
 #[test]
 fn what_is_played_settles_what_the_matrices_left_open() {
     let scene = Scene::load("press-hold").unwrap();
-    let own = certify(&scene, &Options::default())
+    let own = certify(&scene, &CertifyOptions::default())
         .unwrap()
         .hands
         .remove(0);

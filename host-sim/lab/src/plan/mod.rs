@@ -24,7 +24,7 @@ use touchstone_report::ProgramVersion;
 
 /// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Asked {
+pub struct PlanOptions {
     /// Relative change above which a result counts as changed by an omitted effect.
     pub tolerance: f64,
     /// Whether the computing time of a tick (control period) is measured.
@@ -33,9 +33,9 @@ pub struct Asked {
     pub omitted: bool,
 }
 
-impl Default for Asked {
+impl Default for PlanOptions {
     fn default() -> Self {
-        Asked {
+        PlanOptions {
             tolerance: 0.05,
             times: true,
             omitted: true,
@@ -91,7 +91,7 @@ pub struct Planned {
 
 /// Number of times that [`plan`] calls its argument `step`.
 #[must_use]
-pub fn steps(scene: &Scene, asked: Asked) -> u64 {
+pub fn steps(scene: &Scene, asked: PlanOptions) -> u64 {
     let rounds = if asked.times {
         u64::from(cost::REPEATS)
     } else {
@@ -111,7 +111,7 @@ pub fn steps(scene: &Scene, asked: Asked) -> u64 {
 /// The scene cannot be run.
 pub fn plan(
     scene: &Scene,
-    asked: Asked,
+    asked: PlanOptions,
     program: ProgramVersion,
     step: &mut dyn FnMut(),
 ) -> Result<Planned> {

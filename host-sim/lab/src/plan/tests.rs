@@ -1,13 +1,13 @@
 use super::*;
 use touchstone_report::plain_schema::misfit;
 
-const QUIET: Asked = Asked {
+const QUIET: PlanOptions = PlanOptions {
     tolerance: 0.05,
     times: false,
     omitted: false,
 };
 
-fn planned(sets: &[&str], asked: Asked) -> Planned {
+fn planned(sets: &[&str], asked: PlanOptions) -> Planned {
     let scene = Scene::load("press-hold")
         .unwrap()
         .with_overrides(sets)
@@ -77,7 +77,7 @@ fn the_page_of_the_effects_has_the_table_of_the_schema() {
 fn a_plan_obeys_its_schema_and_says_all_of_its_parts() {
     let found = planned(
         &["encoder.counts_per_rev=40000", "timing.duration_s=2.3"],
-        Asked::default(),
+        PlanOptions::default(),
     );
     let value = serde_json::to_value(&found).unwrap();
     assert_eq!(misfit(&schema::schema(), &value, ""), None);
@@ -155,9 +155,9 @@ fn the_tier_and_its_reasons_follow_the_effects() {
 
 #[test]
 fn what_is_omitted_is_told_where_it_matters_and_not_where_it_does_not() {
-    let asked = Asked {
+    let asked = PlanOptions {
         times: false,
-        ..Asked::default()
+        ..PlanOptions::default()
     };
     // A plain spring of half the critical stiffness, for which a control period of delay decides on stability.
     let sets = [

@@ -283,7 +283,7 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
 }
 
 /// Name of a measure, and the actions of the hand over which its worst value is taken.
-struct Asked {
+struct ComparedFigure {
     key: &'static str,
     heading: (&'static str, f64),
     deeds: fn(Deed) -> bool,
@@ -293,7 +293,7 @@ struct Asked {
 fn figure(
     pairs: &[Pair],
     grip: Option<&'static str>,
-    asked: &Asked,
+    asked: &ComparedFigure,
     of: impl Fn(&Seen) -> f64,
 ) -> FigureBeside {
     let is_asked =
@@ -349,7 +349,7 @@ fn is_own(deed: Deed) -> bool {
 
 fn of_grip(pairs: &[Pair], grip: Option<&'static str>) -> Vec<FigureBeside> {
     let measured = |key, measure: Measure| {
-        let asked = Asked {
+        let asked = ComparedFigure {
             key,
             heading: measure.heading(),
             deeds: is_own,
@@ -357,7 +357,7 @@ fn of_grip(pairs: &[Pair], grip: Option<&'static str>) -> Vec<FigureBeside> {
         figure(pairs, grip, &asked, |seen| seen.figures.get(measure))
     };
     let beside = |key, heading, deeds, of: fn(&Seen) -> f64| {
-        let asked = Asked {
+        let asked = ComparedFigure {
             key,
             heading,
             deeds,

@@ -190,7 +190,7 @@ fn fifty_critical_stiffnesses_hold_to_half_a_tick_and_no_further() {
     // With a whole tick of delay the wall is lost, as the matrices predict.
     let late = CASES.iter().find(|case| case.change == Change::Delay(1.0));
     assert!(worst_share(&scene, reference, late.expect("a case")) > 1.0);
-    let grips = crate::certify::Options {
+    let grips = crate::certify::CertifyOptions {
         family: crate::certify::hands::Family::Grips,
         ..Default::default()
     };

@@ -83,7 +83,7 @@ pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
         }
     }
     if certificate {
-        let options = certify::Options {
+        let options = certify::CertifyOptions {
             family: Family::Own,
             margins: false,
             current_loop_hz: None,

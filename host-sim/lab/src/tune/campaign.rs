@@ -6,7 +6,7 @@
 
 use super::diagnosis::{self, FailureCause};
 use super::outcome::Outcome;
-use super::{Effort, Options, Tuned, to_rest, tune};
+use super::{Effort, TuneOptions, Tuned, to_rest, tune};
 use crate::certify::{self, Certificate, Verdict, hands::Family};
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
 use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
@@ -242,7 +242,7 @@ pub fn row(
         }
         let seed = seed + try_number as u64;
         let found = if budget.for_all_measures {
-            let options = Options {
+            let options = TuneOptions {
                 effort: Effort::Ticks(ticks),
                 seed,
                 ripple_n_m: None,
@@ -300,7 +300,7 @@ fn rank(outcome: &Outcome) -> (bool, bool, bool) {
 /// The control law does not accept its settings.
 pub fn certificate(scene: &Scene) -> Result<Certificate> {
     let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
-    let asked = certify::Options {
+    let asked = certify::CertifyOptions {
         family: Family::Grips,
         margins: false,
         current_loop_hz: None,

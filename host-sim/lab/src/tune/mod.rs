@@ -31,7 +31,7 @@ use touchstone_sim::scene::Scene;
 
 /// Options of a search for settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
+pub struct TuneOptions {
     /// Seed of the random numbers; the same seed finds the same settings.
     pub seed: u64,
     /// Length of the search for settings.
@@ -99,7 +99,7 @@ pub struct Tuned {
 pub fn tune(
     scene: &Scene,
     rival: &'static Rival,
-    options: &Options,
+    options: &TuneOptions,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Tuned> {
     let mut reference = Reference::of(scene)?;

@@ -5,7 +5,7 @@ use super::evolution::Evolution;
 
 /// Result of a search for settings.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct SearchResult {
     /// The point with the least cost. Its coordinates are natural logarithms of settings divided by their start values.
     pub point: Vec<f64>,
     /// Cost of the point with the least cost.
@@ -34,7 +34,7 @@ pub fn minimise(
     until: &Until,
     cost: impl Fn(&[f64]) -> Cost + Sync,
     mut progress: impl FnMut(u64),
-) -> Found {
+) -> SearchResult {
     use rayon::prelude::*;
     let costs: Vec<Cost> = starts.par_iter().map(|start| cost(start)).collect();
     let mut done = starts.len() as u64;
@@ -76,7 +76,7 @@ pub fn minimise(
             }
         }
     }
-    Found {
+    SearchResult {
         point: best.0,
         cost: best.1,
         evaluations: done,

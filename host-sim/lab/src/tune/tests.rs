@@ -5,7 +5,7 @@ use super::cost::{Cost, Judgement};
 use super::diagnosis::{FailureCause, of_row};
 use super::parameters::{at, axes};
 use super::search::{Until, minimise};
-use super::{Effort, Options, pareto, settings, tune};
+use super::{Effort, TuneOptions, pareto, settings, tune};
 use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::{RIVALS, Rival};
 use crate::scorecard::{Entry, with_reference};
@@ -96,7 +96,7 @@ fn every_parameter_starts_within_its_bounds_and_is_where_it_says() {
 fn tuning_makes_a_wall_that_was_lost_and_writes_what_it_judged() {
     let scene = knob(5.0);
     let rival = Rival::named("spring-damper-estimated").expect("a law");
-    let options = Options {
+    let options = TuneOptions {
         seed: 3,
         effort: Effort::Ticks(3e6),
         ripple_n_m: Some(2e-3),
@@ -196,7 +196,7 @@ fn what_is_tuned_is_never_worse_than_what_was_there() {
         let mut scene = knob(k_desired);
         scene.device.inertia_kg_m2 *= inertia;
         scene.sensor.noise = noise_rad.map(|rms_rad| SensorNoise { rms_rad });
-        let options = Options {
+        let options = TuneOptions {
             seed: 1,
             effort: Effort::Ticks(1.0),
             ripple_n_m: None,

@@ -14,7 +14,7 @@ const OPTION: &str = "--probe";
 
 /// A debug probe that is connected by USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Found {
+pub struct ConnectedProbe {
     /// The text by which the option `--probe` names the probe: `VID:PID:SERIAL`, or `VID:PID-INTERFACE:SERIAL` if the probe has
     /// an interface number; without `:SERIAL` if the probe has no serial number.
     pub selector: String,
@@ -24,7 +24,7 @@ pub struct Found {
     pub usable: bool,
 }
 
-impl Found {
+impl ConnectedProbe {
     fn of(item: &ProbeListItem) -> Self {
         let info = &item.info;
         let mut selector = format!("{:04x}:{:04x}", info.vendor_id, info.product_id);
@@ -43,9 +43,9 @@ impl Found {
 }
 
 /// Lists all debug probes that are connected to this computer.
-pub fn found(lister: &Lister) -> Vec<Found> {
+pub fn found(lister: &Lister) -> Vec<ConnectedProbe> {
     let items = lister.list_all_with_access();
-    items.iter().map(Found::of).collect()
+    items.iter().map(ConnectedProbe::of).collect()
 }
 
 /// Opens the probe that the user names (`wanted`), or the only connected one. Returns the probe and its name for messages.
@@ -60,7 +60,7 @@ pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fa
         [item] => item,
         several => return Err(too_many(several)),
     };
-    let found = Found::of(item);
+    let found = ConnectedProbe::of(item);
     let place = format!("{PROBE} {}", found.selector);
     if !found.usable {
         return Err(Fault::of(
@@ -102,7 +102,7 @@ fn none(lister: &Lister, wanted: Option<&str>) -> Fault {
 }
 
 fn too_many(items: &[ProbeListItem]) -> Fault {
-    let all: Vec<Found> = items.iter().map(Found::of).collect();
+    let all: Vec<ConnectedProbe> = items.iter().map(ConnectedProbe::of).collect();
     Fault::of(
         PROBE,
         format!("there are {}: {}", all.len(), named(&all)),
@@ -110,7 +110,7 @@ fn too_many(items: &[ProbeListItem]) -> Fault {
     )
 }
 
-fn named(probes: &[Found]) -> String {
+fn named(probes: &[ConnectedProbe]) -> String {
     let names = probes
         .iter()
         .map(|probe| format!("{} ({})", probe.selector, probe.name));

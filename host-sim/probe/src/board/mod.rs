@@ -8,7 +8,7 @@ mod session;
 mod words;
 mod write;
 
-pub use choose::Found;
+pub use choose::ConnectedProbe;
 pub use fault::Fault;
 pub use image::Image;
 pub use log::Event;

@@ -127,9 +127,14 @@ pub fn run_told(scene: &Scene, with_trace: bool, done: &mut dyn FnMut(u64)) -> R
     let judge = Judge::new(Terms::of(scene));
     let (judge, trace) = if with_trace {
         let inner = Traced::of(scene, judge)?;
-        watch(scene, tick::Told { inner, done })?.inner.into_parts()
+        watch(scene, tick::WithProgress { inner, done })?
+            .inner
+            .into_parts()
     } else {
-        (watch(scene, tick::Told { inner: judge, done })?.inner, None)
+        (
+            watch(scene, tick::WithProgress { inner: judge, done })?.inner,
+            None,
+        )
     };
     Ok(run_of(scene, &judge, trace))
 }

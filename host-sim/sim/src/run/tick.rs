@@ -55,17 +55,17 @@ impl Recorder for Last {
 }
 
 /// Number of ticks between two progress messages.
-const TOLD_EVERY: u64 = 1024;
+const PROGRESS_EVERY: u64 = 1024;
 
 /// A recorder that also reports the number of finished ticks as progress.
-pub(super) struct Told<'a, R> {
+pub(super) struct WithProgress<'a, R> {
     pub inner: R,
     pub done: &'a mut dyn FnMut(u64),
 }
 
-impl<R: Recorder> Recorder for Told<'_, R> {
+impl<R: Recorder> Recorder for WithProgress<'_, R> {
     fn record(&mut self, tick: &Tick) {
-        if tick.index.is_multiple_of(TOLD_EVERY) {
+        if tick.index.is_multiple_of(PROGRESS_EVERY) {
             (self.done)(tick.index);
         }
         self.inner.record(tick);

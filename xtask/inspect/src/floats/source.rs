@@ -80,18 +80,18 @@ fn module_folder(file: &Path) -> PathBuf {
 
 /// What was found in one source text: floats with their lines, and the modules that only tests or the feature `float` compile.
 #[derive(Debug, Default)]
-struct Found {
+struct FoundFloats {
     floats: Vec<(usize, String)>,
     gated_modules: Vec<String>,
 }
 
-fn scan(text: &str) -> Result<Found, proc_macro2::LexError> {
-    let mut found = Found::default();
+fn scan(text: &str) -> Result<FoundFloats, proc_macro2::LexError> {
+    let mut found = FoundFloats::default();
     scan_tokens(text.parse()?, &mut found);
     Ok(found)
 }
 
-fn scan_tokens(tokens: TokenStream, found: &mut Found) {
+fn scan_tokens(tokens: TokenStream, found: &mut FoundFloats) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut at = 0;
     while let Some(token) = tokens.get(at) {

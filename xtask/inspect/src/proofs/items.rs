@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use proc_macro2::{TokenStream, TokenTree};
 
 use super::lock::writes_a_property;
-use super::syntax::{Found, attributes, flat, header, property, word};
+use super::syntax::{FoundItem, attributes, flat, header, property, word};
 
 /// Words after `by` in a property (a statement to prove): name of the solver, or `sampled`. They are left out of the hash, since
 /// they are no part of the statement.
@@ -152,7 +152,7 @@ impl Items {
                 at = begin;
                 continue;
             }
-            let found = Found::at(&all, begin);
+            let found = FoundItem::at(&all, begin);
             let end = found.as_ref().map_or(begin + 1, |found| found.end);
             let tokens = &all[at..end.min(all.len())];
             match found {
@@ -184,7 +184,7 @@ impl Items {
     /// Adds one item; returns whether it was added. `bare` is the item's tokens without attributes.
     fn take(
         &mut self,
-        found: &Found,
+        found: &FoundItem,
         tokens: &[TokenTree],
         bare: &[TokenTree],
         place: &Place,
@@ -369,7 +369,7 @@ impl Read {
                 // Documentation and `non_exhaustive` do not change what code computes.
                 let changes_nothing = matches!(all.get(at + 1 + inner), Some(TokenTree::Group(group))
                     if group.stream().to_string().starts_with("doc") || group.stream().to_string() == "non_exhaustive");
-                if skipped && let Some(found) = Found::at(all, after) {
+                if skipped && let Some(found) = FoundItem::at(all, after) {
                     at = found.end;
                     continue;
                 }

@@ -4,13 +4,13 @@ use proc_macro2::{Delimiter, TokenTree};
 use std::collections::BTreeSet;
 
 /// An item that begins at a position in the tokens: its keyword, its name (empty if it has none), and the position after the item.
-pub(super) struct Found {
+pub(super) struct FoundItem {
     pub keyword: String,
     pub name: String,
     pub end: usize,
 }
 
-impl Found {
+impl FoundItem {
     pub fn at(all: &[TokenTree], begin: usize) -> Option<Self> {
         let mut at = begin;
         while matches!(&*word(all, at), "pub" | "default" | "unsafe" | "async")

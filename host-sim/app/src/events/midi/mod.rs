@@ -39,7 +39,7 @@ pub struct MidiOptions {
 
 /// A request of a program by MIDI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum MidiRequest {
     /// The shipped feel with this number, from 0.
     Program(u8),
 }
@@ -98,7 +98,7 @@ impl Midi {
     }
 
     /// The requests of programs since the last call. A received value becomes the value of a knob without end stops.
-    pub fn asked(&mut self, positions: &Positions) -> Vec<Asked> {
+    pub fn asked(&mut self, positions: &Positions) -> Vec<MidiRequest> {
         let mut asked = Vec::new();
         for byte in self.line.read() {
             let Some(message) = self.parser.push(byte) else {
@@ -106,7 +106,7 @@ impl Midi {
             };
             match self.knob.heard(message) {
                 Heard::Nothing => {}
-                Heard::Program(number) => asked.push(Asked::Program(number)),
+                Heard::Program(number) => asked.push(MidiRequest::Program(number)),
                 Heard::Value(value) if positions.numbers().is_none() => self.knob.value = value,
                 Heard::Value(value) if !self.has_noted && !self.knob.is_own(value) => {
                     self.has_noted = true;

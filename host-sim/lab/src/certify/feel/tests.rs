@@ -8,9 +8,9 @@ fn feel(name: &str, sets: &[&str]) -> Scene {
 }
 
 fn certified(scene: &Scene) -> FeelCertificate {
-    let options = Options {
+    let options = CertifyOptions {
         margins: false,
-        ..Options::default()
+        ..CertifyOptions::default()
     };
     certify_feel(scene, &options).unwrap().unwrap()
 }
@@ -38,9 +38,9 @@ fn the_steepest_cell_is_that_of_the_drawn_torque() {
                 "environment.click=none",
             ],
         );
-        let options = Options {
+        let options = CertifyOptions {
             margins: false,
-            ..Options::default()
+            ..CertifyOptions::default()
         };
         let Some(found) = certify_feel(&scene, &options).unwrap() else {
             continue;
@@ -147,6 +147,6 @@ fn walls_count_and_a_feel_without_slope_has_no_certificate() {
         &["environment.endstops.stiffness_n_m_per_rad=60"],
     ));
     assert_ne!(stiff.verdict, Verdict::Stable);
-    let options = Options::default();
+    let options = CertifyOptions::default();
     assert_eq!(certify_feel(&feel("smooth", &[]), &options).unwrap(), None);
 }

@@ -17,7 +17,7 @@ const COLUMNS: [&str; 7] = [
 
 /// The longest part of a recording in which the wall was on and no control period (tick) is missing.
 #[derive(Debug, Clone)]
-pub struct Told {
+pub struct WallRecording {
     /// Path of the recording, for messages.
     pub file: PathBuf,
     /// Time of each tick in the recording, s.
@@ -42,7 +42,7 @@ struct Row {
     limited: bool,
 }
 
-impl Told {
+impl WallRecording {
     /// Reads, between two times in seconds, the longest part of a recording in which the wall was on and no tick is missing.
     ///
     /// # Errors
