@@ -16,7 +16,7 @@
 //! that remains.
 
 use crate::hardware::Hardware;
-use crate::settings::periods_per_tick;
+use crate::timing::periods_per_tick;
 use crate::units::quotient;
 use touchstone_control::settings::Settings;
 use touchstone_control::{ChangeOfForce, Choice as _, Fixed32, Position, Si};

@@ -21,7 +21,7 @@ use crate::calibration::Reason;
 use crate::command::Rotor;
 use crate::current::{CurrentCommand, CurrentMode};
 use crate::hardware::Hardware;
-use crate::settings::periods_per_tick;
+use crate::timing::periods_per_tick;
 use crate::transform::Dq;
 use crate::units::{narrow, product, quotient};
 use fixed::types::I16F16;

@@ -85,14 +85,3 @@ pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> Settin
         reason: Reason::OutOfFormat,
     }
 }
-
-/// Number of PWM periods in a control period.
-#[must_use]
-#[inline]
-pub fn periods_per_tick(settings: &DeviceSettings, hardware: &Hardware) -> u16 {
-    let periods = hardware
-        .pwm_hz
-        .checked_div(settings.timing.rate_hz)
-        .unwrap_or(1);
-    u16::try_from(periods).unwrap_or(u16::MAX).max(1)
-}

@@ -3,7 +3,7 @@
 use crate::Amps;
 use crate::angle::ElectricalScale;
 use crate::hardware::Hardware;
-use crate::settings::periods_per_tick;
+use crate::timing::periods_per_tick;
 use crate::units::narrow;
 use touchstone_protocol::DeviceSettings;
 

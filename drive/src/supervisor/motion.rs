@@ -21,12 +21,13 @@
 //! turn.
 
 use super::Found;
-use super::shaft::JITTER;
 use crate::current::CurrentReport;
 use crate::units::{clamp_i32, milli, narrow};
 use fixed::types::I16F16;
 use touchstone_protocol::{DeviceSettings, FaultCode};
 
+/// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed, jumps and swings.
+pub(super) const JITTER: i64 = 4;
 /// Least speed of a swing in each direction, rad/s.
 const LEAST_SWING: u64 = 6;
 /// Number of swings in a row that raise the fault.

@@ -9,11 +9,11 @@
 //! period.
 
 use super::Found;
-use super::motion::{Motion, MotionConfig};
+use super::motion::{JITTER, Motion, MotionConfig};
 use crate::current::CurrentReport;
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
-use crate::settings::periods_per_tick;
+use crate::timing::periods_per_tick;
 use crate::units::{clamp_i32, narrow, quotient};
 use fixed::types::I16F16;
 use touchstone_control::Si;
@@ -22,8 +22,6 @@ use touchstone_protocol::FaultCode;
 
 /// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
-/// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed and jumps.
-pub(super) const JITTER: i64 = 4;
 /// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
 /// counts as overspeed.
 const JUMP_FACTOR: i32 = 4;

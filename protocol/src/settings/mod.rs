@@ -22,6 +22,7 @@ pub mod kept;
 mod leaf;
 #[cfg(feature = "large")]
 pub mod parts;
+mod refusal;
 mod table;
 mod untold_motor;
 mod validate;
@@ -36,11 +37,12 @@ use touchstone_control::{setting_type, setting_value};
 #[cfg(feature = "wire")]
 pub use access::{KeyError, VALUE_MAX};
 pub use decimal::Decimal;
+#[cfg(feature = "wire")]
+pub use refusal::{Invalid, PATH_MAX, PathText};
+pub use refusal::{Reason, SettingsError};
 use table::device_settings;
 pub use table::{DriveKind, EncoderKind};
-#[cfg(feature = "wire")]
-pub use validate::{Invalid, PATH_MAX, PathText};
-pub use validate::{Reason, SettingsError, refused};
+pub use validate::refused;
 
 macro_rules! tree {
     (
