@@ -3,6 +3,7 @@
 
 pub mod cogging;
 pub mod eccentricity;
+pub mod spin;
 pub mod start;
 
 use super::haptic;

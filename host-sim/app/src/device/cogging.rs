@@ -1,9 +1,9 @@
 //! `touchstone device cogging`: measures a map of the motor's cogging torque, checks it, stores it on the board or deletes it.
 
+use super::spin;
 use super::{calibration_limit, status_of};
 use crate::interrupt::{self, INTERRUPTED};
 use crate::out::{self, note, say, tell};
-use crate::setup::spin;
 use clap::Subcommand;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;

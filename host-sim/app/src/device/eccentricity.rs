@@ -2,9 +2,9 @@
 //! effect on torque and wall, and whether to mount the magnet again. Also used by `touchstone setup`.
 
 use super::cogging::at_rest;
+use super::spin;
 use crate::interrupt;
 use crate::out::{self, note, say, tell};
-use crate::setup::spin;
 use clap::Subcommand;
 use serde_json::{Value, json};
 use touchstone_device::Client;

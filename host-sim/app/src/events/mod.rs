@@ -69,14 +69,14 @@ pub struct Options {
     #[arg(long, value_name = "PORT")]
     osc: Option<String>,
     /// Receives OSC messages from this computer on this port: /touchstone/feel FEEL renders a feel, by the name of a shipped one or
-    /// as the TOML text of a scene with a table `environment`; /touchstone/position N gives the present position the number N. A refused
-    /// message is answered through --osc by /touchstone/error SETTING PROBLEM.
+    /// as the TOML text of a scene with a table `environment`; /touchstone/position N gives the present position the number N. A
+    /// refused message is answered through --osc by /touchstone/error SETTING PROBLEM.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
     /// Also sends every change, as --json prints it, to the clients of a WebSocket on a port of this computer. Accepts the requests
     /// {"position": N} and {"feel": FEEL} from them. FEEL is the name of a shipped feel, the TOML text of a scene with a
-    /// table `environment`, or its tables, e.g. {"environment": {"detents": {"per_rev": 12}}}. A refused request changes nothing and is
-    /// answered by a line with "event": "error", setting and problem. Prints the WebSocket's address, which has a secret token.
+    /// table `environment`, or its tables, e.g. {"environment": {"detents": {"per_rev": 12}}}. A refused request changes nothing and
+    /// is answered by a line with "event": "error", setting and problem. Prints the WebSocket's address, which has a secret token.
     /// With HOST:PORT other computers can connect.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     websocket: Option<String>,

@@ -5,9 +5,9 @@ mod kept;
 mod knob_scene;
 mod law_file;
 mod sheet;
-pub(crate) mod spin;
 
 use super::config::toml_file;
+use super::device::spin::{self, Measured};
 use super::device::{calibrated, cogging, eccentricity, start, status_of, warn_unwatched};
 use super::flash::{self, BoardName};
 use super::interrupt;
@@ -17,7 +17,6 @@ use super::port::PortOption;
 use super::progress;
 use kept::{Kept, io};
 use law_file::with_knob;
-use spin::Measured;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_control::Si;

@@ -1,6 +1,6 @@
 //! Commands a device to measure its motor, and receives the telemetry of motor and encoder.
 
-use crate::device::calibration_limit;
+use super::calibration_limit;
 use crate::interrupt;
 use crate::out::note;
 use crate::stream::{SIGN_OF_LIFE, SILENCE_LIMIT};
