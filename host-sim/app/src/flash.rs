@@ -1,16 +1,17 @@
 //! `touchstone flash`: writes the firmware to a board with probe-rs. With the feature `probe`, the crate probe-rs in this program
 //! does the work, otherwise the installed program probe-rs.
 
+pub mod log_printing;
 mod mark;
 #[cfg_attr(feature = "probe", path = "flash/by_crate.rs")]
 #[cfg_attr(not(feature = "probe"), path = "flash/by_program.rs")]
 mod means;
 
 use super::interrupt;
-use super::log::Log;
 use super::out::{path_line, say, tell};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use log_printing::LogPrinting;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -183,7 +184,7 @@ pub fn main(options: &Options) -> Result<()> {
         return into(&job, None);
     }
     // Ctrl-C waits for the end of writing: a board with half a program is worse than a delay.
-    let log = Log::until(interrupt::noted()?);
+    let log = LogPrinting::until(interrupt::noted()?);
     into(&job, options.log.then_some(&log))?;
     if !options.log && log.stop.load(Ordering::Relaxed) {
         eprintln!("interrupted after the program was written; it is complete and runs");
@@ -199,7 +200,7 @@ pub fn write(board: BoardName) -> Result<()> {
     into(&job, None)
 }
 
-fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
+fn into(job: &Job<'_>, log: Option<&LogPrinting>) -> Result<()> {
     tell!("{} into {}", path_line(&job.elf), job.chip());
     means::write(job, log)
 }

@@ -1,7 +1,7 @@
 //! Writes firmware to a board and shows its log, through the crate probe-rs, which is compiled into this program.
 
+use super::log_printing::LogPrinting;
 use super::{Job, written};
-use crate::log::Log;
 use crate::out::{note, path_line, say, tell};
 use crate::progress;
 use indicatif::ProgressBar;
@@ -39,7 +39,7 @@ pub fn rehearse(job: &Job<'_>) -> Result<()> {
 }
 
 /// Writes the firmware to the board, reads it back to compare, and starts it. With `log`, shows the firmware's log afterwards.
-pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
+pub fn write(job: &Job<'_>, log: Option<&LogPrinting>) -> Result<()> {
     let elf = job.read()?;
     let image = image(job, &elf)?;
     let words = log.map(|_| words(job, &elf)).transpose()?;
@@ -75,7 +75,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
 }
 
 /// Shows the log of the firmware that runs on the board.
-pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
+pub fn log(job: &Job<'_>, log: &LogPrinting) -> Result<()> {
     let elf = job.read()?;
     let (image, words) = (image(job, &elf)?, words(job, &elf)?);
     let mut attached = attached(job)?;
@@ -119,7 +119,7 @@ fn error(fault: Fault) -> Error {
 }
 
 /// Prints the lines of the log until `log` says to stop.
-fn shown(attached: &mut Attached, image: &Image, words: &Words, log: &Log) -> Result<()> {
+fn shown(attached: &mut Attached, image: &Image, words: &Words, log: &LogPrinting) -> Result<()> {
     tell!("seconds since this log began, or the board's own time; Ctrl-C ends it");
     let mut printed = Ok(());
     let tell = |event| match event {
@@ -137,7 +137,7 @@ fn shown(attached: &mut Attached, image: &Image, words: &Words, log: &Log) -> Re
     printed
 }
 
-fn print(line: &Line, log: &Log) -> Result<()> {
+fn print(line: &Line, log: &LogPrinting) -> Result<()> {
     let Line {
         time,
         level,

@@ -1,7 +1,7 @@
 //! Writes firmware to a board and shows its log, through the installed program probe-rs, whose progress is shown unchanged.
 
+use super::log_printing::LogPrinting;
 use super::{Job, written};
-use crate::log::Log;
 use crate::out::{path_line, say, tell};
 use std::ffi::OsStr;
 use std::io::{Error as IoError, ErrorKind};
@@ -54,7 +54,7 @@ pub fn rehearse(job: &Job<'_>) -> Result<()> {
 }
 
 /// Writes the firmware to the board and starts it. With `log`, shows the firmware's log afterwards.
-pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
+pub fn write(job: &Job<'_>, log: Option<&LogPrinting>) -> Result<()> {
     done(&mut download(job))?;
     done(&mut command("reset", job))?;
     written()?;
@@ -62,7 +62,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
 }
 
 /// Shows the log of the firmware that runs on the board.
-pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
+pub fn log(job: &Job<'_>, log: &LogPrinting) -> Result<()> {
     tell!("{}; Ctrl-C ends it", path_line(&job.elf));
     let mut child = command("attach", job)
         .arg(&job.elf)
