@@ -132,6 +132,7 @@ fn a_slipped_magnet_or_exchanged_wires_give_less_than_a_fifth_of_a_joule_on_ever
                 fault,
             } = pressed;
             let what = format!("{board:?} {part:?}: {pressed:?}");
+            println!("{what}");
             let in_time = part.is_found_in_time(board);
             // The energy guard's bound is 45 mJ. A slip by 120 degrees that is found in time stays near it.
             let is_slip = matches!(part, Part::Magnet(-120.0 | 120.0));
