@@ -12,7 +12,14 @@ use touchstone_sim::output;
 /// Name of the progress file.
 const NAME: &str = "setup.json";
 /// Files, and a folder, that a setup writes in addition to its progress file.
-const FILES: [&str; 4] = [super::BEFORE, "knob.toml", "law.toml", super::REPORT];
+const FILES: [&str; 6] = [
+    super::BEFORE,
+    "knob.toml",
+    "law.toml",
+    super::RUST,
+    super::C,
+    super::REPORT,
+];
 
 /// The finished steps of a setup, with their results.
 pub struct Kept {

@@ -25,7 +25,8 @@ use touchstone_drive::wire::{checked, hardware};
 use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_lab::scorecard::rivals::Rival;
-use touchstone_lab::tune::{self, Effort};
+use touchstone_lab::tune::own_firmware::{CFile, OwnFirmware};
+use touchstone_lab::tune::{self, Effort, Tuned};
 use touchstone_link::guard;
 use touchstone_link::value;
 use touchstone_link::words::{described, name_of, number_of};
@@ -185,12 +186,17 @@ fn steps(
             .map_err(|error| io(given, &error))?;
         toml_file::read(&law, given, &settings)?;
         write(&law_file, &law)?;
+        // Those of an earlier search would be of another law.
+        for name in [RUST, C] {
+            let _ = std::fs::remove_file(options.out.join(name));
+        }
     } else if kept.tuned_for() == Some(&*text) && law_file.is_file() {
         tell!("5/6 wall       tuned before: {}", law_file.display());
     } else {
         tell!("5/6 wall       looking for settings of the law");
         let law = tuned(&Scene::parse(&text, &scene_file)?, options, stop)?;
-        write(&law_file, &law)?;
+        write(&law_file, &tune::settings::toml(&law))?;
+        write_code(&law, &options.out)?;
         kept.keep_tuned_for(&text)?;
     }
 
@@ -277,6 +283,10 @@ fn uncogged(
 
 /// Name of the file with the board's settings before the setup. `touchstone config import` restores them from this file.
 const BEFORE: &str = "before.toml";
+
+/// Names of the files with the law's settings and the measured device for a firmware of one's own, in Rust and in C.
+const RUST: &str = "law.rs";
+const C: &str = "law.h";
 
 /// Name of the folder with the page on the measured knob.
 const REPORT: &str = "report";
@@ -418,8 +428,22 @@ fn named(path: &str) -> Result<&'static touchstone_protocol::settings::fields::F
     })
 }
 
-/// Tuned settings of the control law for a scene, as TOML text.
-fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> {
+/// Writes the settings and the measured device as Rust and as C, for a firmware of one's own.
+fn write_code(tuned: &Tuned, folder: &Path) -> Result<()> {
+    match OwnFirmware::new(tuned) {
+        Ok(code) => {
+            write(&folder.join(RUST), &code.rust())?;
+            write(&folder.join(C), &code.c(CFile::Header))
+        }
+        Err(why) => {
+            note!("{RUST} and {C} are not written: {why}");
+            Ok(())
+        }
+    }
+}
+
+/// Tuned settings of the control law for a scene.
+fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Tuned> {
     let asked = tune::TuneOptions {
         seed: 1,
         effort: match options.quick {
@@ -458,7 +482,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
             .into(),
         });
     }
-    Ok(tune::settings::toml(&tuned))
+    Ok(tuned)
 }
 
 /// Sends settings to the board, lets the board save them, and calibrates with them.

@@ -131,6 +131,44 @@ fn a_board_becomes_a_tuned_knob() {
     assert!(guard.damping_n_m_s_per_rad.to_num::<f64>() <= 0.8 * measured);
 }
 
+/// The number after a text in a generated file.
+fn number_after(text: &str, name: &str) -> f64 {
+    let after = text
+        .split_once(name)
+        .unwrap_or_else(|| panic!("{name} in {text}"))
+        .1;
+    let number = after.trim_start_matches(|c: char| !c.is_ascii_digit());
+    let end = number.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+    number[..end.unwrap_or(number.len())].parse().unwrap()
+}
+
+/// Checks that a setup that tunes the wall writes it for a firmware of one's own too, for no better a device than was measured, and
+/// that no file of another law stays.
+#[test]
+fn a_tuned_wall_is_written_as_rust_and_c() {
+    let (out, law) = place("setup-code");
+    let device = Spun::new(motor(), &knob(1.3e-3), 1);
+    let folder = out.display().to_string();
+    let words = ["setup", "--quick", "--k-desired", "0.5", "--out", &folder];
+    device.run(&words).done();
+    let rust = std::fs::read_to_string(out.join("law.rs")).unwrap();
+    let c = std::fs::read_to_string(out.join("law.h")).unwrap();
+    assert!(c.contains("ts_status tuned_settings("), "{c}");
+    let damping = kept(&out)["measured"]["damping_n_m_s_per_rad"]["value"]
+        .as_f64()
+        .unwrap();
+    let scene: toml::Table = std::fs::read_to_string(out.join("knob.toml"))
+        .unwrap()
+        .parse()
+        .unwrap();
+    let delay_s = scene["timing"]["computational_delay_s"].as_float().unwrap();
+    let device_text = rust.split_once("tuned_device").unwrap().1;
+    assert!(number_after(device_text, "damping:") <= damping * 1.000001);
+    assert!(number_after(device_text, "delay:") >= delay_s - 1e-9);
+    setup(&device, &out, &law).done();
+    assert!(!out.join("law.rs").exists() && !out.join("law.h").exists());
+}
+
 /// The measured values of a setup's progress file. Resistance, inductance and torque constant are those of the board's default
 /// settings.
 fn measured(board: Board, damping: f64, uncertainty: f64) -> serde_json::Value {
