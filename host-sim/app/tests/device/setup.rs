@@ -149,8 +149,9 @@ fn a_tuned_wall_is_written_as_rust_and_c() {
     let (out, law) = place("setup-code");
     let device = Spun::new(motor(), &knob(1.3e-3), 1);
     let folder = out.display().to_string();
-    let words = ["setup", "--quick", "--k-desired", "0.5", "--out", &folder];
-    device.run(&words).done();
+    let words = ["setup", "--quick", "--k-desired", "5", "--out", &folder];
+    let said = device.run(&words);
+    assert_eq!(said.code, Some(0), "{}", said.err);
     let rust = std::fs::read_to_string(out.join("law.rs")).unwrap();
     let c = std::fs::read_to_string(out.join("law.h")).unwrap();
     assert!(c.contains("ts_status tuned_settings("), "{c}");
