@@ -11,7 +11,7 @@ use touchstone_control::{
 };
 use touchstone_lab::thesis::space::texture::Texture;
 use touchstone_lab::thesis::space::{
-    Approach, Cell, Mechanism, Object, Phase, RADIUS_MM, SurfaceFeel, run, wall,
+    Approach, Cell, Mechanism, Object, Phase, RADIUS_MM, Record, SurfaceFeel, run, wall,
 };
 use touchstone_sim::run::verdict::Verdict;
 use touchstone_tests::search;
@@ -270,6 +270,19 @@ fn over(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     times(a, [b[0] / size, -b[1] / size])
 }
 
+/// Amplitude of the normal force, N, at a period along x, while the hand slides.
+fn amplitude_n(record: &Record, period_mm: f64) -> f64 {
+    let forces: Vec<(f64, f64)> = record
+        .late(Phase::Slide, 0.6)
+        .map(|tick| {
+            let angle = std::f64::consts::TAU * record.hip_mm[tick][0] / period_mm;
+            (angle, record.normal_force_n(tick))
+        })
+        .collect();
+    let found = at_phase(&forces);
+    found[0].hypot(found[1])
+}
+
 /// Checks the amplitude of the normal force at the period of the grooves, while the hand slides over a plane. The wall's spring `k`
 /// and the device in the hand, with the complex stiffness `Z`, are in series under grooves of the amplitude `a`, so the force has
 /// the amplitude `a |k Z/(k + Z)|`.
@@ -289,15 +302,8 @@ fn a_texture_is_felt_along_the_normal_with_its_height() {
             (x(slide.end - 1) - x(slide.start)) / ((slide.len() - 1) as f64 * TICK_S)
         };
         let omega = std::f64::consts::TAU * speed / texture.period_mm;
-        let forces: Vec<(f64, f64)> = slide
-            .clone()
-            .map(|tick| {
-                let angle = std::f64::consts::TAU * record.hip_mm[tick][0] / texture.period_mm;
-                (angle, record.normal_force_n(tick))
-            })
-            .collect();
-        let found = at_phase(&forces);
-        let found_n = found[0].hypot(found[1]);
+        let period_mm = texture.period_mm;
+        let found_n = amplitude_n(&record, period_mm);
         let (k, z) = ([25.0, 0.0], impedance(omega));
         let series = over(times(k, z), [k[0] + z[0], z[1]]);
         let ideal_n = 0.5 * height_mm * series[0].hypot(series[1]);
@@ -312,10 +318,8 @@ fn a_texture_is_felt_along_the_normal_with_its_height() {
         );
         assert!(across < 0.01, "{across}");
         let smooth = run(&cell(object, Approach::Shipped, SurfaceFeel::default())).unwrap();
-        assert!(
-            smooth.ripple_mm(smooth.late(Phase::Slide, 0.6))
-                < 0.2 * record.ripple_mm(record.late(Phase::Slide, 0.6))
-        );
+        let smooth_n = amplitude_n(&smooth, period_mm);
+        assert!(smooth_n < 0.2 * found_n, "{smooth_n} N without a texture");
         assert_eq!(record.judged().0, Verdict::Passive, "{object:?}");
     }
 }
