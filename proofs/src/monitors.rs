@@ -77,9 +77,9 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): an encoder with at most one bad reading in each 51 never raises the fault, over any number of
-    /// readings: a sum that begins at most at 949 is no fault within 51 readings, and ends at most where it began, or at
-    /// 50. It follows from `p10_share16` by induction.
+    /// P10 (fault machine): an encoder with at most one bad reading in each 51 never raises the fault. A sum that begins at
+    /// most at 949 is no fault within 51 readings. It ends at most where it began, or at 50. So this holds over any number of
+    /// readings. It follows from `p10_share16` by induction.
     equation "one bad in 51, S <= 949  =>  no fault, S(51) <= max(S, 50)"
     over "two sums from 0 to 949, place of the bad reading of each kind"
     by sampled fn p10_share_borne16(s) {
@@ -140,7 +140,7 @@ const ROWS: usize = 5;
 /// Row of the next product.
 #[cfg(kani)]
 static AT: AtomicUsize = AtomicUsize::new(0);
-/// Number of products that were asked for the first time; 0 until they are asked again.
+/// Number of products of the first calculation; 0 until the second one begins.
 #[cfg(kani)]
 static AGAIN: AtomicUsize = AtomicUsize::new(0);
 /// The two factors and the product of each row.
@@ -273,9 +273,9 @@ property! {
     }
 }
 property! {
-    /// P10 (fault machine): as long as the unexplained voltage exceeds the allowed one by `e` quanta in each control period,
-    /// their filtered difference grows by at least `e - 2` a period (2 for the rounding of two sums), until it is the alarm. So
-    /// the alarm comes after a bounded time, whatever was before.
+    /// P10 (fault machine): the alarm comes after a bounded time, whatever was before. While the unexplained voltage exceeds the
+    /// allowed one by `e` quanta in each control period, their filtered difference grows by at least `e - 2` a period, up to the
+    /// alarm. The 2 is for the rounding of two sums.
     equation "r - a >= e, D < 2^k  =>  D' >= D + e - 2; alarm where D' >= 2^k, D = S_r - S_a"
     over "coefficients, memory without alarm, speed, currents, voltages, axis and direction"
     by sampled fn p10_model_found64(s) {

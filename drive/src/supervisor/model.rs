@@ -64,8 +64,8 @@ impl ModelConfig {
         })
     }
 
-    /// Coefficients that do not come from settings: resistance in ohm, flux linkage in V·s/rad and inductance in H, both times the
-    /// number of pole pairs, and the filter's time constant in control periods as a power of two, up to 24. Proofs take any.
+    /// Coefficients for proofs: resistance in ohm; flux linkage in V·s/rad and inductance in H, both times the pole pairs.
+    /// `over_log2` is the base-2 logarithm of the filter's time constant in control periods, up to 24.
     #[must_use]
     pub const fn from_motor(ohms: I16F16, flux: I16F16, henries: I16F16, over_log2: u32) -> Self {
         Self {

@@ -114,9 +114,9 @@ impl Motion {
         }
     }
 
-    /// The memory after `swings` swings in a row, of which the last has the direction `direction` (0: none yet) and began `since`
-    /// control periods ago, and of a runaway that has lasted `run` control periods and began with `began` counts in the speed's
-    /// window. Proofs begin with any.
+    /// The memory after `swings` swings in a row. The last has the direction `direction` (0: none yet) and began `since` control
+    /// periods ago. A runaway has lasted `run` control periods and began with `began` counts in the speed's window. Proofs begin
+    /// with any.
     #[must_use]
     pub const fn from_swings_and_run(
         direction: i8,

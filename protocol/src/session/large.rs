@@ -1,5 +1,5 @@
 //! What a session of larger chips has beside the settings: the environment (walls, end stops, detents), the data for the next start,
-//! and the map of the motor's cogging torque. `small.rs` has the same functions for chips without room for them.
+//! and the map of the motor's cogging torque. `small.rs` replaces this module on other chips.
 
 use super::{Backend, Session};
 use crate::reply::{Refusal, Reply};

@@ -68,8 +68,8 @@ pub struct Options {
     /// Also sends every change as an OSC message over UDP, to a port on this computer or to HOST:PORT.
     #[arg(long, value_name = "PORT")]
     osc: Option<String>,
-    /// Receives OSC messages from this computer on this port: /touchstone/feel FEEL renders a feel, by the name of a shipped one or
-    /// as the TOML text of a scene with a table `environment`; /touchstone/position N gives the present position the number N. A
+    /// Receives OSC messages from this computer on this port. /touchstone/feel FEEL renders a feel, by the name of a shipped one or
+    /// as the TOML text of a scene with a table `environment`. /touchstone/position N gives the present position the number N. A
     /// refused message is answered through --osc by /touchstone/error SETTING PROBLEM.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
