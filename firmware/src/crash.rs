@@ -5,8 +5,9 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of_mut, read_volatile, write_volatile};
 use core::sync::atomic::Ordering::Relaxed;
 
-use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_stm32::interrupt;
 use embassy_stm32::pac::{FLASH, RCC};
 use touchstone_drive::ResetFlags;
 
@@ -108,9 +109,11 @@ unsafe fn NonMaskableInt() {
         die(FAULT, 0, "", 0);
     }
     FLASH.eccr().modify(|w| w.set_eccd(true));
-    // The error has also triggered the timer's break (`supply`). While the settings are read at the start, the firmware's own
-    // interrupts are not enabled yet.
+    // The error has also triggered the timer's break (`supply`), and an interrupt stays pending when its flag is cleared (PM0214).
+    // Without the last line a save, which reads all pages, would latch a hardware break. A true break cannot be lost: settings are
+    // read only while the outputs are off, and a break that is still active sets its flag again.
     pwm::clear_break();
+    NVIC::unpend(interrupt::TIM1_BRK_TIM15);
 }
 
 /// Handles an enabled interrupt without a handler as a crash: the program has a defect.

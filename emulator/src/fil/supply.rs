@@ -121,6 +121,8 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
     for (cuts, cut) in (0..MOST_CHANGES).step_by(every as usize).enumerate() {
         let said = |error: String| format!("cut at change {cut}: {error}");
         let old = saved(&mut bench, cuts).map_err(said)?;
+        // This save has read the page that the cut before it tore, while interrupts were enabled.
+        starts(&mut bench).map_err(|error| said(format!("after a save: {error}")))?;
         changed(&mut bench, UNSAVED).map_err(said)?;
         let new = bench.settings()?;
         if !saves_until(&mut bench, cut).map_err(said)? {
@@ -131,6 +133,7 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
         came_up(&mut bench, since, &[&old, &new]).map_err(said)?;
         // A torn word raises an interrupt and the system break when it is read. The device must have handled it by now.
         starts(&mut bench).map_err(said)?;
+        bench.machine.guard_torn();
     }
     Err(format!("a save of more than {MOST_CHANGES} changes"))
 }

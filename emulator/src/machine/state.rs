@@ -198,14 +198,16 @@ impl Machine {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
-    /// Removes read access from the 4 KiB block around each torn double word of flash, so that its first read is noticed. A double
-    /// word is torn if the power was cut while it was written. A hook on every read cannot be used: with such a hook Unicorn
-    /// returns wrong values for some reads.
-    pub(super) fn guard_torn(&mut self) {
+    /// Removes read access from the 4 KiB block around each torn double word of flash, so that its next read is noticed; later ones
+    /// are not. A double word is torn if the power was cut while it was written. A hook on every read cannot be used: with such a
+    /// hook Unicorn returns wrong values for some reads.
+    pub fn guard_torn(&mut self) {
         for place in self.chip().flash.torn.clone() {
             let block = u64::from(place) & !(BLOCK - 1);
             let _ = self.unicorn.mem_protect(block, BLOCK, Prot::NONE);
         }
+        // Unicorn would still read a block that it has read before.
+        let _ = self.unicorn.ctl_flush_tlb();
     }
 
     /// Switches the chip's power on. RAM gets a fixed pattern, because its content after power-on is undefined.
