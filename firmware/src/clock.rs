@@ -4,7 +4,9 @@
 //! tolerates 2 %. An internal oscillator works on every board and has no connection that can break.
 //!
 //! For a switch to more than 80 MHz, the reference manual RM0440, 7.2.7, recommends 1 µs or more at half the frequency after the
-//! switch. `embassy-stm32` 0.6 waits before the switch instead, and has no option to change that.
+//! switch. `embassy-stm32` 0.6 waits before the switch instead: a single write selects the PLL and removes the prescaler of 2. It
+//! has no option to change that. If it left the prescaler for this crate to remove, its time driver would run at twice its rate,
+//! because it keeps the frequencies of its own set-up.
 
 use embassy_stm32::Config;
 use embassy_stm32::interrupt::Priority;
