@@ -37,7 +37,7 @@ fn made() -> Result<Outcome, Outcome> {
     words.push(seconds().to_string().into());
     words.extend([version.into(), program.into()]);
     words.push(paired("library", &library));
-    for board in firmware::BOARDS {
+    for &board in firmware::BOARDS.iter() {
         words.push(paired(board, &firmware::program(board)));
     }
     for metadata in metadata(&folder)? {
@@ -114,7 +114,7 @@ fn tried(unpacked: &Path) -> Result<(), Outcome> {
         vec!["run", "thesis-knob", "--quiet"],
         vec!["export-fmu", "tap", "--out", "../../tried", "--force"],
     ];
-    for board in firmware::BOARDS {
+    for &board in firmware::BOARDS.iter() {
         calls.push(vec!["flash", "--dry-run", "--board", board]);
     }
     let nowhere = unpacked.join("docs");

@@ -6,20 +6,19 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
 use crate::outcome::Outcome;
 use crate::step::Share;
 use crate::toolchain::{self, BOARD};
 use crate::{inspect, shell};
 
-/// The supported boards. Each name is also the name of a binary and of a Cargo feature of `firmware/`.
-pub const BOARDS: [&str; 5] = [
-    "nucleo-g474re",
-    "nucleo-g474re-ihm16m1",
-    "nucleo-g474re-simplefoc-mini",
-    "nucleo-g431rb-ihm16m1",
-    "b-g431b-esc1",
-];
+/// The supported boards: the names of the binaries of `firmware/`. Each is also the name of a Cargo feature.
+pub static BOARDS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    let binaries = include_str!("../../firmware/Cargo.toml").split("[[bin]]");
+    let name = |binary: &'static str| binary.split('"').nth(1);
+    binaries.skip(1).filter_map(name).collect()
+});
 
 /// Part of the name of a board whose chip has 128 KiB of flash memory. Its firmware is compiled for small size instead of speed.
 const SMALL_FLASH: &str = "g431";

@@ -115,7 +115,7 @@ struct BuildJob<'s> {
 
 fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<BuildJob<'s>> {
     let mut asked = Vec::new();
-    for board in firmware::BOARDS {
+    for &board in firmware::BOARDS.iter() {
         let of_board: Vec<&Entry> = all
             .iter()
             .filter(|one| one.word("board") == board)
