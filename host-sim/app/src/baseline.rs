@@ -6,32 +6,8 @@ use serde_json::Value;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
+use touchstone_sim::run::summary::{MEASURES, Worse};
 
-/// Whether a smaller or a larger value of a measure counts as worse.
-#[derive(Clone, Copy)]
-enum Worse {
-    Less,
-    More,
-}
-
-/// Fields of a run's results that are compared, each with an absolute tolerance in the field's unit, for values near zero.
-/// Stiffness and ratio have none.
-///
-/// Angles: a hundredth of a count of the finest encoder in the shipped scenes. Energies: a thousandth of the energy that a press of
-/// 0.1 N·m stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz. Speed: the
-/// tolerance of an angle per such period.
-const MEASURES: [(&str, Worse, f64); 10] = [
-    ("k_displayed", Worse::Less, 0.0),
-    ("peak_penetration_ratio", Worse::More, 0.0),
-    ("penetration_max", Worse::More, 1.6e-6),
-    ("settle_from_ramp_end_s", Worse::More, 1e-3),
-    ("limit_cycle_peak_to_peak", Worse::More, 1.6e-6),
-    ("ripple_rms_n_m", Worse::More, 1e-5),
-    ("release_speed_rad_per_s", Worse::More, 1.6e-3),
-    ("release_excursion_rad", Worse::More, 1.6e-6),
-    ("energy_out", Worse::More, 1e-6),
-    ("energy_out_worst_window_j", Worse::More, 1e-6),
-];
 /// Field with a run's name. Older results files do not have the field; a run without it matches a run of any name.
 const NAME: &str = "name";
 /// Fields of the results that must be equal in two runs, so that these count as the same run.
@@ -92,21 +68,21 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         verdict(&now),
         before["verdict"] == now["verdict"],
     )];
-    for (field, worse, nothing) in MEASURES {
+    for measure in MEASURES {
+        let field = measure.field;
         // A measure without a number in the baseline is not compared.
-        let Some(was) = before[field].as_f64() else {
+        let (Some(worse), Some(was)) = (measure.worse, before[field].as_f64()) else {
             continue;
         };
-        let slack = margin * was.abs() + nothing;
         let (limit, words) = match worse {
-            Worse::Less => (was - slack, "at least"),
-            Worse::More => (was + slack, "at most"),
+            Worse::Less(nothing) => (was - (margin * was.abs() + nothing), "at least"),
+            Worse::More(nothing) => (was + (margin * was.abs() + nothing), "at most"),
         };
         let came = now[field].as_f64();
         // NaN and infinity are `null` in JSON: such a value does not meet the limit.
         let met = came.is_some_and(|came| match worse {
-            Worse::Less => came >= limit,
-            Worse::More => came <= limit,
+            Worse::Less(_) => came >= limit,
+            Worse::More(_) => came <= limit,
         });
         let came = came.map_or_else(|| "none".to_owned(), shown);
         checks.push(check(field, format!("{words} {}", shown(limit)), came, met));

@@ -9,6 +9,7 @@ use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::error::Result;
 use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::measure::{ContactRise, DynamicStiffness, RateHardness, Response, Ripple};
+use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
@@ -110,12 +111,12 @@ impl Watch {
         }
     }
 
-    fn finish(self) -> (Figures, Beside) {
-        let seen = self.seen();
+    fn finish(self, scene: &Scene) -> (Figures, Beside) {
+        let seen = self.seen(scene);
         (seen.figures, seen.beside)
     }
 
-    fn seen(mut self) -> Seen {
+    fn seen(mut self, scene: &Scene) -> Seen {
         if let Some(response) = &self.response {
             self.figures.raise_moved(response, self.terms.k_desired);
         }
@@ -125,14 +126,13 @@ impl Watch {
         if self.lost {
             self.figures = Figures::LOST;
         }
-        if let Some(judged) = self.judge.as_ref().map(Judge::finish) {
+        if let Some(judge) = &self.judge {
+            let summary = Summary::of(scene, judge);
             let beside = &mut self.beside;
-            beside.settle_from_ramp_end_s = judged
-                .settled
-                .map(|settled| settled.from_ramp_end as f64 * self.terms.period_s);
-            beside.release_speed_rad_per_s = judged.release_speed_rad_per_s.unwrap_or(0.0);
-            beside.release_excursion_rad = judged.release_excursion_rad.unwrap_or(0.0);
-            beside.energy_out_worst_window_j = judged.energy_out_worst_window_j;
+            beside.settle_from_ramp_end_s = summary.settle_from_ramp_end_s;
+            beside.release_speed_rad_per_s = summary.release_speed_rad_per_s.unwrap_or(0.0);
+            beside.release_excursion_rad = summary.release_excursion_rad.unwrap_or(0.0);
+            beside.energy_out_worst_window_j = summary.energy_out_worst_window_j;
         }
         self.beside.rate_hardness = self.hardness.n_m_per_rad();
         self.beside.extended_rate_hardness = self.rise.n_m_per_rad();
@@ -191,7 +191,7 @@ impl Recorder for Watch {
 /// # Errors
 /// The control law does not accept its settings.
 pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
-    run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
+    run::watch(scene, Watch::new(scene, deed, fully)).map(|watch| watch.finish(scene))
 }
 
 /// Simulates a scene and computes all measures of the scorecard.
@@ -199,7 +199,7 @@ pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)
 /// # Errors
 /// The control law does not accept its settings.
 pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
-    run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
+    run::watch(scene, Watch::new(scene, deed, true)).map(|watch| watch.seen(scene))
 }
 
 /// Computes all measures of a scene from ticks that were recorded elsewhere, such as on a board.
@@ -207,5 +207,5 @@ pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);
     ticks.iter().for_each(|tick| watch.record(tick));
-    watch.seen()
+    watch.seen(scene)
 }

@@ -8,7 +8,6 @@ use crate::scorecard::touch::IdealTouch;
 use crate::scorecard::{asked, watch};
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
-use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 
@@ -222,11 +221,10 @@ impl Judgement {
         for deed in self.programme.deeds() {
             let of_deed = self.programme.scene(scene, grip, deed);
             if deed == Deed::Press {
-                let terms = Terms::of(&of_deed);
-                let most_rad = terms.limit_cycle_rad;
-                let judged = run::watch(&of_deed, Judge::new(terms))?.finish();
-                let motion = judged.limit_cycle_peak_to_peak.unwrap_or(f64::INFINITY);
-                let error = judged.k_displayed.map_or(f64::INFINITY, |k| {
+                let most_rad = Terms::of(&of_deed).limit_cycle_rad;
+                let pressed = run::run(&of_deed, false)?.summary;
+                let motion = pressed.limit_cycle_peak_to_peak.unwrap_or(f64::INFINITY);
+                let error = pressed.k_displayed.map_or(f64::INFINITY, |k| {
                     (k / scene.wall.k_desired_n_m_per_rad - 1.0).abs()
                 });
                 shares.extend([motion / most_rad, error / outcome::RESTING]);

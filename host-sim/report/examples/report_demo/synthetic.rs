@@ -196,28 +196,18 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
     let held = !hold.is_empty();
     Summary {
         scene: "synthetic".to_owned(),
-        law,
-        shown_as: None,
         number: "f64".to_owned(),
-        k_desired: k,
         grip: "medium".to_owned(),
         encoder_counts_per_rev: Some(COUNTS),
         rate_hz: 1000,
-        verdict,
-        not_judged: None,
         k_displayed: held.then_some(shown),
         peak_penetration_ratio: held.then_some(1.0),
-        dynamic_stiffness: Vec::new(),
         ripple_rms_n_m: held.then_some(1e-3),
         ripple_above_50_hz_rms_n_m: held.then_some(1e-3),
         release_speed_rad_per_s: held.then_some(1.0),
         release_excursion_rad: held.then_some(0.05),
         energy_out_worst_window_j: -low(&user),
         energy_out_wall_worst_window_j: -low(&trace.energy_true_j),
-        guard_account_min_j: None,
-        guard_limited_ticks: None,
-        guard_tripped_s: None,
-        wall_off_s: None,
         settle_from_ramp_end_s: (held && verdict <= Verdict::Active).then_some(0.21),
         rate_hardness: held.then_some(if law == LawKind::Fba { k.min(1.0) } else { k }),
         extended_rate_hardness: held.then_some(k),
@@ -232,5 +222,6 @@ fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
         force_max: trace.force_n_m.iter().copied().fold(0.0, f64::max),
         ticks: ticks as u64,
         contact_ticks: trace.force_n_m.iter().filter(|f| **f != 0.0).count() as u64,
+        ..Summary::without_measures(law, k, verdict)
     }
 }

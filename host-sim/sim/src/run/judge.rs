@@ -1,8 +1,8 @@
 //! Judges a run: gathers measures tick by tick (per control period), and derives the verdict, such as passive or unstable.
 
 use super::measure::{
-    ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
-    Settle, Settled, WorstWindow,
+    ContactRise, PeakPenetration, RateHardness, Release, Response, Ripple, Settle, Settled,
+    WorstWindow,
 };
 use super::rest::{Rest, Rested};
 use super::terms::Terms;
@@ -13,23 +13,23 @@ use super::wall::InsideGuard;
 /// Collects the values of each tick (control period) from which verdict and measures of a run follow.
 #[derive(Debug, Clone)]
 pub struct Judge {
-    terms: Terms,
+    pub(super) terms: Terms,
     rest: Rest,
     energy_true: f64,
     loss: f64,
     throughput: f64,
-    energy_true_min: f64,
-    energy_user_min: f64,
-    energy_observed_min: f64,
+    pub(super) energy_true_min: f64,
+    pub(super) energy_user_min: f64,
+    pub(super) energy_observed_min: f64,
     /// Sums of force in N·m and penetration in rad over the second half of the last hold. Force over penetration is the displayed
     /// stiffness.
     shown: (f64, f64),
-    felt: Felt,
-    guard: Option<GuardWatch>,
-    beyond_reach_tick: Option<u64>,
+    pub(super) felt: Felt,
+    pub(super) guard: Option<GuardWatch>,
+    pub(super) beyond_reach_tick: Option<u64>,
     touching: bool,
-    contact_ticks: u64,
-    force_max: f64,
+    pub(super) contact_ticks: u64,
+    pub(super) force_max: f64,
     penetration_max: f64,
     finite: bool,
 }
@@ -63,20 +63,20 @@ impl GuardWatch {
 
 /// Measures of how the wall feels to a hand, such as stiffness, hardness and ripple.
 #[derive(Debug, Clone)]
-struct Felt {
-    peak: PeakPenetration,
-    settle: Option<Settle>,
-    response: Option<Response>,
-    ripple: Ripple,
-    release: Option<Release>,
-    hardness: RateHardness,
-    rise: ContactRise,
+pub(super) struct Felt {
+    pub peak: PeakPenetration,
+    pub settle: Option<Settle>,
+    pub response: Option<Response>,
+    pub ripple: Ripple,
+    pub release: Option<Release>,
+    pub hardness: RateHardness,
+    pub rise: ContactRise,
     /// Kinetic energy of the device at the start of the first tick, J; `None` before it.
     kinetic_start_j: Option<f64>,
     /// Energy stored since the start in the device's springs, gravity and magnets, J.
     stored_j: f64,
-    wall_window: WorstWindow,
-    hand_window: WorstWindow,
+    pub wall_window: WorstWindow,
+    pub hand_window: WorstWindow,
 }
 
 impl Felt {
@@ -133,63 +133,55 @@ impl Felt {
     }
 }
 
-/// Verdict and measures of a whole run. A measure is `None` if the run has nothing to measure, such as no main wall or no hold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judgement {
+/// A judged run, from which the table in `summary.rs` takes the measures.
+pub(super) struct Judged<'a> {
     /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
-    /// Displayed stiffness: mean force over mean penetration in the second half of the last hold, N·m/rad. `None` without a hold or
-    /// the main wall, or if the verdict is unstable or no-contact.
-    pub k_displayed: Option<f64>,
-    /// Rate-hardness of the first contact, N·m/rad: slope of the force over the penetration, fitted to at most 20 ms.
-    pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact, N·m/rad: largest rise of the force within 1 ms, divided by that time and by the
-    /// largest speed.
-    pub extended_rate_hardness: Option<f64>,
-    /// Largest motor torque in the first 5 ms of the first contact, N·m.
-    pub touch_torque_n_m: Option<f64>,
-    /// Deepest penetration divided by that of an ideal spring, `F/k_de`, under the push `F`. `k_de` is the requested stiffness; 1
-    /// is ideal.
-    pub peak_penetration_ratio: Option<f64>,
-    /// Dynamic stiffness, the ratio of force to penetration, while the hand moves rhythmically inside the wall.
-    pub dynamic_stiffness: Option<DynamicStiffness>,
-    /// Ripple of the motor's torque from tick to tick, rms, N·m.
-    pub ripple_rms_n_m: Option<f64>,
-    /// Ripple of the motor's torque above 50 Hz, rms, N·m.
-    pub ripple_above_50_hz_rms_n_m: Option<f64>,
-    /// Largest outward speed after the hand begins to let go, rad/s.
-    pub release_speed_rad_per_s: Option<f64>,
-    /// Largest distance of the device outside the wall's surface after the hand begins to let go, rad.
-    pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the device in the last quarter of a hold, rad.
-    pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative if at some time
-    /// the wall had given the device more energy than it had absorbed.
-    pub energy_true_min: f64,
-    /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
-    pub energy_user_min: f64,
-    /// Most energy that the user got out beyond what was put in, J; 0 if the difference is within the rounding of the sums.
-    pub energy_out: f64,
-    /// Lowest energy that the passivity observer of the control law reported, J; `None` for a law without an observer.
-    pub energy_observed_min: Option<f64>,
-    /// Most energy that the hand got out of the device in any window of time, J. The window may start at any tick.
-    pub energy_out_worst_window_j: f64,
-    /// Most energy that the wall gave out in any window of time, J. The window may start at any tick.
-    pub energy_out_wall_worst_window_j: f64,
-    /// Interventions of the energy guard; `None` for a scene without a guard.
-    pub guard: Option<GuardWatch>,
-    /// First tick in which a wall was off, because the device was deeper inside it than the number format of positions reaches.
-    pub beyond_reach_tick: Option<u64>,
+    pub peak_to_peak: Option<f64>,
+    /// The judge that observed the run.
+    pub judge: &'a Judge,
+}
+
+impl Judged<'_> {
+    /// A measure of the wall; `None` without the main wall.
+    pub fn of_wall<T>(&self, measure: Option<T>) -> Option<T> {
+        measure.filter(|_| self.judge.terms.has_wall)
+    }
+
+    /// Displayed stiffness, N·m/rad. Over an oscillation that leaves the wall, mean force over mean penetration is not a stiffness.
+    pub fn k_displayed(&self) -> Option<f64> {
+        let lost = matches!(self.verdict, Verdict::Unstable | Verdict::NoContact);
+        let (force, penetration) = self.judge.shown;
+        let shown = force / penetration;
+        let held = !self.judge.terms.holds.is_empty();
+        self.of_wall(Some(shown))
+            .filter(|shown| held && !lost && shown.is_finite())
+    }
+
     /// Time until the press had settled, in ticks; `None` if it did not, or if the verdict is neither passive nor active.
-    pub settled: Option<Settled>,
+    pub fn settled(&self) -> Option<Settled> {
+        self.of_wall(self.judge.felt.settle)
+            .filter(|_| self.verdict < Verdict::LimitCycle)
+            .and_then(|settle| settle.settled())
+    }
+
     /// Largest penetration of the device into the wall, rad.
-    pub penetration_max: f64,
-    /// Largest absolute force of the control law, N·m.
-    pub force_max: f64,
-    /// Number of ticks (control periods) in which the control law gave a force.
-    pub contact_ticks: u64,
+    pub fn penetration_max_rad(&self) -> f64 {
+        match self.judge.finite {
+            true => self
+                .of_wall(Some(self.judge.penetration_max))
+                .unwrap_or(0.0),
+            false => f64::INFINITY,
+        }
+    }
+
+    /// Length of this number of ticks (control periods), s.
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 * self.judge.terms.period_s
+    }
 }
 
 impl Judge {
@@ -239,70 +231,20 @@ impl Judge {
         }
     }
 
-    /// Returns verdict and measures of all ticks so far.
-    #[must_use]
-    pub fn finish(&self) -> Judgement {
-        let held = !self.terms.holds.is_empty();
+    /// Judges all ticks so far.
+    pub(super) fn judged(&self) -> Judged<'_> {
         let rested = self.rest.finish(&self.terms);
         let verdict = self.verdict(&rested);
-        let shown = self.shown.0 / self.shown.1;
-        let felt = &self.felt;
-        let has_wall = self.terms.has_wall;
-        Judgement {
+        Judged {
             verdict,
             not_judged: rested.not_judged.filter(|_| verdict == Verdict::NotJudged),
-            // Over an oscillation that leaves the wall, mean force over mean penetration is not a stiffness.
-            k_displayed: (held
-                && has_wall
-                && !matches!(verdict, Verdict::Unstable | Verdict::NoContact)
-                && shown.is_finite())
-            .then_some(shown),
-            rate_hardness: felt.hardness.n_m_per_rad().filter(|_| has_wall),
-            extended_rate_hardness: felt.rise.n_m_per_rad().filter(|_| has_wall),
-            touch_torque_n_m: felt.rise.torque_n_m().filter(|_| has_wall),
-            peak_penetration_ratio: self
-                .terms
-                .press
-                .filter(|_| has_wall)
-                .map(|press| felt.peak.ratio(press.push_n_m, self.terms.k_desired)),
-            dynamic_stiffness: felt.response.and_then(|response| response.stiffness()),
-            ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
-            ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
-            release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
-            // The excursion is measured from the wall's surface, so it needs the main wall.
-            release_excursion_rad: felt
-                .release
-                .filter(|_| has_wall)
-                .map(|release| release.excursion_rad()),
-            limit_cycle_peak_to_peak: rested.peak_to_peak,
-            energy_true_min: self.energy_true_min,
-            energy_user_min: self.energy_user_min,
-            energy_out: self.energy_out(),
-            energy_observed_min: self
-                .energy_observed_min
-                .is_finite()
-                .then_some(self.energy_observed_min),
-            energy_out_worst_window_j: felt.hand_window.worst_j(),
-            energy_out_wall_worst_window_j: felt.wall_window.worst_j(),
-            guard: self.guard,
-            beyond_reach_tick: self.beyond_reach_tick,
-            settled: if verdict < Verdict::LimitCycle && has_wall {
-                felt.settle.and_then(|settle| settle.settled())
-            } else {
-                None
-            },
-            penetration_max: if self.finite {
-                if has_wall { self.penetration_max } else { 0.0 }
-            } else {
-                f64::INFINITY
-            },
-            force_max: self.force_max,
-            contact_ticks: self.contact_ticks,
+            peak_to_peak: rested.peak_to_peak,
+            judge: self,
         }
     }
 
     /// Most energy that the user got out beyond what was put in, J.
-    fn energy_out(&self) -> f64 {
+    pub(super) fn energy_out(&self) -> f64 {
         // Tolerance for the rounding of the two sums: a millionth of the exchanged energy.
         let tolerance = 1e-12 + 1e-6 * self.throughput;
         if self.energy_user_min < -tolerance {

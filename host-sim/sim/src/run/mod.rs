@@ -17,6 +17,7 @@ pub mod plant_half;
 pub mod record;
 mod rest;
 pub mod settings;
+pub mod summary;
 pub mod surroundings;
 pub mod terms;
 pub mod tick;
