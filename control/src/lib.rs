@@ -56,6 +56,8 @@ pub mod observer;
 pub mod quantity;
 pub mod quotient;
 pub mod reciprocal;
+mod refusal;
+mod sample;
 pub mod settings;
 pub mod space;
 pub mod states;
@@ -78,10 +80,10 @@ pub use named::NotSet;
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
+pub use refusal::{Field, SettingsError, Warning};
 pub use settings::*;
 pub use states::States;
 pub use table::Choice;
-pub use validate::{Field, SettingsError, Warning};
 
 /// The README's code example, which a test compiles and runs.
 #[cfg(doctest)]

@@ -10,6 +10,9 @@
 //! | [`Energy`] | J |
 //! | [`Tension`] | N·m / N, unrounded: stiffness × position before it becomes a [`Force`] |
 
+#[cfg(feature = "float")]
+mod reported;
+
 use crate::{Number, Si};
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Neg, Sub};

@@ -13,8 +13,8 @@
 //! At constant speed the mass has the device's speed, `y` is constant, and the force is 0. A device at rest has a force of exactly
 //! 0 once `y` has decayed.
 
-use super::Refused;
-use super::feel::{Viscous, ViscousSettings, within};
+use super::refused::{Refused, within};
+use super::viscous::{Viscous, ViscousSettings};
 use crate::quotient::over;
 use crate::{Force, Number, Position, Ratio, Settings, Si};
 

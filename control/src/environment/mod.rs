@@ -30,14 +30,17 @@ pub mod feel;
 pub mod inertia;
 pub mod profile;
 mod refused;
+mod refused_message;
+mod viscous;
 
 use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
-pub use feel::{CentreSettings, ClickSettings, DrySettings, Feel, FeelSettings, ViscousSettings};
+pub use feel::{CentreSettings, ClickSettings, DrySettings, Feel, FeelSettings};
 pub use inertia::InertiaSettings;
 pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
+pub use viscous::ViscousSettings;
 
 use crate::coefficients::largest_force;
 use crate::controller::Controller;
@@ -47,6 +50,11 @@ use crate::{AnyLaw, Force, Guard, Guarded, Number, Position, Settings, Si, State
 
 /// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
+
+/// Converts a coefficient to the number format. Refuses a value that does not fit, with the setting's path in a scene.
+fn ratio<N: Number>(path: &'static str, value: Si) -> Result<N::Ratio, Refused> {
+    N::ratio(value).ok_or(Refused::PartOfFormat { path, value })
+}
 
 /// Settings of a wall: position and side of its surface, and its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -35,8 +35,8 @@ pub use flow::{DeviceInTicks, Flow, TAPS, UNDER_WAY};
 pub use settings::ratio_of_bits;
 pub(crate) use settings::{check_bandwidth, per_tick};
 
-use crate::law::Sample;
 use crate::number::{Exact, Wide as _};
+use crate::sample::Sample;
 use crate::{Force, Number, Position};
 
 /// The leading digits of an estimator's state (position, velocity, or the hand's push as an acceleration): a short number that can

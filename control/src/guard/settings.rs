@@ -2,7 +2,7 @@
 
 use super::Guard;
 use crate::quotient::over;
-use crate::validate;
+use crate::refusal as validate;
 use crate::{
     ChangeOfForce, Compliance, Energy, Field, GuardSettings, Number, Position, Ratio,
     SettingsError, Si, Stiffness, Warning,

@@ -4,7 +4,6 @@
 //! [`Number`] in another crate incomplete.
 
 use super::{Fixed8, Fixed16, Fixed32, Number};
-use crate::{Energy, Force, Position};
 
 /// A number format whose values convert from and to `f64` in SI units.
 pub trait Reported: Number {
@@ -46,36 +45,6 @@ macro_rules! fixed_reported {
 fixed_reported!(Fixed32, i32);
 fixed_reported!(Fixed16, i16);
 fixed_reported!(Fixed8, i8);
-
-macro_rules! signal_reported {
-    ($quantity:ident) => {
-        impl<N: Reported> $quantity<N> {
-            /// The value in SI units.
-            #[inline(always)]
-            #[must_use]
-            pub fn to_f64(self) -> f64 {
-                N::signal_to_f64(self.0)
-            }
-            /// The value nearest to a number in SI units, saturating.
-            #[inline(always)]
-            #[must_use]
-            pub fn from_f64(x: f64) -> Self {
-                Self(N::signal_from_f64(x))
-            }
-        }
-    };
-}
-signal_reported!(Position);
-signal_reported!(Force);
-
-impl<N: Reported> Energy<N> {
-    /// The value in J.
-    #[inline(always)]
-    #[must_use]
-    pub fn to_f64(self) -> f64 {
-        N::energy_to_f64(self.0)
-    }
-}
 
 #[cfg(test)]
 mod tests {
