@@ -1,8 +1,8 @@
 //! Detents at listed angles, each with its own torque and width. This file converts the list to a torque profile, which the control
 //! law of every board can render.
 
-use super::environment::TorqueProfile;
 use super::problem::Problem;
+use super::torque_profile::TorqueProfile;
 use serde::{Deserialize, Serialize};
 use touchstone_control::environment::MOST_POINTS;
 

@@ -2,9 +2,14 @@
 
 use super::detent_list::DetentList;
 use super::feel::{AddedInertia, CentreSpring, Clicks, DryFriction, ViscousFriction};
+use super::torque_profile::TorqueProfile;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use touchstone_control::environment::{FeelSettings, Refused, Shape, Side, WHOLE};
+use touchstone_control::Si;
+use touchstone_control::environment::{
+    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Side, Spacing,
+    ViscousSettings,
+};
 
 /// Walls, detents and torque profiles on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -147,61 +152,6 @@ impl Default for DetentRing {
     }
 }
 
-/// A torque given as a curve over the angle: equally spaced points, joined by straight lines.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct TorqueProfile {
-    /// Number of copies of the profile per turn, 1 to 6283. A straight line joins the last point of a copy to the first of the
-    /// next.
-    ///
-    /// With 0 the profile exists once, from `start_rad` to `end_rad`; outside, the torque of the nearer end point acts. Default 6.
-    pub per_rev: u32,
-    /// Position of the first point, rad. Default 0.
-    pub start_rad: f64,
-    /// Position of the last point, rad. Only used if `per_rev` is 0. Default 1.
-    pub end_rad: f64,
-    /// Torque of a point of value 1, N·m, from 0 to the force limit of the control law. Default 0.02.
-    pub strength_n_m: f64,
-    /// The 2 to 96 points of the profile, each from -1 to 1 and rounded to 0.0001. A positive value pushes towards larger angles.
-    ///
-    /// Default: a magnetic detent. It attracts the knob within a quarter of the distance between detents on either side, most
-    /// strongly at an eighth, and leaves the knob free elsewhere.
-    pub shape: Vec<f64>,
-}
-
-impl Default for TorqueProfile {
-    fn default() -> Self {
-        TorqueProfile {
-            per_rev: 6,
-            start_rad: 0.0,
-            end_rad: 1.0,
-            strength_n_m: 0.02,
-            shape: vec![0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-        }
-    }
-}
-
-impl TorqueProfile {
-    /// Converts the points to the fixed-point format of the control law.
-    ///
-    /// # Errors
-    /// There are fewer than 2 points or more than 96, or a point is outside -1 to 1.
-    pub fn points(&self) -> std::result::Result<Shape, Refused> {
-        let points: Vec<i16> = (self.shape.iter())
-            .map(|point| (point * f64::from(WHOLE)).round() as i16)
-            .collect();
-        Shape::new(&points)
-    }
-
-    /// Converts points in the fixed-point format of the control law to floats for a scene.
-    #[must_use]
-    pub fn of_points(shape: &Shape) -> Vec<f64> {
-        (shape.points().iter())
-            .map(|point| f64::from(*point) / f64::from(WHOLE))
-            .collect()
-    }
-}
-
 impl Environment {
     /// Whether the scene has anything in addition to `[wall]`, or lacks `[wall]`.
     #[must_use]
@@ -252,4 +202,95 @@ impl Environment {
         .into_iter()
         .filter_map(|(table, wall)| Some((table, wall.as_ref()?)))
     }
+
+    /// The parts of the feel as the control law's settings. A part without a torque is left out.
+    #[must_use]
+    pub fn feel(&self) -> FeelSettings {
+        FeelSettings {
+            spring: (self.spring.as_ref())
+                .filter(|it| it.stiffness_n_m_per_rad > 0.0 && it.strength_n_m > 0.0)
+                .map(|it| CentreSettings {
+                    centre: si(it.centre_rad),
+                    stiffness: si(it.stiffness_n_m_per_rad),
+                    strength: si(it.strength_n_m),
+                }),
+            viscous: (self.damper.as_ref())
+                .filter(|it| it.damping_n_m_s_per_rad > 0.0)
+                .map(|it| ViscousSettings {
+                    damping: si(it.damping_n_m_s_per_rad),
+                    bandwidth_hz: si(it.bandwidth_hz),
+                }),
+            dry: (self.dry_friction.as_ref())
+                .filter(|it| it.strength_n_m > 0.0)
+                .map(|it| DrySettings {
+                    strength: si(it.strength_n_m),
+                    stretch: si(it.stretch_rad),
+                }),
+            click: (self.click.as_ref())
+                .filter(|it| it.strength_n_m > 0.0)
+                .map(|it| ClickSettings {
+                    spacing: match it.per_rev {
+                        0 => Spacing::Pitch(si(it.pitch_rad)),
+                        per_rev => Spacing::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
+                    },
+                    centre: si(it.centre_rad),
+                    strength: si(it.strength_n_m),
+                    duration_s: si(it.duration_s),
+                }),
+            inertia: (self.inertia.as_ref())
+                .filter(|it| it.inertia_kg_m2 > 0.0)
+                .map(|it| InertiaSettings {
+                    inertia: si(it.inertia_kg_m2),
+                    bandwidth_hz: si(it.bandwidth_hz),
+                }),
+        }
+    }
+
+    /// This environment with the parts of a feel from the control law's settings.
+    #[must_use]
+    pub fn with_feel(self, feel: &FeelSettings) -> Self {
+        Environment {
+            spring: feel.spring.map(|it| CentreSpring {
+                centre_rad: plain(it.centre),
+                stiffness_n_m_per_rad: plain(it.stiffness),
+                strength_n_m: plain(it.strength),
+            }),
+            damper: feel.viscous.map(|it| ViscousFriction {
+                damping_n_m_s_per_rad: plain(it.damping),
+                bandwidth_hz: plain(it.bandwidth_hz),
+            }),
+            dry_friction: feel.dry.map(|it| DryFriction {
+                strength_n_m: plain(it.strength),
+                stretch_rad: plain(it.stretch),
+            }),
+            click: feel.click.map(|it| Clicks {
+                per_rev: match it.spacing {
+                    Spacing::PerTurn(per_turn) => per_turn.into(),
+                    Spacing::Pitch(_) => 0,
+                },
+                pitch_rad: match it.spacing {
+                    Spacing::Pitch(pitch) => plain(pitch),
+                    Spacing::PerTurn(_) => Clicks::default().pitch_rad,
+                },
+                centre_rad: plain(it.centre),
+                strength_n_m: plain(it.strength),
+                duration_s: plain(it.duration_s),
+            }),
+            inertia: feel.inertia.map(|it| AddedInertia {
+                inertia_kg_m2: plain(it.inertia),
+                bandwidth_hz: plain(it.bandwidth_hz),
+            }),
+            ..self
+        }
+    }
+}
+
+fn si(value: f64) -> Si {
+    Si::saturating_from_num(value)
+}
+
+/// The number rounded to nine decimals, as a person writes it. The fixed-point format has more digits.
+fn plain(value: Si) -> f64 {
+    let value: f64 = value.to_num();
+    format!("{value:.9}").parse().unwrap_or(value)
 }

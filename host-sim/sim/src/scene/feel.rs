@@ -1,13 +1,7 @@
 //! The parts of a knob's feel beside walls, detents and profile: a spring to a centre, viscous and dry friction, a click, and
 //! an added inertia.
 
-use super::Environment;
 use serde::{Deserialize, Serialize};
-use touchstone_control::Si;
-use touchstone_control::environment::{
-    CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Spacing,
-    ViscousSettings,
-};
 
 /// A spring that draws the knob to a centre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -115,99 +109,6 @@ impl Default for AddedInertia {
         AddedInertia {
             inertia_kg_m2: 1e-5,
             bandwidth_hz: 12.0,
-        }
-    }
-}
-
-fn si(value: f64) -> Si {
-    Si::saturating_from_num(value)
-}
-
-/// The number rounded to nine decimals, as a person writes it. The fixed-point format has more digits.
-fn plain(value: Si) -> f64 {
-    let value: f64 = value.to_num();
-    format!("{value:.9}").parse().unwrap_or(value)
-}
-
-impl Environment {
-    /// The parts of the feel as the control law's settings. A part without a torque is left out.
-    #[must_use]
-    pub fn feel(&self) -> FeelSettings {
-        FeelSettings {
-            spring: (self.spring.as_ref())
-                .filter(|it| it.stiffness_n_m_per_rad > 0.0 && it.strength_n_m > 0.0)
-                .map(|it| CentreSettings {
-                    centre: si(it.centre_rad),
-                    stiffness: si(it.stiffness_n_m_per_rad),
-                    strength: si(it.strength_n_m),
-                }),
-            viscous: (self.damper.as_ref())
-                .filter(|it| it.damping_n_m_s_per_rad > 0.0)
-                .map(|it| ViscousSettings {
-                    damping: si(it.damping_n_m_s_per_rad),
-                    bandwidth_hz: si(it.bandwidth_hz),
-                }),
-            dry: (self.dry_friction.as_ref())
-                .filter(|it| it.strength_n_m > 0.0)
-                .map(|it| DrySettings {
-                    strength: si(it.strength_n_m),
-                    stretch: si(it.stretch_rad),
-                }),
-            click: (self.click.as_ref())
-                .filter(|it| it.strength_n_m > 0.0)
-                .map(|it| ClickSettings {
-                    spacing: match it.per_rev {
-                        0 => Spacing::Pitch(si(it.pitch_rad)),
-                        per_rev => Spacing::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
-                    },
-                    centre: si(it.centre_rad),
-                    strength: si(it.strength_n_m),
-                    duration_s: si(it.duration_s),
-                }),
-            inertia: (self.inertia.as_ref())
-                .filter(|it| it.inertia_kg_m2 > 0.0)
-                .map(|it| InertiaSettings {
-                    inertia: si(it.inertia_kg_m2),
-                    bandwidth_hz: si(it.bandwidth_hz),
-                }),
-        }
-    }
-
-    /// This environment with the parts of a feel from the control law's settings.
-    #[must_use]
-    pub fn with_feel(self, feel: &FeelSettings) -> Self {
-        Environment {
-            spring: feel.spring.map(|it| CentreSpring {
-                centre_rad: plain(it.centre),
-                stiffness_n_m_per_rad: plain(it.stiffness),
-                strength_n_m: plain(it.strength),
-            }),
-            damper: feel.viscous.map(|it| ViscousFriction {
-                damping_n_m_s_per_rad: plain(it.damping),
-                bandwidth_hz: plain(it.bandwidth_hz),
-            }),
-            dry_friction: feel.dry.map(|it| DryFriction {
-                strength_n_m: plain(it.strength),
-                stretch_rad: plain(it.stretch),
-            }),
-            click: feel.click.map(|it| Clicks {
-                per_rev: match it.spacing {
-                    Spacing::PerTurn(per_turn) => per_turn.into(),
-                    Spacing::Pitch(_) => 0,
-                },
-                pitch_rad: match it.spacing {
-                    Spacing::Pitch(pitch) => plain(pitch),
-                    Spacing::PerTurn(_) => Clicks::default().pitch_rad,
-                },
-                centre_rad: plain(it.centre),
-                strength_n_m: plain(it.strength),
-                duration_s: plain(it.duration_s),
-            }),
-            inertia: feel.inertia.map(|it| AddedInertia {
-                inertia_kg_m2: plain(it.inertia),
-                bandwidth_hz: plain(it.bandwidth_hz),
-            }),
-            ..self
         }
     }
 }

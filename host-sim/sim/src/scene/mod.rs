@@ -29,6 +29,7 @@ mod settings;
 mod shipped;
 #[cfg(test)]
 mod tests;
+mod torque_profile;
 mod units;
 mod unknown;
 mod value;
@@ -39,7 +40,7 @@ pub use effects::{
     Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
     SensorErrors, SensorNoise, Transmission,
 };
-pub use environment::{DetentRing, Endstops, Environment, FurtherWall, TorqueProfile};
+pub use environment::{DetentRing, Endstops, Environment, FurtherWall};
 pub use experiment::Scene;
 pub use feel::{AddedInertia, CentreSpring, Clicks, DryFriction, ViscousFriction};
 pub(crate) use law::word;
@@ -54,6 +55,7 @@ pub use overrides::path_of;
 pub use preset::Preset;
 pub use renamed::renamed;
 pub use shipped::{feels, is_shipped, names};
+pub use torque_profile::TorqueProfile;
 pub use touchstone_control::Choice;
 pub use unknown::{list, nearest};
 pub use value::choices;

@@ -46,8 +46,30 @@ fn state(file: &Path) -> Option<State> {
     })
 }
 
+impl Recording {
+    /// Reads a recording from a CSV file.
+    ///
+    /// The file has a header line; lines that begin with `#` are skipped. One column's name must end in a unit of time (`time_s`,
+    /// `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`, `theta_mrad`, `turn_rev`). Other columns are
+    /// ignored. Times must rise; their steps need not be equal. Time counts from the first sample.
+    ///
+    /// A trace of a simulation and a file of `touchstone monitor` have several columns of angles. From such a file the first
+    /// existing column of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` is read.
+    ///
+    /// The recording that was read last is kept, so that a command with many runs reads it once.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::error::Error::Io) if the file cannot be read. [`Error::File`](crate::error::Error::File) with line and
+    /// column for a missing or ambiguous column, fewer than two rows, a row of another length than the header, a missing or
+    /// non-finite number, an angle beyond 1e6 rad, times that do not rise, a duration below 10 µs, more than 3.6 million samples,
+    /// or a duration above an hour.
+    pub fn read(file: &Path) -> Result<Arc<Recording>> {
+        kept_or_read(file, Recording::read_anew)
+    }
+}
+
 /// Returns the kept recording, or reads it if another one is kept or the file has changed. Other threads wait in the meantime.
-pub fn read(file: &Path, read: impl Fn(&Path) -> Result<Recording>) -> Result<Arc<Recording>> {
+fn kept_or_read(file: &Path, read: impl Fn(&Path) -> Result<Recording>) -> Result<Arc<Recording>> {
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
     let state = state(file);
     if let Some(kept) = &*last

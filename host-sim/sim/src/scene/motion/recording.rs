@@ -1,10 +1,8 @@
 //! Reads recordings of a hand's motion: CSV files with a column of time and a column of angle, whose units are in the header.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use super::column::{Column, cell, cut, find, own_angle, rows};
-use super::once;
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
 use crate::input;
@@ -34,26 +32,8 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a recording from a CSV file.
-    ///
-    /// The file has a header line; lines that begin with `#` are skipped. One column's name must end in a unit of time (`time_s`,
-    /// `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`, `theta_mrad`, `turn_rev`). Other columns are
-    /// ignored. Times must rise; their steps need not be equal. Time counts from the first sample.
-    ///
-    /// A trace of a simulation and a file of `touchstone monitor` have several columns of angles. From such a file the first
-    /// existing column of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` is read.
-    ///
-    /// The recording that was read last is kept, so that a command with many runs reads it once.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer
-    /// than two rows, a row of another length than the header, a missing or non-finite number, an angle beyond 1e6 rad, times
-    /// that do not rise, a duration below 10 µs, more than 3.6 million samples, or a duration above an hour.
-    pub fn read(file: &Path) -> Result<Arc<Recording>> {
-        once::read(file, Recording::read_anew)
-    }
-
-    fn read_anew(file: &Path) -> Result<Recording> {
+    /// Reads a recording from a file that is not kept: see [`Recording::read`].
+    pub(super) fn read_anew(file: &Path) -> Result<Recording> {
         let text = input::text(file, input::MOST_OF_RECORDING).map_err(|error| {
             let (problem, fix) = match error.kind() {
                 std::io::ErrorKind::NotFound => (
