@@ -12,6 +12,7 @@ pub mod identify;
 pub mod journal;
 pub mod plan;
 pub mod random_device;
+mod scene_hand;
 pub mod scorecard;
 pub mod space_report;
 pub mod sweep;

@@ -257,7 +257,7 @@ impl BoundaryPlan {
                 (tuned, outcome) = (found.scene, other);
             }
         }
-        let said = tune::campaign::certificate(&tuned).ok();
+        let said = tune::diagnosis::certificate(&tuned).ok();
         let rest_cause = outcome.as_ref().zip(said.as_ref()).and_then(|(it, said)| {
             let fails = |it: &Outcome| !it.rests();
             fails(it).then(|| diagnosis::cause(&tuned, it, said.verdict, fails))

@@ -6,7 +6,6 @@ use super::law::{Phases, Switching};
 use super::linear_law::LinearLaw;
 use super::plant::{Clock, Mechanics, sampled};
 use super::state_space::{Mode, StateSpace};
-use super::touch::PRESS_N_M;
 use crate::scorecard::cases::{MOST_OF_THE_TORQUE, most_torque_n_m};
 use nalgebra::{DMatrix, DVector};
 use touchstone_control::AnyLaw;
@@ -14,6 +13,9 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
+
+/// Torque of the simulated press in N·m for a scene without a press.
+const PRESS_N_M: f64 = 0.1;
 
 /// Assumed amplitude of a press' oscillation that dry friction has to end, as a multiple of the press' depth. After a press as a
 /// step, the amplitude of the oscillation is the press' depth.

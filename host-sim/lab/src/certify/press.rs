@@ -2,7 +2,8 @@
 //! decays slowly, and uses more of the energy that the law may give out beyond what it took.
 
 use super::contact::Contact;
-use super::touch::{hold_s, of_plant};
+use super::touch::hold_s;
+use crate::scene_hand::of_plant;
 use touchstone_sim::error::Result;
 use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict;

@@ -10,19 +10,19 @@
 
 use super::contact::Contact;
 use super::judge::JUDGED_AFTER;
+use crate::scene_hand::of_plant;
 use touchstone_sim::error::Result;
 use touchstone_sim::run::mechanics::Standing;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::run::{self, Recorder, Tick, plan};
-use touchstone_sim::scene::{self, Grip, MotionSpec, Number, RestPath, Scene};
+use touchstone_sim::scene::{Grip, MotionSpec, Number, RestPath, Scene};
 use touchstone_world::plant::Hand;
 
 /// Number of moments within a tick (control period) at which simulated devices cross the surface.
 const PHASES: u32 = 12;
 /// Speeds of the simulated touches, as multiples of the speed that carries the device as deep as the press.
 const SPEEDS: [f64; 4] = [1.0, 1.5, 2.5, 4.0];
-/// Torque of the simulated press in N·m for a scene without a press.
-pub(super) const PRESS_N_M: f64 = 0.1;
+
 /// Duration of a bounce simulation, as a number of the device's oscillations on the wall. It is at least `TICKS` ticks.
 const SWINGS: f64 = 8.0 * RETURNS as f64;
 const TICKS: f64 = 400.0;
@@ -275,19 +275,3 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
 
 /// Limit of the law's energy loan (energy given out beyond what it took) that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
-
-/// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which
-/// acts as a constant force.
-const LEAST_STIFFNESS: f64 = 2e-3;
-
-/// Converts a hand from the plant's form to that of a scene.
-#[must_use]
-pub fn of_plant(hand: &Hand) -> scene::Hand {
-    scene::Hand {
-        inertia_kg_m2: hand.inertia,
-        damping_n_m_s_per_rad: hand.damping,
-        stiffness_n_m_per_rad: hand.stiffness.max(LEAST_STIFFNESS),
-        pad_damping_n_m_s_per_rad: hand.pad_damping,
-        pad_stiffness_n_m_per_rad: hand.pad_stiffness,
-    }
-}

@@ -8,11 +8,11 @@
 
 use super::cases::{CASES, Deed, GRIPS, Programme};
 use super::measure::Measure;
-use super::touch::TouchRatios;
+use super::touch_ratios::TouchRatios;
 use super::watch::watch;
 use super::{figures, stiffness_per_tick};
-use crate::certify::touch::of_plant;
 use crate::random_device::Random;
+use crate::scene_hand::of_plant;
 use rayon::prelude::*;
 use serde::Serialize;
 use touchstone_sim::error::Result;

@@ -1,6 +1,6 @@
 //! The measures of a scorecard and their limits.
 
-use super::touch::TouchRatios;
+use super::touch_ratios::TouchRatios;
 use serde::Serialize;
 use touchstone_sim::run::measure::{Response, Ripple};
 

@@ -25,6 +25,7 @@ pub mod rivals;
 #[cfg(test)]
 mod tests;
 pub mod touch;
+pub mod touch_ratios;
 pub mod touched;
 pub mod watch;
 pub mod words;
@@ -35,7 +36,8 @@ use rayon::prelude::*;
 use reference::Reference;
 use rivals::Rival;
 use serde::Serialize;
-use touch::{IdealTouch, TouchRatios};
+use touch::IdealTouch;
+use touch_ratios::TouchRatios;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 

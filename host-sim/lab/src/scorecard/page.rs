@@ -1,7 +1,7 @@
 //! Formats a scorecard for readers, on a terminal and as sections of a page.
 
 use super::measure::{Measure, is_beyond};
-use super::touch::TouchRatios;
+use super::touch_ratios::TouchRatios;
 use super::words::shown;
 use super::{Row, Scorecard};
 use std::fmt::Write;

@@ -10,8 +10,8 @@
 
 use super::cases::{Deed, GRIPS, Programme};
 use super::measure::Beside;
+use super::touch_ratios::TouchRatios;
 use super::watch::watch;
-use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, MotionSpec, Number, Preset, Scene};
@@ -22,48 +22,6 @@ pub const DAMPING_RATIO: f64 = 0.5;
 const RATE_HZ: u32 = 50_000;
 /// Longest duration of a simulated touch of an ideal wall, s; the touch is deepest in the first oscillation.
 const LONGEST_S: f64 = 0.4;
-
-/// Measures of a touch, divided by those of the ideal damped wall; the worst of several hands.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TouchRatios {
-    /// Deepest penetration of the touch, divided by that of the ideal damped wall; smaller is better.
-    pub penetration: f64,
-    /// Rate-hardness (slope of the torque just after contact over the speed of the touch), divided by the requested stiffness;
-    /// larger is better. It may be negative for a damped wall.
-    pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), divided by that of the
-    /// ideal damped wall; larger is better.
-    pub extended_rate_hardness: Option<f64>,
-    /// Largest torque in the first five milliseconds of the touch, divided by that of the ideal damped wall; larger is better.
-    pub torque: Option<f64>,
-}
-
-impl TouchRatios {
-    fn new(own: &Beside, ideal: &Beside, k_desired: f64) -> Self {
-        let over = |own: Option<f64>, ideal: Option<f64>| {
-            let ratio = own? / ideal?;
-            ratio.is_finite().then_some(ratio)
-        };
-        Self {
-            penetration: own.touch_penetration_ratio / ideal.touch_penetration_ratio,
-            rate_hardness: over(own.rate_hardness, Some(k_desired)),
-            extended_rate_hardness: over(own.extended_rate_hardness, ideal.extended_rate_hardness),
-            torque: over(own.touch_torque_n_m, ideal.touch_torque_n_m),
-        }
-    }
-
-    /// The worse value of each measure from two sets.
-    #[must_use]
-    pub fn worst(&self, other: &Self) -> Self {
-        let less = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));
-        Self {
-            penetration: self.penetration.max(other.penetration),
-            rate_hardness: less(self.rate_hardness, other.rate_hardness),
-            extended_rate_hardness: less(self.extended_rate_hardness, other.extended_rate_hardness),
-            torque: less(self.torque, other.torque),
-        }
-    }
-}
 
 /// Measures of touches of the ideal damped wall by the hands of [`GRIPS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +49,7 @@ impl IdealTouch {
     /// The measures `own` of a touch, divided by those of the ideal wall; `grip` is the index in [`GRIPS`].
     #[must_use]
     pub fn ratios(&self, grip: usize, own: &Beside) -> TouchRatios {
-        TouchRatios::new(own, &self.touches[grip], self.k_desired)
+        ratios(own, &self.touches[grip], self.k_desired)
     }
 
     /// Measures of touches of an ideal wall with another damping ratio, relative to the ideal damped wall. The worst of three
@@ -110,6 +68,20 @@ impl IdealTouch {
             Ok(self.ratios(index, &own))
         };
         Ok(of(0)?.worst(&of(1)?).worst(&of(2)?))
+    }
+}
+
+/// The measures of a touch, divided by those of the ideal wall.
+fn ratios(own: &Beside, ideal: &Beside, k_desired: f64) -> TouchRatios {
+    let over = |own: Option<f64>, ideal: Option<f64>| {
+        let ratio = own? / ideal?;
+        ratio.is_finite().then_some(ratio)
+    };
+    TouchRatios {
+        penetration: own.touch_penetration_ratio / ideal.touch_penetration_ratio,
+        rate_hardness: over(own.rate_hardness, Some(k_desired)),
+        extended_rate_hardness: over(own.extended_rate_hardness, ideal.extended_rate_hardness),
+        torque: over(own.touch_torque_n_m, ideal.touch_torque_n_m),
     }
 }
 

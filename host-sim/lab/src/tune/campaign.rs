@@ -4,12 +4,12 @@
 //! of at most [`MOST_N_M`] must go at least 20 encoder counts deep, be at least four times the dry friction, and stay below a
 //! depth of 1 rad. The torque limit is twice [`MOST_N_M`].
 
-use super::diagnosis::{self, FailureCause};
+use super::diagnosis::{self, FailureCause, certificate};
 use super::outcome::Outcome;
 use super::{Effort, TuneOptions, Tuned, to_rest, tune};
-use crate::certify::{self, Certificate, Verdict, hands::Family};
+use crate::certify::Verdict;
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
-use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
+use crate::scorecard::cases::{CASES, Programme};
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::{figures, stiffness_per_tick};
 use serde::{Deserialize, Serialize};
@@ -292,20 +292,6 @@ pub fn row(
 
 fn rank(outcome: &Outcome) -> (bool, bool, bool) {
     (outcome.holds(), outcome.rests(), outcome.moves())
-}
-
-/// The stability certificate of a wall for the three simulated grips (light, medium, firm).
-///
-/// # Errors
-/// The control law does not accept its settings.
-pub fn certificate(scene: &Scene) -> Result<Certificate> {
-    let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
-    let asked = certify::CertifyOptions {
-        family: Family::Grips,
-        margins: false,
-        current_loop_hz: None,
-    };
-    certify::certify(&pressed, &asked)
 }
 
 /// The best of the results for one device, which has one result per control law. A user would choose the law of that result.

@@ -4,10 +4,9 @@
 //! A certificate describes the linear loop only. A wall that it rightly calls stable may still oscillate by an encoder count, be
 //! weakened by its energy guard, or have the wrong stiffness.
 
-use super::campaign::certificate;
 use super::outcome::Outcome;
-use crate::certify::Verdict as Said;
-use crate::scorecard::cases::{CASES, Programme};
+use crate::certify::{self, Certificate, Verdict as Said, hands::Family};
+use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::measure::Measure;
 use crate::scorecard::press::SHALLOW_COUNTS;
 use crate::scorecard::reference::Reference;
@@ -220,4 +219,18 @@ fn why(scene: &Scene, row: &Row, reference: &Reference) -> FailureCause {
         _ if found.rests() && !found.moves() => FailureCause::Dynamics,
         _ => FailureCause::Unexplained,
     }
+}
+
+/// The stability certificate of a wall for the three simulated grips (light, medium, firm).
+///
+/// # Errors
+/// The control law does not accept its settings.
+pub fn certificate(scene: &Scene) -> touchstone_sim::error::Result<Certificate> {
+    let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
+    let asked = certify::CertifyOptions {
+        family: Family::Grips,
+        margins: false,
+        current_loop_hz: None,
+    };
+    certify::certify(&pressed, &asked)
 }

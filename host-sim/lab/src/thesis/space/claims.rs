@@ -5,6 +5,7 @@
 use super::record::Record;
 use super::stepwise::wall;
 use super::tuned::{self, DirectionCard};
+use super::verdict::AT_REST_MM;
 use super::{Approach, Cell, Mechanism, Object, Phase, RATE_HZ, SurfaceFeel, place};
 use crate::thesis::claims::{Claim, Outcome};
 use touchstone_control::{Fixed32, Reported, SettingsError};
@@ -27,10 +28,6 @@ fn of(runs: &[Record], object: Object, k: f64, approach: Approach) -> Option<&Re
 }
 
 const EXTENSIONS: [Approach; 2] = [Approach::PerAxis, Approach::Magnitude];
-
-/// Ripple of the depth above which an interaction does not count as at rest, mm: five position counts of the device. A hand's
-/// tremor is not simulated.
-pub const AT_REST_MM: f64 = 0.05;
 
 /// Checks every claim against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness (largest
 /// stable stiffness of a plain spring) is that of the omega.3.

@@ -1,6 +1,6 @@
 //! Finds the cause why a wall of [`super::held_out`] is beyond a limit, by one change at a time.
 
-use super::held_out::Drawn;
+use super::held_out_draw::Drawn;
 use super::mechanism::Mechanism;
 use crate::identify::lever::PRESS_SHARE;
 use serde::Serialize;

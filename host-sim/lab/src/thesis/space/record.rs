@@ -1,6 +1,6 @@
 //! The record of a run in three degrees of freedom, and values that are computed from it.
 
-use super::verdict::PortEnergy;
+use super::port_energy::PortEnergy;
 use super::{Cell, Object, Phase, RADIUS_MM};
 
 /// The record of a run in three degrees of freedom, one entry per tick (control period).

@@ -4,11 +4,14 @@
 //! The hand of such a run always holds still for `HOLD_S`. A run can therefore only be not judged if the mechanism ended it
 //! before the end of the hold.
 
-use super::claims::AT_REST_MM;
 use super::motion::{HOLD_S, PROBE_S};
 use super::record::length;
 use super::{RATE_HZ, Record};
 use touchstone_sim::run::verdict::{LEAST_REST_S, NotJudged, Verdict};
+
+/// Ripple of the depth above which an interaction does not count as at rest, mm: five position counts of the device. A hand's
+/// tremor is not simulated.
+pub const AT_REST_MM: f64 = 0.05;
 
 /// Last fraction of the hold in which the device is examined, as on one axis.
 const EXAMINED: f64 = 0.25;
@@ -62,40 +65,6 @@ impl Record {
             least_s: LEAST_REST_S,
         });
         (verdict, why)
-    }
-}
-
-/// Energy through the ports of wall and user.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PortEnergy {
-    /// Energy that the wall has taken so far, J.
-    wall_j: f64,
-    /// Energy that the device has dissipated so far, J.
-    loss_j: f64,
-    /// Sum of the magnitudes of the energies through the wall's port, J.
-    throughput_j: f64,
-    /// Lowest value so far of the energy that the user put in, J; negative if the user got energy out.
-    user_min_j: f64,
-}
-
-impl PortEnergy {
-    /// Adds a tick in which the motors did work on the device and the device dissipated energy, J.
-    pub(super) fn add(&mut self, motors_j: f64, loss_j: f64) {
-        self.wall_j -= motors_j;
-        self.throughput_j += motors_j.abs();
-        self.loss_j += loss_j;
-        self.user_min_j = self.user_min_j.min(self.wall_j + self.loss_j);
-    }
-
-    /// Most energy that the user got out beyond what they had put in, J; 0 within the rounding of the sums, as on one axis.
-    #[must_use]
-    pub fn out_j(&self) -> f64 {
-        let tolerance = 1e-12 + 1e-6 * self.throughput_j;
-        if self.user_min_j < -tolerance {
-            -self.user_min_j
-        } else {
-            0.0
-        }
     }
 }
 
