@@ -12,6 +12,8 @@
 #[cfg_attr(test, allow(dead_code))]
 mod absent;
 #[cfg(feature = "geometry")]
+mod face;
+#[cfg(feature = "geometry")]
 mod file;
 #[cfg(feature = "geometry")]
 mod mesh;
@@ -30,12 +32,12 @@ mod surface;
 #[cfg(feature = "geometry")]
 mod tree;
 #[cfg(feature = "geometry")]
+mod triangles;
+#[cfg(feature = "geometry")]
 mod words;
 
 #[cfg(not(feature = "geometry"))]
 pub use absent::{Mesh, MeshSurface};
-#[cfg(feature = "geometry")]
-pub use file::MOST_TRIANGLES;
 #[cfg(feature = "geometry")]
 pub use mesh::{Mesh, MeshError};
 #[cfg(feature = "geometry")]
@@ -46,3 +48,5 @@ pub use parry3d_f64::math::Vector;
 pub use proxy::Proxy;
 #[cfg(feature = "geometry")]
 pub use surface::MeshSurface;
+#[cfg(feature = "geometry")]
+pub use triangles::MOST_TRIANGLES;

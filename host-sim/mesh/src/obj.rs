@@ -1,7 +1,7 @@
 //! Reads vertices and faces of Wavefront OBJ files. Colours, materials, textures, normals, points and lines are skipped, and no
 //! other file is opened.
 
-use crate::file::{Faces, MOST_VERTICES, Refused, Triangles};
+use crate::triangles::{Faces, MOST_VERTICES, Refused, Triangles};
 use crate::words::{Word, is_space};
 
 /// Keywords of curves and curved surfaces, which are refused because they are not triangles.

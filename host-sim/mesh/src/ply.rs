@@ -1,7 +1,7 @@
 //! Reads vertices and faces of PLY (Stanford) files, as text or binary of either byte order. Other elements and properties are
 //! skipped.
 
-use crate::file::{Faces, MOST_TRIANGLES, MOST_VERTICES, Refused, Triangles};
+use crate::triangles::{Faces, MOST_TRIANGLES, MOST_VERTICES, Refused, Triangles};
 use crate::words::Words;
 
 /// Type of a number in a binary PLY file.

@@ -9,7 +9,8 @@
 //! The proxy keeps a distance from planes, the [gap](Proxy::gap_m): a ten-millionth of the object's size, so that rounding never
 //! puts it behind a plane. Triangles are enlarged slightly at their edges, so that the proxy cannot slip through between two.
 
-use crate::mesh::{Face, Mesh};
+use crate::face::Face;
+use crate::mesh::Mesh;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 

@@ -1,7 +1,7 @@
 //! Reads STL files with the deviations of common programs: text in any letter case and spacing, one or more solids, and binary
 //! files with a wrong number of triangles.
 
-use crate::file::{MOST_TRIANGLES, Refused, Triangles, Welded};
+use crate::triangles::{MOST_TRIANGLES, Refused, Triangles, Welded};
 use crate::words::Words;
 
 /// Number of bytes of a binary STL file before its first triangle: header and number of triangles.

@@ -2,7 +2,7 @@
 //! so that a search is fast. A leaf of a large mesh holds four neighbouring triangles, so that a million fit into memory; a search
 //! then takes twice as long.
 
-use crate::mesh::Face;
+use crate::face::Face;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
