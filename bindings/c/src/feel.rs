@@ -2,9 +2,10 @@
 //! profile, behind one energy guard.
 
 use crate::memory::{self, Object, assert_room};
+use crate::message::Words;
 use crate::parts::{EMPTY, ts_feel_config};
 use crate::settings::ts_settings;
-use crate::status::{Words, ts_status};
+use crate::status::ts_status;
 use crate::{ts_energy, ts_force};
 use core::ffi::c_char;
 use core::fmt::Write as _;

@@ -2,7 +2,8 @@
 //! requests.
 
 use crate::memory::{self, Object, assert_room};
-use crate::status::{Words, ts_status};
+use crate::message::Words;
+use crate::status::ts_status;
 use crate::{ts_energy, ts_force, ts_position, ts_si};
 use core::ffi::c_char;
 use core::fmt::Write as _;

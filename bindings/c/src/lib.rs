@@ -10,6 +10,7 @@ pub mod estimator;
 pub mod feel;
 pub mod guard;
 pub mod memory;
+mod message;
 pub mod parts;
 pub mod settings;
 pub mod status;

@@ -1,7 +1,8 @@
 //! All settings of a virtual wall, by the names (paths) that scene files and boards use.
 
 use crate::memory::{self, Object, assert_room};
-use crate::status::{Words, ts_status};
+use crate::message::Words;
+use crate::status::ts_status;
 use core::ffi::c_char;
 use core::fmt::Write as _;
 use touchstone_control::{Controller, Fixed32, NotSet, PositionSettings, Settings};
