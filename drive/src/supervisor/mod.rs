@@ -15,20 +15,20 @@
 //! | [`motion`] | a fast oscillation, and a run of the shaft against the motor's torque |
 //! | [`model`] | a motor whose current does not match its voltage by the settings |
 //! | [`heat`] | a motor that is too hot by the model of its windings (with derating below the fault) |
-//! | [`asked`] | stop button, silence of the computer |
+//! | [`stop`] | stop button, silence of the computer |
 //! | [`crate::current`] | over-current, stale command, break: the current loop has already switched off and reports why |
 //! | [`crate::calibration`] | calibration, current sensors, encoder stuck while calibrating |
 //! | [`crate::reset`] | watchdog, brown-out, panic: after the reset that they caused |
 //!
 //! Limits that reduce the force without a fault have codes of their own, [`touchstone_protocol::Limits`].
 
-pub mod asked;
 pub mod heat;
 pub mod model;
 pub mod motion;
 pub mod power;
 pub mod shaft;
 pub mod share;
+pub mod stop;
 pub mod stuck;
 
 use crate::current::CurrentReport;
@@ -36,13 +36,13 @@ use crate::hardware::Hardware;
 use crate::input::ControlInput;
 use crate::settings::DriveKind;
 use crate::timing::TickTiming;
-use asked::{Asked, AskedConfig};
 use heat::{Heat, HeatConfig};
 use model::{Model, ModelConfig};
 use motion::Motion;
 use power::{Power, PowerConfig};
 use shaft::{Seen, Shaft, ShaftConfig};
 use share::Share;
+use stop::{Asked, AskedConfig};
 use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
