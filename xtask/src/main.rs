@@ -28,7 +28,6 @@ mod live;
 mod machine;
 mod marked;
 mod memo;
-mod mutants;
 mod outcome;
 mod packages;
 mod page;

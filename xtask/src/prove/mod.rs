@@ -18,6 +18,7 @@ pub mod checker;
 pub mod coq;
 mod elf;
 mod every;
+mod mutants;
 mod solvers;
 mod usage;
 
@@ -27,11 +28,11 @@ use std::process::Command;
 use std::sync::mpsc;
 use std::time::Instant;
 
-use crate::mutants::{self, Shard};
 use crate::outcome::Outcome;
 use crate::step::{Gates, Share};
 use crate::{inspect, shell, unit};
 use checker::{How, Left, MEMORY_KIB, Which};
+use mutants::Shard;
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
 const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems";

@@ -6,7 +6,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{TokenStream, TokenTree};
 
-use super::lock::writes_a_property;
 use super::syntax::{FoundItem, attributes, flat, header, property, word};
 
 /// Words after `by` in a property (a statement to prove): name of the solver, or `sampled`. They are left out of the hash, since
@@ -20,6 +19,12 @@ pub fn add(hash: u64, text: &str) -> u64 {
     })
 }
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// Whether a macro of this name, such as `property!` or `divided_property!`, defines a property (a statement to prove). A call with
+/// a path, such as `$crate::property!`, only passes a property on.
+pub fn writes_a_property(name: &str) -> bool {
+    !name.contains(':') && (name == "property" || name.ends_with("_property"))
+}
 
 /// A source file's place among the crates, and its imports. They decide which items the names in the file can mean.
 #[derive(Default)]

@@ -26,12 +26,6 @@ const NOT_BUILT: &str = "control/src/number/float.rs";
 /// code.
 const BUILT_WITH: &str = "name = \"fixed\"";
 
-/// Whether a macro of this name, such as `property!` or `divided_property!`, defines a property (a statement to prove). A call with
-/// a path, such as `$crate::property!`, only passes a property on.
-pub fn writes_a_property(name: &str) -> bool {
-    !name.contains(':') && (name == "property" || name.ends_with("_property"))
-}
-
 /// For each property (statement to prove) in the sources, the hashes of statement and code. The key is file and name, such as
 /// `tdpa::p7_leaves`.
 #[derive(Debug, Clone, PartialEq, Eq)]

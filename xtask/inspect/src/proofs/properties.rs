@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use super::lock::writes_a_property;
+use super::items::writes_a_property;
 
 /// A property of the code that is proved, as its source describes it. It may be proved for several widths of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -10,10 +10,10 @@
 use std::path::Path;
 use std::time::Instant;
 
+use super::{PARTS, checker};
 use crate::changes::{self, Entry};
 use crate::memo::Memo;
 use crate::outcome::Outcome;
-use crate::prove::{PARTS, checker};
 use crate::shell;
 
 const LIST: &str = "proofs/mutants.toml";
