@@ -9,12 +9,13 @@
 //! Many of the parts have proofs of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
 //! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
+use crate::contact_phase::contact_of;
 use crate::device::{any_command, any_context, any_state};
 use crate::source::Source;
 use crate::spec::control_tick::{self, Parts};
 use crate::{cover, replaced_property};
 use fixed::types::{I8F24, I16F16};
-use touchstone_control::law::{Contact, View};
+use touchstone_control::law::View;
 use touchstone_control::{Controller, Energy, Fixed32, Force, Position};
 use touchstone_drive::calibration::{Alignment, Calibration, Progress};
 use touchstone_drive::change::ChangeConfig;
@@ -254,14 +255,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// The contact phase that a byte stands for, to make any phase from an arbitrary byte.
-pub(crate) const fn contact_of(byte: u8) -> Contact {
-    match byte % 3 {
-        0 => Contact::Free,
-        1 => Contact::First,
-        _ => Contact::Augmenting,
-    }
-}
+
 /// Any input of a control tick. Supply and temperature are either fixed or arbitrary.
 fn any_input<S: Source>(s: &mut S) -> ControlInput {
     let is_quiet = s.shortcut();

@@ -5,7 +5,7 @@
 //! arguments include the history of the calls before them. The part itself and its coefficients are not recorded as arguments; the
 //! property's random tests cover those.
 
-use crate::control_tick::contact_of;
+use crate::contact_phase::contact_of;
 use crate::controller::plain;
 use crate::device::code_of;
 use crate::format::Format;

@@ -33,6 +33,7 @@ pub mod accepted;
 pub mod answers;
 pub mod any_law;
 pub mod contact;
+mod contact_phase;
 pub mod control_tick;
 pub mod controller;
 pub mod device;
