@@ -5,7 +5,6 @@ pub mod adversary;
 pub mod board_loop;
 pub mod environment;
 pub mod estimator;
-pub mod felt;
 pub mod flash;
 pub mod grain;
 pub mod motion;

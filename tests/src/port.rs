@@ -4,8 +4,9 @@
 //! Each control period has two parts, before and after the force changes. In each part the position is linear in time, or follows
 //! from the masses of a simulated hand. The energy is summed in `f64` from the true motion, not from the measured one.
 
+pub mod felt;
+
 use crate::board_loop::{BoardLoop, Stretch};
-use crate::felt;
 use touchstone_control::environment::ProfileSettings;
 use touchstone_control::{
     ChangeOfForce, Controller, Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice,
@@ -38,7 +39,7 @@ pub enum PortLaw {
     /// A control law of the control crate with its state estimator, at 1 kHz. Guard and force limit in these settings are not used,
     /// because [`Port`] has its own.
     Controlled(Settings),
-    /// A torque profile in the environment of the control crate, with the environment's own guard. See [`crate::felt`].
+    /// A torque profile in the environment of the control crate, with the environment's own guard. See [`felt`].
     Felt(ProfileSettings),
 }
 

@@ -1,7 +1,5 @@
 //! Simulates each board with its motor, knob and hand up to the moment at which a part breaks.
 
-use super::act::Memory;
-use super::cell::play;
 use super::encoder::Encoder;
 use super::tamper::{Analogue, Breaks, Broken};
 use crate::knob::{Knob, PERIOD_S};
@@ -198,12 +196,8 @@ fn calibrated(
 }
 
 impl Bench {
-    /// A calibrated board in a hand that has moved for `BEFORE_S`. The board is armed, except for [`Moment::Ready`].
-    ///
-    /// # Panics
-    /// The healthy board does not reach this state.
-    #[must_use]
-    pub fn new(board: Board, moment: Moment, grip: Grip, quarter: u8) -> Self {
+    /// See [`Bench::new`], which also records what a healthy board does.
+    pub(super) fn begun(board: Board, moment: Moment, grip: Grip, quarter: u8) -> Self {
         let (mut settings, motor, shaft, bus_v) = parts(board);
         let turn = std::f64::consts::TAU / f64::from(motor.pole_pairs);
         let surface_rad = 0.2 + f64::from(quarter) * turn / 4.0;
@@ -231,8 +225,6 @@ impl Bench {
             healthy: [0; 2],
         };
         bench.begin();
-        bench.healthy = [Breaks::Nothing, Breaks::Memory(Memory::Right)]
-            .map(|breaks| play(&bench, breaks, STAYS_S).course);
         bench
     }
 

@@ -4,9 +4,10 @@ use super::act::act;
 use super::bench::{
     ARMS_AFTER_S, BEFORE_S, Bench, Grip, LEAVES_S, LONG_STAYS_S, Moment, Played, STAYS_S,
 };
+use super::broken::Memory;
 use super::list::Fault;
 use super::tamper::Breaks;
-use touchstone_protocol::{Command, FaultCode, State};
+use touchstone_protocol::{Board, Command, FaultCode, State};
 use touchstone_world::motor::Drive;
 
 /// Number of ticks that a run goes on after the board found the fault. In this time the motor's current ends.
@@ -95,7 +96,21 @@ impl<'b> Row<'b> {
     }
 }
 
-pub(super) fn play(bench: &Bench, breaks: Breaks, stays_s: f64) -> Cell {
+impl Bench {
+    /// A calibrated board in a hand that has moved for `BEFORE_S`. The board is armed, except for [`Moment::Ready`].
+    ///
+    /// # Panics
+    /// The healthy board does not reach this state.
+    #[must_use]
+    pub fn new(board: Board, moment: Moment, grip: Grip, quarter: u8) -> Self {
+        let mut bench = Self::begun(board, moment, grip, quarter);
+        bench.healthy = [Breaks::Nothing, Breaks::Memory(Memory::Right)]
+            .map(|breaks| play(&bench, breaks, STAYS_S).course);
+        bench
+    }
+}
+
+fn play(bench: &Bench, breaks: Breaks, stays_s: f64) -> Cell {
     let mut knob = bench.knob.clone();
     knob.tamper.breaks = breaks;
     let mut course = Course::new(bench, &knob);

@@ -1,6 +1,6 @@
 //! The list of all single faults, with their names.
 
-use super::act::{Host, Memory, Motor};
+use super::broken::{Host, Memory, Motor};
 use super::encoder::Encoder as E;
 use super::tamper::{Breaks, Bridge, Sensor, Supply, Timing};
 use touchstone_drive::{EncoderKind, ResetReason};
@@ -118,7 +118,7 @@ impl Fault {
             Breaks::Memory(Memory::Alignment(_)) if counts_edges || !board.is_large() => {
                 Some("it keeps no alignment")
             }
-            Breaks::Host(Host::Environment) if !super::act::has_environment(board) => {
+            Breaks::Host(Host::Environment) if !super::broken::has_environment(board) => {
                 Some("it has one wall only")
             }
             _ => None,

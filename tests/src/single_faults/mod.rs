@@ -11,6 +11,7 @@
 
 mod act;
 mod bench;
+mod broken;
 mod cell;
 mod encoder;
 mod known;

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Row};
 use super::known::UNFOUND;
 use super::list::{FAULTS, Group, Same};
-use super::{MOST_J, act::Memory, tamper::Breaks};
+use super::{MOST_J, broken::Memory, tamper::Breaks};
 use std::fmt::Write;
 use touchstone_protocol::{Board, FaultCode};
 

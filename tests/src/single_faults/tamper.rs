@@ -1,6 +1,6 @@
 //! How a fault tampers with readings and bridge, between the simulated motor and the firmware's code.
 
-use super::act::{Host, Memory, Motor};
+use super::broken::{Host, Memory, Motor};
 use super::encoder::{Encoder, Memory as EncoderMemory};
 use crate::knob::Tamper;
 use crate::random::Random;

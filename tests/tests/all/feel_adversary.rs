@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 use touchstone_tests::adversary::Way;
-use touchstone_tests::felt::{Hostile, STRENGTH_N_M};
+use touchstone_tests::port::felt::{Hostile, STRENGTH_N_M};
 use touchstone_tests::port::{COUNT_RAD, Port};
 
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];

@@ -1,8 +1,8 @@
 //! Simulates the port between hand and device, with a torque profile as the law and the energy guard of its environment. Also makes
 //! hostile profiles.
 
+use super::{Hand, Outcome, Port, TICK_S};
 use crate::environment::{COUNT_RAD, at, built};
-use crate::port::{Hand, Outcome, Port, TICK_S};
 use crate::random::Random;
 use touchstone_control::environment::{
     Environment, Extent, MOST_POINTS, ProfileSettings, Reading, Shape, WHOLE,
