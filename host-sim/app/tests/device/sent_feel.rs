@@ -95,7 +95,7 @@ fn a_wrong_feel_is_answered_with_its_setting_and_changes_nothing() {
         (
             Value::from(detents("strength_n_m = 3.0")),
             "environment.detents.strength_n_m",
-            "feel:3: environment.detents.strength_n_m: 3 is more than law.force_limit_n_m",
+            "feel:3: environment.detents.strength_n_m: 3 is more than the device's law.force_limit_n_m",
         ),
         (
             detents("strength = 0.01").into(),
@@ -216,7 +216,7 @@ fn a_program_sends_a_feel_by_osc() {
             "/touchstone/feel",
             "environment.detents.strength_n_m = 3.0",
             "environment.detents.strength_n_m",
-            "feel:1: environment.detents.strength_n_m: 3 is more than law.force_limit_n_m",
+            "feel:1: environment.detents.strength_n_m: 3 is more than the device's law.force_limit_n_m",
         ),
         (
             "/touchstone/feel",

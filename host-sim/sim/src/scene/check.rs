@@ -84,11 +84,16 @@ fn detent_list(scene: &Scene) -> Option<Problem> {
 /// Reports a strength (largest torque of detents or of a torque profile, N·m) above the force limit of the control law.
 fn within_limit(scene: &Scene, path: &'static str, strength: f64) -> Option<Problem> {
     let limit = scene.law.force_limit_n_m;
+    // The text of a sent scene cannot raise the device's limit.
+    let (whose, or_raise) = match scene.origin.is_sent {
+        true => ("the device's ", ""),
+        false => ("", ", or raise law.force_limit_n_m"),
+    };
     (strength > limit).then(|| {
         Problem::new(
             path,
-            format!("{strength} is more than law.force_limit_n_m = {limit}"),
-            format!("give at most {}, or raise law.force_limit_n_m", tidy(limit)),
+            format!("{strength} is more than {whose}law.force_limit_n_m = {limit}"),
+            format!("give at most {}{or_raise}", tidy(limit)),
         )
     })
 }

@@ -20,6 +20,8 @@ pub struct Origin {
     file: Option<PathBuf>,
     places: BTreeMap<String, Place>,
     notes: Vec<String>,
+    /// Whether another program sent the scene to a device, whose force limit then counts.
+    pub(crate) is_sent: bool,
 }
 
 /// Any two origins are equal, so that a comparison of scenes compares values only.
@@ -34,8 +36,7 @@ impl Origin {
     pub(crate) fn of_file(file: &Path) -> Self {
         Origin {
             file: Some(file.to_owned()),
-            places: BTreeMap::new(),
-            notes: Vec::new(),
+            ..Origin::default()
         }
     }
 
