@@ -326,7 +326,7 @@ impl Draft {
     }
 
     /// Lists the problems of single fields: wrong types, values out of range, and the first unknown name.
-    fn problems(&self) -> Vec<Problem> {
+    pub(super) fn problems(&self) -> Vec<Problem> {
         // An unknown motion is reported by itself; its fields are then not checked, because they are unknown too.
         let motion = self
             .motion()

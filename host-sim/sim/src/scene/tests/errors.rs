@@ -381,3 +381,25 @@ fn scenes_made_in_code_are_checked_too() {
     let expected = "device.inertia_kg_m2: must be a finite number, is NaN; give the device's moment of inertia in kg·m²";
     assert_eq!(scene.check().unwrap_err().to_string(), expected);
 }
+
+/// An unknown name is compared with all known ones, so a sent text with thousands of unknown names would take seconds if each was
+/// explained.
+#[test]
+fn of_many_unknown_names_only_one_is_explained() {
+    use super::super::draft::Draft;
+    let fields: String = (0..20_000)
+        .map(|n| format!("environment.detents.field_{n} = {n}\n"))
+        .collect();
+    let tables: String = (0..20_000)
+        .map(|n| format!("[environment.table_{n}]\n"))
+        .collect();
+    for text in [fields, tables] {
+        let of_text = Draft::of_text(&text, Path::new("s.toml")).unwrap();
+        let of_tables = Draft::of_tables(text.parse().unwrap());
+        for draft in [of_text, of_tables] {
+            let said = draft.problems();
+            assert_eq!(said.len(), 1, "{:?}", &said[..2]);
+            assert!(said[0].problem.starts_with("unknown"), "{:?}", said[0]);
+        }
+    }
+}
