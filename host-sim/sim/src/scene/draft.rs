@@ -48,18 +48,20 @@ impl Draft {
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
+        draft.take_feel()?;
         Ok(draft)
     }
 
     /// Takes the fields of tables that do not come from a file.
-    pub fn of_tables(tables: toml::Table) -> Self {
+    pub fn of_tables(tables: toml::Table) -> Result<Self> {
         let mut draft = Draft {
             fields: BTreeMap::new(),
             tables: BTreeSet::new(),
             origin: Origin::default(),
         };
         draft.take_values("", tables);
-        draft
+        draft.take_feel()?;
+        Ok(draft)
     }
 
     /// Reads a scene from TOML text. Only the TOML syntax is checked here.

@@ -1,6 +1,12 @@
-//! Former names of renamed settings, in scene files and on devices.
+//! Other names in scene files and on devices: former names of renamed settings, and `feel` for the table `environment`.
 
+use super::draft::Draft;
+use crate::error::Result;
 use touchstone_control::Field;
+
+/// Another name of the table `environment` in scene files. A scene that has been read has the table `environment`.
+const FEEL: &str = "feel";
+const ENVIRONMENT: &str = "environment";
 
 /// Pairs of the former and the present path of a renamed setting.
 const RENAMED: &[(&str, &str)] = &[
@@ -49,6 +55,37 @@ pub fn renamed(old: &str) -> Option<&'static str> {
                 .map(|field| field.path())
                 .find_map(|path| moved(&path))
         })
+}
+
+impl Draft {
+    /// Renames the table `feel` to `environment`.
+    pub(super) fn take_feel(&mut self) -> Result<()> {
+        if !self.has_table(FEEL) {
+            return Ok(());
+        }
+        if self.has_table(ENVIRONMENT) {
+            let problem = "[environment] is the same table";
+            let fix = "move its fields there";
+            return Err(self.origin.error(FEEL, problem, fix));
+        }
+        let named = |path: String| match path.strip_prefix(FEEL) {
+            Some(rest) if rest.is_empty() || rest.starts_with('.') => {
+                format!("{ENVIRONMENT}{rest}")
+            }
+            _ => path,
+        };
+        let fields = std::mem::take(&mut self.fields);
+        self.fields = fields
+            .into_iter()
+            .map(|(path, value)| (named(path), value))
+            .collect();
+        self.tables = std::mem::take(&mut self.tables)
+            .into_iter()
+            .map(named)
+            .collect();
+        self.origin.rename(named);
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -395,11 +395,33 @@ fn of_many_unknown_names_only_one_is_explained() {
         .collect();
     for text in [fields, tables] {
         let of_text = Draft::of_text(&text, Path::new("s.toml")).unwrap();
-        let of_tables = Draft::of_tables(text.parse().unwrap());
+        let of_tables = Draft::of_tables(text.parse().unwrap()).unwrap();
         for draft in [of_text, of_tables] {
             let said = draft.problems();
             assert_eq!(said.len(), 1, "{:?}", &said[..2]);
             assert!(said[0].problem.starts_with("unknown"), "{:?}", said[0]);
         }
     }
+}
+
+/// A scene may call its table `environment` also `feel`.
+#[test]
+fn a_feel_is_an_environment() {
+    let of = |table: &str| {
+        format!(
+            "[{table}]\nfirst_wall = false\n[{table}.detents]\nper_rev = 7\nstrength_n_m = 0.02\n"
+        )
+    };
+    let [feel, environment] =
+        ["feel", "environment"].map(|table| parse(&of(table)).unwrap().environment);
+    assert!(feel.is_some() && feel == environment, "{feel:?}");
+    // Errors name the table of the documentation, with the line of the file.
+    refused(
+        "[feel.detents]\n\nper_revs = 7",
+        "s.toml:3: environment.detents.per_revs: unknown field; did you mean per_rev?",
+    );
+    refused(
+        "[environment]\n[feel.detents]\nper_rev = 7",
+        "s.toml:2: feel: [environment] is the same table; move its fields there",
+    );
 }
