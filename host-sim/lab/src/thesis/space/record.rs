@@ -185,3 +185,51 @@ impl Record {
             .fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::texture::Texture;
+    use super::super::{Approach, Mechanism, SurfaceFeel};
+    use super::*;
+
+    /// A quarter of a period past the origin is the top of a ridge, three quarters the bottom of a groove.
+    #[test]
+    fn depth_counts_from_the_textured_surface() {
+        let texture = Texture {
+            height_mm: 0.2,
+            period_mm: 4.0,
+            along: [1.0, 0.0, 0.0],
+        };
+        let inside_mm = |object, texture, hip_mm| {
+            let mut record = Record::new(Cell {
+                mechanism: Mechanism::Cartesian,
+                object,
+                k_desired_n_per_mm: 25.0,
+                approach: Approach::Shipped,
+                feel: SurfaceFeel {
+                    impact: None,
+                    texture,
+                },
+            });
+            record.keep(0.0, Phase::Slide, hip_mm, [0.0; 3]);
+            record.depth_mm(0)
+        };
+        for (x_mm, above_mm) in [(0.0, 0.0), (1.0, 0.1), (2.0, 0.0), (3.0, -0.1)] {
+            for object in [Object::Horizontal, Object::Sphere] {
+                // A point that is 0.3 mm below the smooth surface.
+                let z_mm = match object {
+                    Object::Sphere => (29.7_f64.powi(2) - x_mm * x_mm).sqrt(),
+                    Object::Horizontal | Object::Inclined => -0.3,
+                };
+                let hip_mm = [x_mm, 7.0 * f64::from(object != Object::Sphere), z_mm];
+                let smooth_mm = inside_mm(object, None, hip_mm);
+                assert!((smooth_mm - 0.3).abs() < 1e-9, "{object:?}: {smooth_mm}");
+                let found_mm = inside_mm(object, Some(texture), hip_mm);
+                assert!(
+                    (found_mm - 0.3 - above_mm).abs() < 1e-9,
+                    "{object:?}, {x_mm} mm: {found_mm}"
+                );
+            }
+        }
+    }
+}
