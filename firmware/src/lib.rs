@@ -54,6 +54,7 @@ pub mod requests;
 pub mod run;
 pub mod sense;
 pub mod serial;
+mod serial_port;
 pub mod shared;
 pub mod storage;
 pub mod supply;

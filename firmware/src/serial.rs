@@ -3,7 +3,6 @@
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use embassy_futures::select::select;
-use embassy_stm32::usart;
 use embassy_stm32::usart::BufferedUart;
 use embassy_time::{Duration, Instant, Ticker, Timer};
 use embedded_io_async::{Read, Write};
@@ -17,9 +16,6 @@ use crate::exchange::HEARD;
 use crate::requests::Thread;
 use crate::shared::InThread;
 
-/// Rate of the serial port, baud. 115,200 is too slow for the telemetry.
-pub const BAUD: u32 = 921_600;
-
 /// Largest number of telemetry records that are sent before the task handles received bytes again; sending them takes 4 ms.
 const RECORDS_A_ROUND: usize = 8;
 
@@ -28,10 +24,6 @@ const RECORDS_A_ROUND: usize = 8;
 const PATIENCE: Duration = Duration::from_millis(20);
 const LOOK: Duration = Duration::from_micros(250);
 
-/// Buffer of bytes that wait to be sent; the port sends them in 8 ms.
-pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
-/// Buffer of received bytes that the task has not read yet; the port receives as many in 5 ms.
-pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
 /// Buffer in which the frame to be sent next is encoded.
 static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
 /// Decoder of received frames, with its buffer.
@@ -39,13 +31,6 @@ static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
 
 /// Whether the task that serves the serial port has run since the supervision task last checked.
 pub static LINK_LIVES: AtomicBool = AtomicBool::new(false);
-
-/// Settings of the serial port.
-pub fn config() -> usart::Config {
-    let mut config = usart::Config::default();
-    config.baudrate = BAUD;
-    config
-}
 
 /// The task that serves the serial port: handles requests, and sends answers and telemetry.
 #[embassy_executor::task]

@@ -21,7 +21,7 @@ use touchstone_drive::{EncoderReading, Hardware, hardware};
 use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
-use crate::{encoder, pwm, sense, serial};
+use crate::{encoder, pwm, sense, serial_port};
 
 /// The board for which this program is built; the device reports it to the computer.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431bEsc1;
@@ -107,10 +107,10 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
         p.USART2,
         p.PB4,
         p.PB3,
-        serial::SEND.take(),
-        serial::RECEIVE.take(),
+        serial_port::SEND.take(),
+        serial_port::RECEIVE.take(),
         Irqs,
-        serial::config(),
+        serial_port::config(),
     );
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }

@@ -10,7 +10,7 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peri, bind_interrupts};
 use touchstone_drive::EncoderReading;
 
-use crate::{encoder, magnetic, serial};
+use crate::{encoder, magnetic, serial_port};
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<LPUART1>;
@@ -72,10 +72,10 @@ pub fn serial_port(
         port,
         receive,
         send,
-        serial::SEND.take(),
-        serial::RECEIVE.take(),
+        serial_port::SEND.take(),
+        serial_port::RECEIVE.take(),
         Irqs,
-        serial::config(),
+        serial_port::config(),
     );
     defmt::unwrap!(serial)
 }
