@@ -1,8 +1,10 @@
 //! Tests of the feels that other programs send to `touchstone events`, by WebSocket and by OSC.
 
 use crate::demo::Demo;
+use crate::fake::Fake;
 use crate::websocket::Events;
 use serde_json::{Value, json};
+use touchstone_protocol::{Command, Event};
 
 /// The environment of a board, as `touchstone config environment` prints it.
 fn on_board(demo: &Demo) -> String {
@@ -158,6 +160,40 @@ fn a_wrong_feel_is_answered_with_its_setting_and_changes_nothing() {
     }
     drop(events.ended());
     assert_eq!(on_board(&demo), before);
+}
+
+/// Checks that a feel that the board refuses during a calibration is answered with the board's reason, that the old feel and its
+/// positions stay, and that the program then renders the next one.
+#[test]
+fn a_refusal_of_the_board_is_told_to_the_sender_and_the_program_goes_on() {
+    let board = Fake::new();
+    board.run(&["config", "environment", "on-off"]).done();
+    let events = Events::at(&board.address, &["--seconds", "120"]);
+    let [mut program, mut other] = [events.page(), events.page()];
+    for page in [&mut program, &mut other] {
+        assert_eq!(page.until("position")["last"], 1);
+    }
+    let happens = |event| assert!(board.world().1.machine.handle(event));
+    happens(Event::Command(Command::Calibrate));
+    assert_eq!(program.until("state")["state"], "calibrating");
+    program.say(r#"{"feel": "five-positions"}"#);
+    let line = program.until("error");
+    let said = line["problem"].as_str().unwrap();
+    assert!(said.contains("state `calibrating`"), "{line}");
+    assert_eq!(line["setting"], Value::Null, "{line}");
+    happens(Event::Calibrated);
+    assert_eq!(program.until("position")["last"], 1);
+    program.say(r#"{"feel": "five-positions"}"#);
+    assert_eq!(program.until("position")["last"], 4);
+    // Every line but the refusal goes to all programs.
+    let mut last = Value::Null;
+    while last != 4 {
+        let line = other.next();
+        assert_ne!(line["event"], "error", "{line}");
+        if line["event"] == "position" {
+            last = line["last"].clone();
+        }
+    }
 }
 
 /// An OSC message with texts as its arguments.

@@ -29,9 +29,13 @@ impl Drop for Events {
 
 impl Events {
     pub fn new(demo: &Demo, words: &[&str]) -> Self {
-        let all = [&["--json", "events", "--websocket"], words].concat();
-        let mut child = demo
-            .command(&all)
+        Self::at(demo.address(), words)
+    }
+
+    /// Starts the program with the board at this port.
+    pub fn at(port: &str, words: &[&str]) -> Self {
+        let all = [&["--json", "events", "--port", port, "--websocket"], words].concat();
+        let mut child = crate::program(&all)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
