@@ -66,6 +66,7 @@ def controls(page, check):
         once = page.run(f"run.facts.{fact}")
         choose(page, control, str(was).lower())
         check(once is not was and page.run(f"run.facts.{fact}") is was, f"{control}: on and off")
+    surface(page, check)
     click(page, "run")
     page.wait(0.2)
     before = page.run("counted.done")
@@ -97,6 +98,30 @@ def controls(page, check):
     for control in ("turn-left", "turn-down"):
         click(page, control)
     page.run("(() => { Object.assign(view.camera, new Camera()); })()")
+
+
+def surface(page, check):
+    """Chooses a texture and a material, and opens the link with them."""
+    ridges = "Math.max(...Array.from({ length: Math.min(1500, run.ring.size) }, (_, i) => Math.abs(Math.hypot(...['x', 'y', 'z'].map((axis) => run.ring.at(`surface_${axis}_mm`, i))) - 30)))"
+    choose(page, "texture", "0.5/5")
+    page.until("run.ring.size > 1500 && run.last.depth_mm > 0", 15)
+    page.wait(2)
+    felt = page.run(ridges)
+    check(0.2 < felt < 0.3, f"a texture of 0.5 mm: ridges of {felt:.3f} mm over the sphere, grooves below")
+    for material in ("rubber", "wood", "metal"):
+        choose(page, "material", material)
+        check(page.run("document.getElementById('error').hidden && choice().includes('impact_vibration_hz=' + { rubber: 20, wood: 40, metal: 100 }[chosen.material])"), f"material {material}")
+    link = page.run("location.hash")
+    choose(page, "per-axis", "true")
+    check(page.run("document.getElementById('material').disabled"), "one law for each axis has no material")
+    choose(page, "per-axis", "false")
+    for control, value in (("texture", ""), ("material", "")):
+        choose(page, control, value)
+    page.run(f"(() => {{ location.hash = {link!r}; }})()")
+    page.until("!pending && document.getElementById('texture').value === '0.5/5' && document.getElementById('material').value === 'metal'", 10)
+    check("metal" in link, f"a link carries texture and material: {link}")
+    for control, value in (("texture", ""), ("material", "")):
+        choose(page, control, value)
 
 
 def hands(page, check):

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use touchstone_control::LawKind;
 use touchstone_device::{Address, guard_settings};
 use touchstone_lab::thesis::space as three_axes;
+use touchstone_lab::thesis::space::surface_feel::{MATERIALS, material};
 use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_link::rows::COLUMNS;
 use touchstone_live::board_page as board;
@@ -131,6 +132,7 @@ fn space(object: &str) -> Result<String> {
     };
     let of = |law| SpaceChoice {
         object,
+        texture: None,
         guard: Some(guard_settings(
             OMEGA3_AXIS.damping,
             0.0,
@@ -140,10 +142,17 @@ fn space(object: &str) -> Result<String> {
         per_axis: false,
     };
     let rate_hz = three_axes::RATE_HZ;
-    let tuned = TunedWall::of(three_axes::Mechanism::Cartesian, rate_hz);
+    let mechanism = three_axes::Mechanism::Cartesian;
+    let tuned = TunedWall::of(mechanism, rate_hz);
     let shipped = of(tuned.settings(rate_hz, OMEGA3.force_n));
     let thesis = of(three_axes::settings(LawKind::EnhancedSfa, 25.0));
-    Ok(space_page::render(&shipped, &thesis, &program_name()))
+    let materials = MATERIALS.map(|(name, values)| (name, material(values, mechanism)));
+    Ok(space_page::render(
+        &shipped,
+        &thesis,
+        &materials,
+        &program_name(),
+    ))
 }
 
 /// Writes the page, prints its path and opens the page in a browser.

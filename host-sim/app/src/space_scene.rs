@@ -129,7 +129,7 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
             say!(
                 "{}: {}, {}, {} N/mm, on {}",
                 scene.name,
-                cell.object.name(),
+                cell.touched(),
                 cell.approach.name(),
                 cell.k_desired_n_per_mm,
                 cell.mechanism.about()

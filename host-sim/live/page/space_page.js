@@ -5,7 +5,7 @@ const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
 const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
 
 /** The user's choices: the settings with which the program made the page, and changes of them. */
-let chosen = { object: content.object, base: "shipped", changes: new Map(), automatic: false, speed: 1 };
+let chosen = { object: content.object, texture: "", material: "", base: "shipped", changes: new Map(), automatic: false, speed: 1 };
 let run = null, runs = [], running = true, aim = null, pending = true;
 let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;
 
@@ -17,13 +17,28 @@ function choice() {
   const changes = new Map(chosen.changes);
   changes.set("object", chosen.object === "sphere" ? "sphere" : "plane");
   NORMALS[chosen.object]?.forEach((n, i) => changes.set(`normal_${"xyz"[i]}`, n));
-  return content[chosen.base] + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
+  if (chosen.texture) chosen.texture.split("/").forEach((mm, i) => changes.set(["texture_height_mm", "texture_period_mm"][i], mm));
+  const material = chosen.base === "shipped" ? content.materials.find(([name]) => name === chosen.material)?.[1] ?? "" : "";
+  return content[chosen.base] + material + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
+}
+/** The user's choices as the part of the page's address after the `#`, and back. */
+function address() {
+  const { object, texture, material, base, changes } = chosen;
+  return new URLSearchParams([...Object.entries({ object, texture, material, base }), ...[...changes].map((pair) => ["set", pair.join("=")])]);
+}
+function fromAddress() {
+  const query = new URLSearchParams(location.hash.slice(1)), known = (name, words) => { if (words.includes(query.get(name))) chosen[name] = query.get(name); };
+  known("object", ["sphere", ...Object.keys(NORMALS)]);
+  known("texture", [...$("texture").options].map((option) => option.value));
+  known("material", [...$("material").options].map((option) => option.value));
+  known("base", ["shipped", "thesis"]);
+  chosen.changes = new Map(query.getAll("set").map((pair) => pair.split("=", 2)).filter(([key]) => /^[a-z_]+$/.test(key)));
 }
 function open(keep) {
   pending = true;
   tell("open", { choice: choice(), keep });
 }
-let good = null, restoring = false;
+let good = { object: content.object, texture: "", material: "", base: "shipped", changes: new Map() }, restoring = false;
 /** Chooses the shipped wall, or a law with the thesis' settings. */
 function choose(law) {
   chosen.base = law === "shipped" ? "shipped" : "thesis";
@@ -41,13 +56,18 @@ function complain(text) {
 
 function opened({ facts, keep }) {
   pending = false;
-  good = { base: chosen.base, changes: new Map(chosen.changes) };
+  good = { object: chosen.object, texture: chosen.texture, material: chosen.material, base: chosen.base, changes: new Map(chosen.changes) };
+  history.replaceState(null, "", `#${address()}`);
   const length = Math.max(2000, Math.ceil(facts.rate_hz * WINDOW_S * 1.1));
   run = { facts, second: false, title: "", ring: keep && run ? run.ring : new Ring(COLUMNS, length), last: keep ? run?.last ?? null : null, got: 0 };
   runs = [run];
   if (!$("law").length) $("law").append(new Option("as shipped", "shipped"), ...facts.laws.map((word) => new Option(`${word}, the thesis' settings`, word)));
   $("law").value = chosen.base === "shipped" ? "shipped" : facts.law;
   $("object").value = chosen.object;
+  $("texture").value = chosen.texture;
+  $("material").value = chosen.material;
+  // The law for each axis and the thesis' laws do not estimate the speed at the touch along the normal.
+  $("material").disabled = chosen.base !== "shipped" || facts.per_axis;
   $("stiffness").value = Math.log10(facts.k_desired_n_per_m / 1e3);
   $("stiffness-n").value = facts.k_desired_n_per_m / 1e3;
   $("per-axis").checked = facts.per_axis;
@@ -198,6 +218,13 @@ on("reset", "click", restart);
 on("automatic", "click", () => automatic(!chosen.automatic));
 on("speed", "change", () => { chosen.speed = Number($("speed").value); go(running); });
 on("object", "change", () => { chosen.object = $("object").value; restart(); });
+on("texture", "change", () => { chosen.texture = $("texture").value; open(true); });
+on("material", "change", () => { chosen.material = $("material").value; open(true); });
+on("link", "click", async () => {
+  try { await navigator.clipboard.writeText(location.href); $("link-told").textContent = "The page's address with these settings is copied."; }
+  catch { $("link-told").textContent = `Copy it from the address bar: ${location.hash}`; }
+});
+addEventListener("hashchange", () => { fromAddress(); restart(); });
 on("law", "change", () => choose($("law").value));
 on("stiffness", "input", () => { $("stiffness-n").value = Number((10 ** $("stiffness").value).toPrecision(3)); });
 for (const id of ["stiffness", "stiffness-n"]) on(id, "change", () => set("k_desired_n_per_m", Number(((id === "stiffness" ? 10 ** $(id).value : Number($(id).value)) * 1e3).toPrecision(6))));
@@ -209,6 +236,8 @@ document.addEventListener("visibilitychange", () => {
   if (document.hidden && running) { hiddenPause = true; go(false); } else if (!document.hidden && hiddenPause) { hiddenPause = false; go(true); }
 });
 
+$("material").append(new Option("none", ""), ...content.materials.map(([name]) => new Option(name)));
+fromAddress();
 readInk();
 requestAnimationFrame(frame);
 unpacked().then((module) => tell("start", { module, ROW: content.row }), (error) => complain(`this browser cannot run WebAssembly: ${error}`));

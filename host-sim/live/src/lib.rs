@@ -17,6 +17,7 @@ mod exports_of_boards;
 mod exports_of_space;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod page;
+mod space_choice;
 pub mod space_loop;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod space_page;

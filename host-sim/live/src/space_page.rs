@@ -3,6 +3,8 @@
 use crate::page::{
     MARK, MEMORY, PACING, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
 };
+use touchstone_control::settings::ImpactSettings;
+
 use crate::space_loop::{SPACE_ROW, SpaceChoice, SpaceObject};
 
 const PAGE: &str = include_str!("../page/space.html");
@@ -26,9 +28,15 @@ const SCRIPT: [&str; 6] = [
 ];
 
 /// Returns the page as HTML. The simulation starts with the settings in `shipped`. If the user chooses a law by its name, the
-/// settings are those in `thesis`, with that law. `program` is the name, version and commit shown.
+/// settings are those in `thesis`, with that law. `materials` are the names of materials, with pulse and vibration at the touch of the
+/// shipped wall. `program` is the name, version and commit shown.
 #[must_use]
-pub fn render(shipped: &SpaceChoice, thesis: &SpaceChoice, program: &str) -> String {
+pub fn render(
+    shipped: &SpaceChoice,
+    thesis: &SpaceChoice,
+    materials: &[(&str, ImpactSettings)],
+    program: &str,
+) -> String {
     let script = SCRIPT.concat();
     let style = format!("{STYLE}{SPACE_STYLE}");
     let object = match shipped.object {
@@ -36,7 +44,18 @@ pub fn render(shipped: &SpaceChoice, thesis: &SpaceChoice, program: &str) -> Str
         SpaceObject::Plane([x, y, _]) if x == 0.0 && y == 0.0 => "plane",
         SpaceObject::Plane(_) => "inclined",
     };
+    let materials: Vec<(&str, String)> = materials
+        .iter()
+        .map(|(name, impact)| {
+            let mut choice = shipped.clone();
+            choice.law.impact = *impact;
+            let text = choice.to_text();
+            let lines = text.lines().filter(|line| line.starts_with("impact_"));
+            (*name, lines.map(|line| format!("{line}\n")).collect())
+        })
+        .collect();
     let data = serde_json::json!({
+        "materials": materials,
         "shipped": shipped.to_text(),
         "thesis": thesis.to_text(),
         "object": object,

@@ -15,3 +15,4 @@ pub mod output;
 pub mod positions;
 pub mod run;
 pub mod scene;
+pub mod texture;

@@ -2,6 +2,7 @@
 //! forces, bit for bit.
 
 use touchstone_control::{GuardSettings, LawKind, Si};
+use touchstone_lab::thesis::space::texture::Texture;
 use touchstone_lab::thesis::space::{
     Approach, Cell, Mechanism, Object, ProbingMotion, RADIUS_MM, RATE_HZ, SurfaceFeel, run,
     settings,
@@ -19,6 +20,7 @@ fn choice(object: Object, approach: Approach, k_n_per_mm: f64) -> SpaceChoice {
             Object::Sphere => SpaceObject::Sphere(RADIUS_MM),
             plane => SpaceObject::Plane(plane.normal()),
         },
+        texture: None,
         law: settings(law, k_n_per_mm),
         per_axis: approach == Approach::PerAxis,
         guard: None,
@@ -32,19 +34,36 @@ fn column(name: &str) -> usize {
 #[test]
 fn the_same_hand_gives_the_same_forces() {
     let (hip, force) = (column("hip_x_mm"), column("force_x_n"));
+    let grooves = Texture {
+        height_mm: 0.1,
+        period_mm: 2.0,
+        along: [0.6, 0.8, 0.0],
+    };
+    let approaches = [Approach::Spring, Approach::PerAxis, Approach::Magnitude];
     for object in Object::ALL {
-        for approach in [Approach::Spring, Approach::PerAxis, Approach::Magnitude] {
+        for (approach, texture) in approaches
+            .map(|approach| (approach, None))
+            .into_iter()
+            .chain([(Approach::Magnitude, Some(grooves))])
+        {
             let cell = Cell {
                 object,
                 k_desired_n_per_mm: 25.0,
                 approach,
                 mechanism: Mechanism::Cartesian,
-                feel: SurfaceFeel::default(),
+                feel: SurfaceFeel {
+                    impact: None,
+                    texture,
+                },
             };
             let record = run(&cell).unwrap();
             let motion = ProbingMotion::of(object);
             // The settings go through the page's own text, so that a setting missing there is missing here.
-            let text = choice(object, approach, 25.0).to_text();
+            let text = SpaceChoice {
+                texture,
+                ..choice(object, approach, 25.0)
+            };
+            let text = text.to_text();
             let choice = SpaceChoice::of_text(&text).unwrap();
             let mut page = SpaceLoop::at(choice, motion.rest_mm(0.0)).unwrap();
             let mut touched = 0;
@@ -75,6 +94,11 @@ fn the_same_hand_gives_the_same_forces() {
 fn a_choice_survives_its_text_and_nonsense_is_refused() {
     let mut before = choice(Object::Inclined, Approach::PerAxis, 25.0);
     before.guard = Some(before.law.guard);
+    before.texture = Some(Texture {
+        height_mm: 0.1,
+        period_mm: 2.0,
+        along: [0.0, 0.6, 0.8],
+    });
     assert_eq!(SpaceChoice::of_text(&before.to_text()).unwrap(), before);
     for wrong in [
         "object=cube",
@@ -85,6 +109,9 @@ fn a_choice_survives_its_text_and_nonsense_is_refused() {
         "k_desired_n_per_m=-1",
         "normal_x=inf",
         "colour=1",
+        "texture_height_mm=0.3\ntexture_period_mm=2",
+        "texture_period_mm=0.1\ntexture_height_mm=0.01",
+        "texture_along_y=inf",
     ] {
         let key = wrong.split('=').next().unwrap();
         let error = SpaceChoice::of_text(wrong).unwrap_err().to_string();

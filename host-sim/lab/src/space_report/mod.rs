@@ -288,7 +288,7 @@ fn runs_section(page: &mut String, runs: &[Record]) {
             let (verdict, why) = run.judged();
             let why = why.map_or(String::new(), |why| format!(": {why}"));
             [
-                run.cell.object.name().to_owned(),
+                run.cell.touched(),
                 run.cell.approach.name().to_owned(),
                 format!("{}", run.cell.k_desired_n_per_mm),
                 format!("{}{why}", label::verdict(verdict)),
@@ -373,7 +373,7 @@ fn figures_of(run: &Record, index: usize, open: bool) -> String {
     let open = if open { " open" } else { "" };
     let mut part = format!(
         "<details id=\"run-{index}\"{open}><summary><h2>{}, {} N/mm, {} ({})</h2></summary>\n",
-        cell.object.name(),
+        cell.touched(),
         cell.k_desired_n_per_mm,
         cell.approach.name(),
         figures::reference(cell.object, cell.approach)

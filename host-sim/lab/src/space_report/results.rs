@@ -47,6 +47,8 @@ pub fn results(input: &Input) -> serde_json::Value {
                 "verdict": verdict.name(),
                 "not_judged": why.map(|why| why.to_string()),
                 "object": run.cell.object.name(),
+                "texture": run.cell.feel.texture_text(),
+                "material": run.cell.feel.material_text(run.cell.mechanism),
                 "approach": run.cell.approach.name(),
                 "k_desired_n_per_mm": run.cell.k_desired_n_per_mm,
                 "stopped": run.stopped,

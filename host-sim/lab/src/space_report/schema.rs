@@ -91,6 +91,12 @@ pub fn comparison() -> Value {
     let run = object(
         &[
             ("object", "string", "what was touched"),
+            ("texture", "string?", "grooves in its surface; null: smooth"),
+            (
+                "material",
+                "string?",
+                "vibration at the touch: a material, or its values; null: none",
+            ),
             (
                 "approach",
                 "string",

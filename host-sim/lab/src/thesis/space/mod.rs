@@ -17,7 +17,6 @@ mod record;
 pub mod scene;
 mod stepwise;
 pub mod surface_feel;
-pub mod texture;
 pub mod tuned;
 pub mod tuned_wall;
 pub mod verdict;
@@ -27,6 +26,7 @@ pub use motion::{Phase, ProbingMotion, SLIDE_MM_PER_S};
 pub use record::Record;
 pub use stepwise::{CellPlant, CellWall, wall};
 pub use surface_feel::SurfaceFeel;
+pub use touchstone_sim::texture;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -91,6 +91,22 @@ pub struct Cell {
     pub approach: Approach,
     /// What is added along the surface's normal.
     pub feel: SurfaceFeel,
+}
+
+impl Cell {
+    /// The object for readers, with its texture and material.
+    #[must_use]
+    pub fn touched(&self) -> String {
+        let object = self.object.name().to_owned();
+        let parts = [
+            self.feel.texture_text(),
+            self.feel.material_text(self.mechanism),
+        ];
+        parts
+            .into_iter()
+            .flatten()
+            .fold(object, |text, part| text + ", " + &part)
+    }
 }
 
 impl Object {

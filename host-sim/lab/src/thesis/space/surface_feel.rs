@@ -1,7 +1,7 @@
 //! What a scene of three axes adds to the wall along the normal: pulse and vibration at the touch (`[law.impact]`), and a texture
 //! (`[object.texture]`).
 
-use super::texture::Texture;
+use super::texture::{HIGHEST_MM, PERIODS_MM, Texture};
 use super::tuned_wall::TunedWall;
 use super::{Mechanism, RATE_HZ};
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,61 @@ pub struct SurfaceFeel {
     pub impact: Option<ImpactSettings>,
     /// Grooves in the surface; `None` for a smooth one.
     pub texture: Option<Texture>,
+}
+
+/// Materials that a decaying vibration at the touch imitates (`docs/tuning.md`): share of the speed, Hz, and s.
+pub const MATERIALS: [(&str, [f64; 3]); 3] = [
+    ("rubber", [0.3, 20.0, 0.015]),
+    ("wood", [0.3, 40.0, 0.012]),
+    ("metal", [0.3, 100.0, 0.02]),
+];
+
+/// Pulse and vibration of a material on the shipped wall of a mechanism.
+#[must_use]
+pub fn material(values: [f64; 3], mechanism: Mechanism) -> ImpactSettings {
+    let [share, hz, decay_s] = values.map(Some);
+    let impact = SpaceImpact {
+        share_of_momentum: Some(TunedWall::of(mechanism, RATE_HZ).pulse),
+        vibration_share_of_speed: share,
+        vibration_hz: hz,
+        vibration_decay_s: decay_s,
+    };
+    impact.settings(mechanism)
+}
+
+impl SurfaceFeel {
+    /// The grooves for readers; `None` for a smooth surface.
+    #[must_use]
+    pub fn texture_text(&self) -> Option<String> {
+        let Texture {
+            height_mm,
+            period_mm,
+            along: [x, y, z],
+        } = self.texture?;
+        Some(format!(
+            "grooves of {height_mm} mm every {period_mm} mm along ({x}, {y}, {z})"
+        ))
+    }
+
+    /// The vibration at the touch for readers: the name of its material, or its values; `None` without a vibration.
+    #[must_use]
+    pub fn material_text(&self, mechanism: Mechanism) -> Option<String> {
+        let impact = self.impact.filter(|impact| impact.vibration > 0)?;
+        let known = MATERIALS.iter().find(|(_, values)| {
+            let material = material(*values, mechanism);
+            ImpactSettings {
+                momentum: impact.momentum,
+                ..material
+            } == impact
+        });
+        Some(match known {
+            Some((name, _)) => (*name).to_owned(),
+            None => format!(
+                "vibration of {} Hz for {} s",
+                impact.frequency_hz, impact.decay_s
+            ),
+        })
+    }
 }
 
 /// Table `[law.impact]` of the scene file, with the keys, units and ranges of a scene of one axis. Shares refer to the mass of
@@ -171,47 +226,22 @@ impl SpaceImpact {
     }
 }
 
-/// Shortest and longest distance between two ridges, mm.
-const PERIODS_MM: [f64; 2] = [0.2, 100.0];
-/// Largest ratio of a ridge's height to the period. The force stays along the smooth object's normal, so steeper flanks would not
-/// be felt as such.
-const STEEPEST: f64 = 0.1;
-
-/// Largest height of a ridge over a groove, mm. The hand begins 3 mm above the smooth surface.
-const HIGHEST_MM: f64 = 5.0;
-
 impl SpaceTexture {
     /// Checks the values, and makes the direction a unit vector.
     ///
     /// # Errors
     /// The field whose value is out of range, and its range.
     pub(super) fn completed(self) -> Result<Self, Refused> {
-        let [least, most] = PERIODS_MM;
-        if !(least..=most).contains(&self.period_mm) {
-            return Err((
-                "object.texture.period_mm",
-                format!("must be {least} to {most}"),
-            ));
-        }
-        // The factor lets a tenth pass that the computer's numbers do not represent exactly.
-        let most_mm = HIGHEST_MM.min(STEEPEST * self.period_mm * (1.0 + 1e-12));
-        if !(self.height_mm > 0.0 && self.height_mm <= most_mm) {
-            return Err((
-                "object.texture.height_mm",
-                format!("must be above 0, at most {STEEPEST} of period_mm and {HIGHEST_MM}"),
-            ));
-        }
-        let length = self.along.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(length.is_finite() && length > 0.0) {
-            return Err((
-                "object.texture.along",
-                "must be a direction: three numbers that are not all 0".to_owned(),
-            ));
-        }
-        Ok(Self {
-            along: self.along.map(|x| x / length),
-            ..self
-        })
+        let named = |(name, range)| {
+            let field = match name {
+                "period_mm" => "object.texture.period_mm",
+                "height_mm" => "object.texture.height_mm",
+                _ => "object.texture.along",
+            };
+            (field, range)
+        };
+        let along = self.texture().validated().map_err(named)?.along;
+        Ok(Self { along, ..self })
     }
 
     /// The grooves that the table describes.
@@ -253,5 +283,42 @@ impl SpaceTexture {
                 },
             },
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn materials_are_those_of_the_documentation() {
+        let page = include_str!("../../../../../docs/tuning.md");
+        for (name, [share, hz, decay_s]) in MATERIALS {
+            let row = format!("| {name} | {share} | {hz} | {decay_s} |");
+            assert!(page.contains(&row), "{row}");
+        }
+    }
+
+    #[test]
+    fn a_feel_is_named_for_readers() {
+        let feel = |impact: Value| {
+            let scene = json!({
+                "dof": 3,
+                "object": {"texture": {"height_mm": 0.1, "period_mm": 2, "along": [0, 5, 0]}},
+                "law": {"approach": "shipped", "impact": impact},
+            });
+            let scene: super::super::scene::SpaceScene = serde_json::from_value(scene).unwrap();
+            scene.completed().unwrap().cell().touched()
+        };
+        let grooves = "horizontal plane, grooves of 0.1 mm every 2 mm along (0, 1, 0)";
+        assert_eq!(feel(json!({})), grooves);
+        let metal = json!({"vibration_share_of_speed": 0.3, "vibration_decay_s": 0.02});
+        assert_eq!(feel(metal), format!("{grooves}, metal"));
+        let own = json!({"vibration_share_of_speed": 0.3, "vibration_hz": 64, "vibration_decay_s": 0.125});
+        assert_eq!(
+            feel(own),
+            format!("{grooves}, vibration of 64 Hz for 0.125 s")
+        );
+        assert_eq!(SurfaceFeel::default().texture_text(), None);
     }
 }
