@@ -24,6 +24,9 @@ pub struct Positions {
     /// Distance beyond the middle between two positions at which the number changes, as a fraction of the positions' distance, 0 to
     /// 0.49.
     pub hysteresis: f64,
+    /// Distance by which each change of the number is shifted away from number 0, as a fraction of the positions' distance: a knob
+    /// leaves number 0 later and comes back to it earlier. 0 shifts nothing.
+    pub bias: f64,
     /// Angles of listed positions, rad, and their number; with fewer than two, positions are `pitch_rad` apart.
     listed: ([f64; MOST_LISTED], usize),
     /// The position in which the knob was last, counted from the origin; `None` before the first measured angle.
@@ -52,6 +55,7 @@ impl Positions {
             origin_rad,
             ends: None,
             hysteresis: HYSTERESIS,
+            bias: 0.0,
             listed: ([0.0; MOST_LISTED], 0),
             now: None,
             shift: 0,
@@ -164,7 +168,13 @@ impl Positions {
 
     /// Takes a measured angle. Returns the place if the position has changed since the last call, and at the first call.
     pub fn take(&mut self, angle_rad: f64) -> Option<Place> {
-        let way = self.place_of(angle_rad);
+        let true_way = self.place_of(angle_rad);
+        let shift = self.shift as f64;
+        let from_zero = true_way + shift;
+        let way = match self.bias > 0.0 {
+            true => (from_zero.abs() - self.bias).max(0.0).copysign(from_zero) - shift,
+            false => true_way,
+        };
         let reach = 0.5 + self.hysteresis;
         let before = self.now;
         let now = match before.map(|now| now as f64) {
@@ -181,7 +191,7 @@ impl Positions {
         (before != Some(now)).then(|| Place {
             position: now + self.shift,
             change: before.map_or(0, |before| now - before),
-            beside: way - now as f64,
+            beside: true_way - now as f64,
         })
     }
 
@@ -328,6 +338,55 @@ mod tests {
                 stiffness_n_m_per_rad: None,
             }),
             ..Environment::default()
+        }
+    }
+
+    /// The places at which the number changes are those of a SmartKnob with a snap point of 0.75 and this bias: from number `n` away from
+    /// 0 at 0.75 + bias of the way to the next, towards 0 at 0.75 - bias.
+    #[test]
+    fn a_bias_holds_number_0_longer() {
+        for (bias, shift) in [(0.0, 0), (0.2, 0), (0.2, 5)] {
+            let begun = || {
+                let mut positions = Positions::every(1.0, 0.0);
+                positions.bias = bias;
+                positions.call(shift);
+                positions
+            };
+            let from = |number: i64, way: f64| {
+                let mut positions = begun();
+                positions.stand_at(number - shift);
+                positions.take((number - shift) as f64 + way);
+                positions.number().unwrap() - number
+            };
+            for (number, up, down) in [
+                (0, 0.75 + bias, 0.75 + bias),
+                (1, 0.75 + bias, 0.75 - bias),
+                (4, 0.75 + bias, 0.75 - bias),
+                (-1, 0.75 - bias, 0.75 + bias),
+                (-7, 0.75 - bias, 0.75 + bias),
+            ] {
+                assert_eq!(
+                    [from(number, up - 1e-6), from(number, up + 1e-6)],
+                    [0, 1],
+                    "{number}"
+                );
+                assert_eq!(
+                    [from(number, 1e-6 - down), from(number, -1e-6 - down)],
+                    [0, -1],
+                    "{number}"
+                );
+            }
+            // A fast turn ends where a slow one does.
+            for end in -40..=40 {
+                let end = 0.1 * f64::from(end) + 0.013;
+                let (mut slow, mut fast) = (begun(), begun());
+                for step in 0..=1000 {
+                    slow.take(end * f64::from(step) / 1000.0);
+                }
+                fast.take(0.0);
+                fast.take(end);
+                assert_eq!(slow.number(), fast.number(), "{end}");
+            }
         }
     }
 

@@ -92,14 +92,16 @@ pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Str
     let is_magnetic = !config.detent_positions.is_empty();
     let mut positions = Positions::every(width, place(0));
     positions.hysteresis = f64::from(config.snap_point) - 0.5;
+    positions.bias = f64::from(config.snap_point_bias);
     // A SmartKnob's detents move with its present position. The detents here stay, so from a snap point of 1 on the knob could rest in
     // a detent under its neighbour's number.
-    if torque > 0.0 && positions.hysteresis > MOST_HYSTERESIS {
-        positions.hysteresis = MOST_HYSTERESIS;
+    if torque > 0.0 && positions.hysteresis + positions.bias > MOST_HYSTERESIS {
+        positions.hysteresis = positions.hysteresis.min(MOST_HYSTERESIS);
+        positions.bias = MOST_HYSTERESIS - positions.hysteresis;
         notes.push(format!(
             "the position changes at {} of the way to the next detent instead of {}",
             0.5 + MOST_HYSTERESIS,
-            config.snap_point
+            config.snap_point + config.snap_point_bias
         ));
     }
     positions.ends = bounds.map(|[first, last]| (first, last));
@@ -215,22 +217,27 @@ mod tests {
             endstop_n_m_per_rad: 1.0,
             most_n_m: 0.1,
         };
-        for (detent_strength_unit, snap_point, hysteresis, notes) in [
-            (0.0, 1.1, 0.6, 0),
-            (1.0, 1.1, 0.49, 1),
-            (1.0, 0.75, 0.25, 0),
+        for (detent_strength_unit, snap_point, snap_point_bias, [hysteresis, bias], notes) in [
+            (0.0, 1.1, 0.0, [0.6, 0.0], 0),
+            (0.0, 1.1, 0.4, [0.6, 0.4], 0),
+            (1.0, 1.1, 0.0, [0.49, 0.0], 1),
+            (1.0, 0.75, 0.0, [0.25, 0.0], 0),
+            (1.0, 0.55, 0.4, [0.05, 0.4], 0),
+            (1.0, 0.75, 0.4, [0.25, 0.24], 1),
         ] {
             let config = KnobConfig {
                 max_position: -1,
                 position_width_radians: 0.1,
                 detent_strength_unit,
                 snap_point,
+                snap_point_bias,
                 ..KnobConfig::default()
             };
             let played = played(&config, 0, 0.0, strength);
             assert!(
-                (played.positions.hysteresis - hysteresis).abs() < 1e-6,
-                "{snap_point}"
+                (played.positions.hysteresis - hysteresis).abs() < 1e-6
+                    && (played.positions.bias - bias).abs() < 1e-6,
+                "{snap_point}, {snap_point_bias}"
             );
             assert_eq!(played.notes.len(), notes, "{:?}", played.notes);
         }
