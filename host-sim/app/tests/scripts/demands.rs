@@ -272,6 +272,21 @@ fn a_baseline_says_what_became_worse() {
         better.err
     );
 
+    // Without the pulse the shipped wall's touch is softer.
+    let tap = run(&["run", "tap", "--json"]).ended(0).out;
+    std::fs::write(here.join("tap.json"), tap).unwrap();
+    let tapped = |set: &str| {
+        run_in(
+            &here,
+            &["run", "tap", "--baseline", "tap.json", "--set", set],
+        )
+    };
+    tapped("law.impact.share_of_momentum=1").ended(0);
+    let soft = tapped("law.impact.share_of_momentum=0").ended(3).err;
+    for measure in ["extended_rate_hardness", "touch_torque_n_m"] {
+        assert!(soft.contains(measure), "{soft}");
+    }
+
     let other = hold("same.json", &["--k-desired", "4"]).ended(3).err;
     let none = "required a run to compare with, result none of this scene, law, stiffness";
     assert!(other.contains(none), "{other}");

@@ -49,6 +49,8 @@ pub enum Shown {
 /// Angles: a hundredth of a count of the finest encoder in the shipped scenes. Energies: a thousandth of the energy that a press of
 /// 0.1 N·m stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz. Speed: the
 /// tolerance of an angle per such period.
+///
+/// The rate-hardness is not compared: a touch that ends within three control periods has none, and that touch is the hardest.
 #[derive(Debug, Clone, Copy)]
 pub enum Worse {
     /// Smaller is worse.
@@ -182,10 +184,10 @@ measures! {
         => 20, "rate-hardness", "N·m/rad", OfDesired, None,
         "slope of true force over true penetration in the first contact, until the motion turns or for 20 ms (thesis (1.5))";
     extended_rate_hardness: Option<f64> = |j| j.of_wall(j.judge.felt.rise.n_m_per_rad())
-        => 30, "extended rate-hardness", "N·m/rad", Digits(3), None,
+        => 30, "extended rate-hardness", "N·m/rad", Digits(3), Some(Less(0.0)),
         "largest rise of the force within a millisecond over the largest speed, in the first contact (Han and Choi 2010), of true force and true motion";
     touch_torque_n_m: Option<f64> = |j| j.of_wall(j.judge.felt.rise.torque_n_m())
-        => 40, "torque in the first 5 ms", "N·m", Digits(3), None,
+        => 40, "torque in the first 5 ms", "N·m", Digits(3), Some(Less(1e-5)),
         "largest torque of the motor within five milliseconds of entering the wall for the first time; null where it was not reached";
     peak_penetration_ratio: Option<f64> = |j| {
         let terms = &j.judge.terms;
