@@ -10,6 +10,8 @@ use super::wall_options::WallOptions;
 use super::whole::{Named, is_of_same_command};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use touchstone_lab::beside;
+use touchstone_lab::identify::noise;
 use touchstone_lab::scorecard::rivals::{MOST_DELAY_TICKS, Rival, delay_ticks};
 use touchstone_lab::scorecard::{self, Entry, Scorecard, page};
 use touchstone_lab::tune::diagnosis::{FailureCause, of_row};
@@ -18,7 +20,7 @@ use touchstone_lab::tune::pareto::{self, Point};
 use touchstone_lab::tune::{self, Effort, Tuned, settings};
 use touchstone_report::{self as report, Block, Section, pages};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::Scene;
+use touchstone_sim::scene::{Scene, SensorNoise};
 
 /// Options of `touchstone tune`.
 #[derive(Debug, Clone, clap::Args)]
@@ -41,6 +43,12 @@ pub struct Options {
     /// differences that is stable at the same delays; 1.1 times if the delay is a whole control period.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
+    /// Noise of the position sensor with which every limit must hold, degrees rms; default: the scene's `sensor.noise`.
+    #[arg(long, value_name = "DEG", value_parser = number::up_to(10.0, "degrees"))]
+    noise: Option<f64>,
+    /// Measures that noise from a recording of the knob at rest with the motor off, as `touchstone monitor --csv FILE.csv` writes it.
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "noise")]
+    noise_from: Option<PathBuf>,
     /// Writes the settings to this file: FILE.toml for `touchstone config import` and for `--settings`, FILE.rs, FILE.c or FILE.h
     /// for a firmware of your own. Writes nothing if the settings fail a limit (exit code 3). Replaces an existing file only if it
     /// has settings of the same law and scene.
@@ -86,9 +94,38 @@ impl Language {
     }
 }
 
+impl Options {
+    /// Noise of the position sensor that the user gives or recorded, rad rms; `None` without an option.
+    fn noise_rad(&self, scene: &Scene) -> Result<Option<f64>> {
+        let Some(file) = &self.noise_from else {
+            return Ok(self.noise.map(f64::to_radians));
+        };
+        let Some(encoder) = &scene.encoder else {
+            return Err(Error::Option {
+                option: "--noise-from".to_owned(),
+                problem: "the scene has no encoder, so the recorded counts have no angle"
+                    .to_owned(),
+                fix: "give the scene the recorded encoder (--set encoder.counts_per_rev=N)"
+                    .to_owned(),
+            });
+        };
+        let rms_counts = noise::rms_counts(&beside::counts(file)?).map_err(|why| Error::Io {
+            path: file.clone(),
+            problem: why.to_string(),
+            fix: "record the knob at rest, with the motor off: touchstone monitor --csv FILE.csv"
+                .to_owned(),
+        })?;
+        Ok(Some(rms_counts * encoder.step_rad()))
+    }
+}
+
 /// Runs `touchstone tune`.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    let scene = options.wall.load(&options.device)?;
+    let mut scene = options.wall.load(&options.device)?;
+    if let Some(rms_rad) = options.noise_rad(&scene)? {
+        // A noise of zero is one below what the encoder can tell: tuned for as without the option.
+        scene.sensor.noise = (rms_rad > 0.0).then_some(SensorNoise { rms_rad });
+    }
     refuse_late(&scene)?;
     let rival = Rival::named(&options.law)?;
     let command = super::command_line();
@@ -214,9 +251,16 @@ fn value(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> serde_json::Value
         "seed": tuned.seed,
         "evaluations": tuned.evaluations,
         "settings": settings,
+        "noise_deg": noise_deg(tuned),
         "scorecard": card,
         "pareto": points,
     })
+}
+
+/// Noise of the position sensor for which the law was tuned, degrees rms; `None` without noise.
+fn noise_deg(tuned: &Tuned) -> Option<f64> {
+    let noise = tuned.scene.sensor.noise.as_ref();
+    noise.map(|noise| noise.rms_rad.to_degrees())
 }
 
 fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
@@ -229,6 +273,9 @@ fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
         tuned.evaluations,
         tuned.seed
     );
+    if let Some(noise_deg) = noise_deg(tuned) {
+        say!("with {noise_deg:.4}° rms of noise of the position sensor");
+    }
     for (path, value) in &tuned.parameters {
         say!("  {path} = {value}");
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Every command that reads a file, with `IN` in place of the file. Each reads the file before it connects to a device.
-const READERS: [&str; 22] = [
+const READERS: [&str; 23] = [
     "run IN",
     "plan IN",
     "certify IN",
@@ -17,6 +17,7 @@ const READERS: [&str; 22] = [
     "boundary IN --columns 2 --rows 2 --delays 0 --ticks 1000 --out map",
     "scorecard IN --grip light",
     "tune IN",
+    "tune tap --noise-from IN",
     "run tap --settings IN",
     "run tap --baseline IN",
     "run tap --operator-motion IN",

@@ -144,6 +144,53 @@ fn tuned_settings_are_written_in_the_language_of_the_files_ending() {
     }
 }
 
+/// Checks that `--noise-from` finds the noise of a simulated recording at rest, and tunes as `--noise` with this noise does.
+#[test]
+fn a_wall_is_tuned_for_the_noise_of_a_recording() {
+    let folder = folder("tune-noise");
+    let columns = "tick,time_s,count,penetration_rad,force_n_m,state,limits\n";
+    let recording = |name: &str, count: &dyn Fn(u32) -> i64| {
+        let rows = (0..4000).map(|tick| format!("{tick},0.0,{},0.0,0.0,ready,\n", count(tick)));
+        std::fs::write(
+            folder.join(name),
+            columns.to_owned() + &rows.collect::<String>(),
+        )
+        .unwrap();
+    };
+    // Each of -1, 0 and 1 count is as likely: a variance of 2/3 of a count, of which rounding is 1/12.
+    let drawn = |tick: u32| {
+        let mixed = tick.wrapping_mul(0x9e37_79b1);
+        let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x2c1b_3c6d);
+        i64::from((mixed ^ (mixed >> 12)) >> 8) % 3 - 1
+    };
+    recording("rest.csv", &drawn);
+    recording("turned.csv", &|tick| i64::from(tick) / 10 + drawn(tick));
+    // A law with a single parameter, so that the search is short.
+    let tune = |more: &[&str]| {
+        let tune = [
+            "tune",
+            "--law",
+            "fba",
+            "--quick",
+            "--k-desired",
+            "1",
+            "--json",
+        ];
+        run_in(&folder, &[&tune[..], more].concat())
+    };
+    let found = tune(&["--noise-from", "rest.csv"]).ended(3).json();
+    let noise_deg = found["noise_deg"].as_f64().unwrap();
+    let expected_deg = (7.0_f64 / 12.0).sqrt() * 360.0 / 40_000.0;
+    assert!((noise_deg / expected_deg - 1.0).abs() < 0.05, "{noise_deg}");
+    let told = tune(&["--noise", &noise_deg.to_string()]).ended(3).json();
+    assert_eq!(told["settings"], found["settings"]);
+    let quiet = tune(&[]).ended(3).json();
+    assert!(quiet["noise_deg"].is_null());
+    assert_ne!(quiet["scorecard"], found["scorecard"]);
+    tune(&["--noise-from", "turned.csv"]).refused(&["turned.csv", "not at rest", "motor off"]);
+    tune(&["--noise-from", "rest.csv", "--noise", "0.03"]).refused(&["--noise-from"]);
+}
+
 #[test]
 fn a_certificate_speaks_of_the_grips_first() {
     let said = run(&["certify", "low-stiffness", "--no-margins"]).ended(0);

@@ -13,7 +13,7 @@ mod replay;
 
 pub use fit::Fit;
 pub use page::sections;
-pub use recording::WallRecording;
+pub use recording::{WallRecording, counts};
 pub use replay::HAND_FILE;
 
 use serde::Serialize;

@@ -103,6 +103,14 @@ impl WallRecording {
     }
 }
 
+/// Encoder counts of all records of a recording.
+///
+/// # Errors
+/// The file cannot be read, or was not written by `monitor`.
+pub fn counts(file: &Path) -> Result<Vec<f64>> {
+    Ok(rows(file)?.iter().map(|row| row.numbers[1]).collect())
+}
+
 /// Shortest recording that is compared, s.
 const SHORTEST_S: f64 = 0.1;
 

@@ -6,6 +6,7 @@
 //! - [`motor`] does the same with a real knob whose motor is unknown, and first measures resistance, inductance and flux;
 //! - [`cogging`] makes a cogging map from the current that a slow, even turn of a real knob needs;
 //! - [`eccentricity`] measures the error of the angle from an encoder disc or magnet that is off the axis;
+//! - [`noise`] measures the position sensor's noise from a recording at rest;
 //! - [`axis`] fits mass, damping and friction of an axis of a haptic device that was moved about;
 //! - [`bisection`] is Algorithm 2.1 of the thesis. It finds the largest damping that the force bounding approach may assume, with a
 //!   finger on the device. Dry friction acts as damping there, by an amount that depends on how hard the finger presses. The
@@ -17,6 +18,7 @@ pub mod cogging;
 pub mod eccentricity;
 pub mod lever;
 pub mod motor;
+pub mod noise;
 pub mod swing;
 
 pub use axis::{AxisMechanics, Unidentified};
