@@ -20,9 +20,14 @@ pub struct Options {
     /// inertia and damping, and four delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
-    /// Adds this many random device variants between those, with hands between the grips and a little beyond, drawn by --seed.
+    /// Judges this many random device variants between those too, on lines of their own, with hands between the grips and a little
+    /// beyond, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
+    /// Varies a device that was measured instead: 81 variants of inertia and damping within 10 %, up to half a control period of
+    /// delay and the three grips, whose touches are compared with those of an ideal damped wall.
+    #[arg(long, requires = "family", conflicts_with = "members")]
+    measured: bool,
     /// Stiffnesses of the wall, N·m/rad; default: the scene's.
     #[arg(long, value_name = "K", requires = "family", num_args = 1.., value_parser = number::up_to(1e6, "N·m/rad"))]
     walls: Vec<f64>,
@@ -52,6 +57,7 @@ impl Options {
         let around = Around {
             rates_hz: self.rates.clone(),
             noise_deg: self.noise.clone(),
+            measured: self.measured,
         };
         let mut walls = self.walls.clone();
         if walls.is_empty() {
@@ -62,12 +68,16 @@ impl Options {
             for k_desired in &walls {
                 let mut wall = scene.clone();
                 wall.wall.k_desired_n_m_per_rad = *k_desired;
-                let mut members = corners(&wall, &around);
-                members.extend(sample(&wall, &around, self.members, seed));
-                let bar = progress::bar(members.len() as u64, "touching the family");
-                let family = judge(law, &wall, &around, &members, || bar.inc(1))?;
-                bar.finish_and_clear();
-                families.push(family);
+                let mut sets = vec![(law.clone(), corners(&wall, &around))];
+                if self.members > 0 {
+                    let random = sample(&wall, &around, self.members, seed);
+                    sets.push((format!("{law}, random"), random));
+                }
+                for (name, members) in sets {
+                    let bar = progress::bar(members.len() as u64, "touching the family");
+                    families.push(judge(&name, &wall, &around, &members, || bar.inc(1))?);
+                    bar.finish_and_clear();
+                }
             }
         }
         out::result(

@@ -191,6 +191,52 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     tune(&["--noise-from", "rest.csv", "--noise", "0.03"]).refused(&["--noise-from"]);
 }
 
+/// Checks the shipped wall on a device that was measured: within 10 % of inertia and damping, up to half a tick of delay, every grip,
+/// with and without the pulse. The goals are a touch at most 1.1 times as deep as that of an ideal damped wall, and the ideal wall's
+/// extended rate-hardness and torque in the first 5 ms. Stiffer walls miss them at half a tick of delay.
+#[test]
+fn on_a_measured_device_a_touch_is_as_hard_as_an_ideal_walls_up_to_ten() {
+    let judged = |more: &[&str]| {
+        let family = [
+            "scorecard",
+            "--family",
+            "--measured",
+            "--walls",
+            "5",
+            "10",
+            "14",
+            "20",
+        ];
+        let found = run(&[&family[..], more, &["--json"]].concat())
+            .ended(0)
+            .json();
+        let families = found["families"].as_array().unwrap().clone();
+        families.into_iter().map(|family| {
+            assert_eq!(
+                (&family["members"], &family["lost"]),
+                (&81.into(), &0.into())
+            );
+            let touch = &family["touch_over_ideal"];
+            ["penetration", "extended_rate_hardness", "torque"]
+                .map(|it| touch[it].as_f64().unwrap())
+        })
+    };
+    let (goal, near, far) = ([1.1, 1.0, 1.0], [1.1, 0.9, 0.9], [1.2, 0.7, 0.7]);
+    for (found, limits) in judged(&[]).zip([goal, goal, near, far]) {
+        let [depth, hardness, torque] = found;
+        assert!(
+            depth <= limits[0] && hardness >= limits[1] && torque >= limits[2],
+            "{found:?}"
+        );
+    }
+    for [depth, hardness, torque] in judged(&["--set", "law.impact.share_of_momentum=0"]) {
+        assert!(
+            depth > 1.1 && hardness < 0.9 && torque < 1.0,
+            "{depth} {hardness} {torque}"
+        );
+    }
+}
+
 #[test]
 fn a_certificate_speaks_of_the_grips_first() {
     let said = run(&["certify", "low-stiffness", "--no-margins"]).ended(0);

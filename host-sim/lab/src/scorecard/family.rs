@@ -8,6 +8,7 @@
 
 use super::cases::{CASES, Deed, GRIPS, Programme};
 use super::measure::Measure;
+use super::touch::IdealTouch;
 use super::touch_ratios::TouchRatios;
 use super::watch::watch;
 use super::{figures, stiffness_per_tick};
@@ -38,6 +39,10 @@ const COUNTS: [f64; 2] = [1.0, 0.4096];
 const TIMES: [f64; 3] = [0.5, 1.0, 2.0];
 /// Delays from sample to force of the device variants, in ticks (control periods).
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
+/// Factors on inertia and damping of a device that was measured, whose encoder is known: within 10 %.
+const MEASURED_TIMES: [f64; 3] = [0.9, 1.0, 1.1];
+/// Delays of a device that was measured, in ticks (control periods).
+const MEASURED_DELAYS: [f64; 3] = [0.0, 0.1, 0.5];
 /// Fraction of the distance between light and firm grip by which random hands may lie outside the two, on logarithmic scales.
 const BEYOND: f64 = 0.25;
 /// Pairs of delay in ticks and stiffness up to which every tuned wall comes to rest, from the map in docs/tuning. Stiffness is the
@@ -73,9 +78,20 @@ pub struct Around {
     pub rates_hz: Vec<u32>,
     /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: Vec<f64>,
+    /// Whether the device was measured: the variants then lie within 10 % of the scene's, and their touches are compared with those
+    /// of an ideal wall.
+    pub measured: bool,
 }
 
 impl Around {
+    /// Factors on counts, inertia and damping, and delays in ticks (control periods), of which the variants are made.
+    fn changes(&self) -> (&'static [f64], &'static [f64], &'static [f64]) {
+        match self.measured {
+            true => (&COUNTS[..1], &MEASURED_TIMES, &MEASURED_DELAYS),
+            false => (&COUNTS, &TIMES, &DELAYS),
+        }
+    }
+
     /// The scene, repeated for every control rate and every noise level.
     fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let mut rates = self.rates_hz.clone();
@@ -142,9 +158,12 @@ impl Member {
 
     /// Deepest penetration of press and touch, each divided by the ideal depth (force of the press over requested stiffness).
     /// `None` if the wall is lost: press or touch too deep, or stiffness far off.
-    fn depths(&self) -> Result<Option<[f64; 2]>> {
+    ///
+    /// Also the touch over that of an ideal wall, if this is wanted and the hand is one of the scorecard's grips.
+    fn depths(&self, over_ideal: bool) -> Result<(Option<[f64; 2]>, Option<TouchRatios>)> {
         let (grip, hand) = self.hand;
-        let mut pressed = Programme::of(&self.scene).scene(&self.scene, grip, Deed::Press);
+        let programme = Programme::of(&self.scene);
+        let mut pressed = programme.scene(&self.scene, grip, Deed::Press);
         pressed.operator.hand = hand.as_ref().map(of_plant);
         let (figures, beside) = watch(&pressed, Deed::Press, false)?;
         let depths = [
@@ -153,7 +172,13 @@ impl Member {
         ];
         let held = figures.get(Measure::StiffnessErrorHeld) <= LOST_ERROR;
         let near = depths.iter().all(|depth| *depth <= LOST_DEPTH);
-        Ok((held && near).then_some(depths))
+        let ideal = match GRIPS.iter().position(|it| *it == grip) {
+            Some(grip) if over_ideal => {
+                Some(IdealTouch::of(&self.scene, &programme)?.ratios(grip, &beside))
+            }
+            _ => None,
+        };
+        Ok(((held && near).then_some(depths), ideal))
     }
 }
 
@@ -167,15 +192,16 @@ fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     start + (end - start) * (delay_ticks - from) / (to - from)
 }
 
-/// All combinations of the varied properties: 216 variants for each rate and noise level.
+/// All combinations of the varied properties: 216 variants for each rate and noise level, 81 of a measured device.
 #[must_use]
 pub fn corners(scene: &Scene, around: &Around) -> Vec<Member> {
+    let (all_counts, times, delays) = around.changes();
     let mut members = Vec::new();
     for scene in around.scenes(scene) {
-        for counts in COUNTS {
-            for inertia in TIMES {
-                for damping in TIMES {
-                    for delay_ticks in DELAYS {
+        for &counts in all_counts {
+            for &inertia in times {
+                for &damping in times {
+                    for &delay_ticks in delays {
                         let change = Change {
                             counts,
                             inertia,
@@ -320,6 +346,9 @@ pub struct Family {
     pub deepest_press: f64,
     /// Deepest light touch over the device variants on which the wall is not lost, divided by the ideal depth of the press.
     pub deepest_touch: f64,
+    /// Measures of the light touch over those of an ideal wall, the worst of all variants of a measured device; `None` if the device
+    /// was not measured.
+    pub touch_over_ideal: Option<TouchRatios>,
     /// Results of the scene's own device, one entry per rate and noise level.
     pub nominal: Vec<Nominal>,
     /// The worst variants, the worst one first.
@@ -337,21 +366,24 @@ pub fn judge(
     members: &[Member],
     done: impl Fn() + Sync,
 ) -> Result<Family> {
-    let mut judged: Vec<Judged> = members
+    let (mut judged, ideal): (Vec<Judged>, Vec<Option<TouchRatios>>) = members
         .par_iter()
         .map(|member| {
-            let depths = member.depths()?;
+            let (depths, ideal) = member.depths(around.measured)?;
             done();
-            Ok(Judged {
+            let judged = Judged {
                 member: member.name.clone(),
                 stiffness_per_tick: stiffness_per_tick(&member.scene),
                 delay_ticks: member.delay_ticks,
                 beyond_map: member.is_beyond_map(),
                 press: depths.map(|[press, _]| press),
                 touch: depths.map(|[_, touch]| touch),
-            })
+            };
+            Ok((judged, ideal))
         })
-        .collect::<Result<_>>()?;
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .unzip();
     let nominal = around
         .scenes(scene)
         .par_iter()
@@ -372,6 +404,10 @@ pub fn judge(
         deep: judged.iter().filter(|it| it.depth() > DEEP).count(),
         deepest_press: deepest(|it| it.press),
         deepest_touch: deepest(|it| it.touch),
+        touch_over_ideal: ideal
+            .into_iter()
+            .flatten()
+            .reduce(|one, other| one.worst(&other)),
         nominal,
         worst: Vec::new(),
     };
@@ -403,9 +439,15 @@ mod tests {
         let own = Around::default();
         let members = corners(&scene, &own);
         assert_eq!(members.len(), 216);
+        let measured = Around {
+            measured: true,
+            ..Around::default()
+        };
+        assert_eq!(corners(&scene, &measured).len(), 81);
         let all = Around {
             rates_hz: vec![1000, 2000, 5000, 10_000],
             noise_deg: vec![0.0, 0.03, 0.06],
+            measured: false,
         };
         let many = corners(&scene, &all);
         let mut names: Vec<&String> = many.iter().map(|member| &member.name).collect();

@@ -53,6 +53,16 @@ pub fn text(families: &[Family]) -> String {
             );
         }
     }
+    for it in families {
+        if let Some(touch) = &it.touch_over_ideal {
+            let [depth, hardness, extended, torque] = touch_cells(Some(touch));
+            let _ = writeln!(
+                text,
+                "{} at {} N·m/rad, worst of {} variants, over an ideal wall's touch: depth {depth}, hardness/k_de {hardness}, extended {extended}, first 5 ms {torque}",
+                it.law, it.k_desired, it.members
+            );
+        }
+    }
     let _ = writeln!(
         text,
         "\nworst\nlaw                       k_de   press   touch  T sqrt(k/J)  delay  member"
