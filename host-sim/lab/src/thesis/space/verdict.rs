@@ -70,6 +70,7 @@ impl Record {
 
 #[cfg(test)]
 mod tests {
+    use super::super::port_energy::PortEnergy;
     use super::super::{Approach, Cell, Mechanism, Object, Phase, ProbingMotion, SurfaceFeel, run};
     use super::*;
 
