@@ -1,5 +1,5 @@
-//! Reads the lists of deliberately wrong changes that proofs and tests must detect: `proofs/mutants.toml` and
-//! `emulator/sabotage.toml`.
+//! Reads the lists of deliberately wrong changes that proofs and tests must detect: `proofs/mutants.toml`,
+//! `proofs/coq/mutants.toml` and `emulator/sabotage.toml`.
 //!
 //! The launcher `cargo xtask` receives a list as lines of key, tab and text, in the order of the file. The key `next` begins an
 //! entry. The last keys of an entry are `file`, `find` and `replace` for each of its changes.
@@ -119,7 +119,7 @@ mod tests {
 
     fn read(path: &str) -> String {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        std::fs::read_to_string(root.join(path)).expect("readable")
+        std::fs::read_to_string(root.join(path)).unwrap_or_else(|why| panic!("{path}: {why}"))
     }
 
     fn list(path: &str) -> List {
@@ -145,6 +145,17 @@ mod tests {
             let is_locked = names.any(|name| name == mutant.harness);
             let by_test = mutant.harness.is_empty() && !mutant.test.is_empty();
             assert!(is_locked || by_test, "{mutant:?}");
+        }
+    }
+
+    /// Checks that each wrong change of the theorems fits the Coq files, and names an existing one.
+    #[test]
+    fn the_wrong_changes_of_the_theorems_fit_the_sources() {
+        let mutants = list("proofs/coq/mutants.toml").mutant;
+        assert!(!mutants.is_empty());
+        for mutant in &mutants {
+            fits(&mutant.file, &mutant.find, &mutant.replace);
+            read(&format!("proofs/coq/{}", mutant.harness));
         }
     }
 
