@@ -1,15 +1,18 @@
 //! The settings of a loop of three axes, as text that the page sends.
 
-use crate::space_loop::{MM, N};
 use std::fmt::Write as _;
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{Direction, Shape, Vector};
 use touchstone_control::{
-    Choice as _, GuardSettings, LawKind, Position, Reported, Settings, Si, StatesKind,
+    Choice as _, Fixed32, GuardSettings, LawKind, Position, Reported, Settings, Si, StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::list;
 use touchstone_sim::texture::Texture;
+
+pub(crate) type N = Fixed32;
+/// Millimetres per length unit of the control law, which computes in centimetres.
+pub(crate) const MM: f64 = 10.0;
 
 /// The virtual object in the workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]

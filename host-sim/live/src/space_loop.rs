@@ -1,26 +1,24 @@
 //! A simulated control loop of three axes for a web page: a virtual wall on a simulated omega.3 (haptic device with three axes),
 //! held by a firm hand.
 
+use crate::space_choice::{MM, N};
 pub use crate::space_choice::{SpaceChoice, SpaceObject};
 use touchstone_control::space::{
     Direction, Leaving, LengthUnit, Magnitude, PerAxis, Rule, Shape, Shell, SpaceWall, Surface,
     SurfacePoint, Vector, VectorGuard,
 };
 use touchstone_control::{
-    AnyLaw, Choice as _, Fixed32, Force, GuardedDevice, LawKind, Position, PositionSettings,
-    Reported, Si, StatesKind,
+    AnyLaw, Choice as _, Force, GuardedDevice, LawKind, Position, PositionSettings, Reported, Si,
+    StatesKind,
 };
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::texture::Textured;
 use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, OMEGA3_AXIS};
 
-pub(crate) type N = Fixed32;
 type Held = Cartesian<HeldLinear>;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Length units of the control law per metre (it computes in centimetres). The constant `MM` is the number of millimetres per such
-/// unit.
+/// Length units of the control law per metre.
 const PER_METRE: f64 = 100.0;
-pub(crate) const MM: f64 = 10.0;
 
 /// Names of the numbers that one tick (control period) returns, in their order. Positions are in mm, forces on the hand in N.
 pub const SPACE_ROW: [&str; 20] = [
