@@ -54,7 +54,11 @@ pub fn scene() -> Value {
     let about = "CSV file of the profile, with a column of angles and one of torques; in place of start_rad, end_rad, strength_n_m and shape";
     let file_of = described(json!({"type": "string"}), about, "");
     let profile = std::iter::once(("environment.profile.file", file_of));
-    file("A scene of Touchstone", base.chain(leaves).chain(profile))
+    let mut schema = file("A scene of Touchstone", base.chain(leaves).chain(profile));
+    schema["properties"]["feel"] =
+        json!({"$ref": "#/properties/environment", "description": "another name of environment"});
+    schema["not"] = json!({"required": ["environment", "feel"]});
+    schema
 }
 
 fn number(range: Range) -> Value {

@@ -295,6 +295,12 @@ fn scenes_obey_their_documented_schema_and_it_refuses_others() {
         .map(|name| scene(&format!("run {name} --print")))
         .collect();
     assert_eq!(valid(&here, "scene", &good), vec![true; names.len()]);
+    // `feel` is another name of `environment`, and no scene has both.
+    let mut feel = scene("run five-positions --print");
+    feel["feel"] = feel["environment"].clone();
+    let both = feel.clone();
+    feel.as_object_mut().unwrap().remove("environment");
+    assert_eq!(valid(&here, "scene", &[feel, both]), [true, false]);
     // The program refuses each of these scenes.
     let spoilt = [
         ("law", "kind", Value::from("sponge")),
@@ -303,6 +309,7 @@ fn scenes_obey_their_documented_schema_and_it_refuses_others() {
         ("timing", "rate_hz", 100_001.into()),
         ("timing", "computational_delay_s", "0".into()),
         ("wall", "colour", "red".into()),
+        ("feel", "colour", "red".into()),
     ];
     let bad = spoilt.map(|(table, field, value)| {
         let mut json = good[0].clone();
@@ -312,7 +319,7 @@ fn scenes_obey_their_documented_schema_and_it_refuses_others() {
         refused(&here, "run spoilt.toml --print");
         json
     });
-    assert_eq!(valid(&here, "scene", &bad), [false; 6]);
+    assert_eq!(valid(&here, "scene", &bad), [false; 7]);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use super::operator::{Grip, Hand};
 use super::origin::{Origin, Place};
 use super::problem::Problem;
 use super::profile_file;
+use super::renamed::environment_of_feel;
 use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::shipped;
 use super::unknown::{explain, join, list, nearest};
@@ -48,20 +49,18 @@ impl Draft {
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
-        draft.take_feel()?;
         Ok(draft)
     }
 
     /// Takes the fields of tables that do not come from a file.
-    pub fn of_tables(tables: toml::Table) -> Result<Self> {
+    pub fn of_tables(tables: toml::Table) -> Self {
         let mut draft = Draft {
             fields: BTreeMap::new(),
             tables: BTreeSet::new(),
             origin: Origin::default(),
         };
         draft.take_values("", tables);
-        draft.take_feel()?;
-        Ok(draft)
+        draft
     }
 
     /// Reads a scene from TOML text. Only the TOML syntax is checked here.
@@ -209,8 +208,9 @@ impl Draft {
     }
 
     fn take(&mut self, table: &str, values: &DeTable<'_>, line: &dyn Fn(usize) -> usize) {
+        let twice = values.contains_key("environment");
         for (key, value) in values {
-            let path = join(table, key.get_ref());
+            let path = named(table, key.get_ref(), twice);
             self.origin.put(&path, Place::Line(line(key.span().start)));
             match value.get_ref() {
                 DeValue::Table(inner) => {
@@ -225,8 +225,9 @@ impl Draft {
     }
 
     fn take_values(&mut self, table: &str, values: toml::Table) {
+        let twice = values.contains_key("environment");
         for (key, value) in values {
-            let path = join(table, &key);
+            let path = named(table, &key, twice);
             match value {
                 Value::Table(inner) => {
                     self.tables.insert(path.clone());
@@ -395,6 +396,16 @@ impl Draft {
             inner(&mut top, table).insert(name.to_owned(), value.clone());
         }
         top
+    }
+}
+
+/// Path of a key in a table. `feel` is `environment`; in a scene that has both (`twice`) it stays an unknown name.
+fn named(table: &str, key: &str, twice: bool) -> String {
+    let path = join(table, key);
+    if twice {
+        path
+    } else {
+        environment_of_feel(&path).into_owned()
     }
 }
 

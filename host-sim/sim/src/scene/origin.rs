@@ -60,13 +60,6 @@ impl Origin {
         self.places.insert(path.to_owned(), place);
     }
 
-    /// Replaces the paths of all fields and tables.
-    pub(crate) fn rename(&mut self, new: impl Fn(String) -> String) {
-        let places = std::mem::take(&mut self.places);
-        let renamed = places.into_iter().map(|(path, place)| (new(path), place));
-        self.places = renamed.collect();
-    }
-
     /// Whether the file or an option gives the field explicitly.
     pub(crate) fn is_written(&self, path: &str) -> bool {
         self.places.contains_key(path)

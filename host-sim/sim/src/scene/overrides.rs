@@ -7,7 +7,7 @@ use toml::Value;
 use super::draft::{Draft, PROFILE_FILE};
 use super::experiment::Scene;
 use super::origin::Place;
-use super::renamed::renamed;
+use super::renamed::{environment_of_feel, renamed};
 use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::unknown::{explain, list, nearest, was_renamed, wrong_unit};
 use crate::error::{Error, Result};
@@ -129,10 +129,11 @@ fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v
 
 /// Full path of the field or table that a key of `--set` names; `None` if it names none, or if it is the end of several paths.
 pub fn path_of(key: &str) -> Option<String> {
-    candidates(key).ok()
+    candidates(&environment_of_feel(key)).ok()
 }
 
 fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()> {
+    let key = &environment_of_feel(key);
     let error = |problem: String, fix: String| Error::Option {
         option: option.clone(),
         problem,

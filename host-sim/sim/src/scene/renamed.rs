@@ -1,12 +1,7 @@
 //! Other names in scene files and on devices: former names of renamed settings, and `feel` for the table `environment`.
 
-use super::draft::Draft;
-use crate::error::Result;
+use std::borrow::Cow;
 use touchstone_control::Field;
-
-/// Another name of the table `environment` in scene files. A scene that has been read has the table `environment`.
-const FEEL: &str = "feel";
-const ENVIRONMENT: &str = "environment";
 
 /// Pairs of the former and the present path of a renamed setting.
 const RENAMED: &[(&str, &str)] = &[
@@ -57,34 +52,13 @@ pub fn renamed(old: &str) -> Option<&'static str> {
         })
 }
 
-impl Draft {
-    /// Renames the table `feel` to `environment`.
-    pub(super) fn take_feel(&mut self) -> Result<()> {
-        if !self.has_table(FEEL) {
-            return Ok(());
+/// Path of a field or table in which the table `environment` has this name, and not its other name `feel`.
+pub(crate) fn environment_of_feel(path: &str) -> Cow<'_, str> {
+    match path.strip_prefix("feel") {
+        Some(rest) if rest.is_empty() || rest.starts_with('.') => {
+            Cow::Owned(format!("environment{rest}"))
         }
-        if self.has_table(ENVIRONMENT) {
-            let problem = "[environment] is the same table";
-            let fix = "move its fields there";
-            return Err(self.origin.error(FEEL, problem, fix));
-        }
-        let named = |path: String| match path.strip_prefix(FEEL) {
-            Some(rest) if rest.is_empty() || rest.starts_with('.') => {
-                format!("{ENVIRONMENT}{rest}")
-            }
-            _ => path,
-        };
-        let fields = std::mem::take(&mut self.fields);
-        self.fields = fields
-            .into_iter()
-            .map(|(path, value)| (named(path), value))
-            .collect();
-        self.tables = std::mem::take(&mut self.tables)
-            .into_iter()
-            .map(named)
-            .collect();
-        self.origin.rename(named);
-        Ok(())
+        _ => Cow::Borrowed(path),
     }
 }
 

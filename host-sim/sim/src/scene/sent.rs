@@ -37,7 +37,7 @@ impl Environment {
     /// # Errors
     /// [`Error::Option`](crate::error::Error::Option) for the first problem, with the field's dotted path.
     pub fn of_tables(tables: toml::Table, force_limit_n_m: f64) -> Result<Self> {
-        checked(Draft::of_tables(tables)?, force_limit_n_m)
+        checked(Draft::of_tables(tables), force_limit_n_m)
     }
 }
 

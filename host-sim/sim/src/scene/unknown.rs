@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::renamed::renamed;
+use super::renamed::{environment_of_feel, renamed};
 use super::schema::{self, Field, Kind};
 use super::units;
 
@@ -22,6 +22,10 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
     }
     if let Some(new) = renamed(path) {
         return was_renamed(new);
+    }
+    if environment_of_feel(path) != path {
+        let problem = "[environment] is the same table".to_owned();
+        return (problem, "move its fields there".to_owned());
     }
     let here: Vec<&Field> = schema::FIELDS
         .iter()

@@ -395,7 +395,7 @@ fn of_many_unknown_names_only_one_is_explained() {
         .collect();
     for text in [fields, tables] {
         let of_text = Draft::of_text(&text, Path::new("s.toml")).unwrap();
-        let of_tables = Draft::of_tables(text.parse().unwrap()).unwrap();
+        let of_tables = Draft::of_tables(text.parse().unwrap());
         for draft in [of_text, of_tables] {
             let said = draft.problems();
             assert_eq!(said.len(), 1, "{:?}", &said[..2]);

@@ -24,6 +24,26 @@ fn refused(sets: &[&str], expected: &str) {
     );
 }
 
+/// The table `environment` is also called `feel`, as in a scene's file.
+#[test]
+fn a_feel_is_an_environment() {
+    let (feel, named) = ("feel.detents.per_rev", "environment.detents.per_rev");
+    let changed = |key: &str| set(&[&format!("{key}=7"), "environment.detents.strength_n_m=0.02"]);
+    assert_eq!(changed(feel).environment, changed(named).environment);
+    assert_eq!(path_of(feel).as_deref(), Some(named));
+    assert_eq!(
+        changed(feel)
+            .with_overrides(&["feel=none"])
+            .unwrap()
+            .environment,
+        None
+    );
+    refused(
+        &["feel.detents.per_revs=7"],
+        "--set feel.detents.per_revs=7: unknown field; did you mean per_rev?",
+    );
+}
+
 #[test]
 fn full_paths_and_unambiguous_ends() {
     let scene = set(&[
