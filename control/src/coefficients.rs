@@ -7,10 +7,12 @@ use crate::choices::{IdealStep, OffsetUpdate, Regulate, StatesKind};
 use crate::filter::VirtualMass;
 use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa, Vibration};
 use crate::quotient::over;
-use crate::settings::{Settings, Si};
-use crate::validate::{Field, SettingsError, gain, ratio};
+use crate::validate::{gain, ratio};
 use crate::velocity::Velocity;
-use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
+use crate::{
+    Compliance, Divisor, Energy, Field, Force, Number, ObserverForm, Ratio, Settings,
+    SettingsError, Si, Stiffness,
+};
 
 /// The coefficients that all control laws share: desired stiffness, force limit and the largest energy that a law stores.
 #[derive(Debug, Clone, Copy)]

@@ -10,8 +10,7 @@ use crate::law::kept::{
 };
 use crate::law::{Impact, Law, Sample, Spring, SpringState, View};
 use crate::settings::Settings;
-use crate::validate::SettingsError;
-use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
+use crate::{Force, Guard, Guarded, Number, Position, SettingsError, States, Stiffness};
 
 /// A law chosen at run time, with its memory. Each variant holds the immutable coefficients and the state that ticks change.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -80,6 +80,7 @@ pub use named::NotSet;
 pub use number::Reported;
 pub use number::{Fixed8, Fixed16, Fixed32, Number};
 pub use quantity::{Compliance, Divisor, Energy, Force, Position, Ratio, Stiffness, Tension};
+pub use quotient::Si;
 pub use refusal::{Field, SettingsError, Warning};
 pub use settings::*;
 pub use states::States;

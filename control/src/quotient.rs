@@ -1,7 +1,8 @@
-//! Divisions of settings, which are [`Si`] numbers. These functions calculate with 128 bits and are slow, so control periods do not
+//! The number format of settings, and its divisions. These functions calculate with 128 bits and are slow, so control periods do not
 //! use them. The division is compiled once and never inlined, because the smaller board has little flash.
 
-use crate::Si;
+/// An SI value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
+pub type Si = fixed::types::I32F32;
 
 /// `a / b` rounded towards zero, saturating. For `b = 0` it is the largest value with the sign of `a`.
 #[cold]

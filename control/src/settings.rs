@@ -1,11 +1,8 @@
 //! The settings that a user chooses, in SI units, as exact decimal fractions without floating point. So a microcontroller validates
 //! the same values with the same code as a desktop computer.
 
-/// An SI value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
-pub type Si = fixed::types::I32F32;
-
 use crate::choices::*;
-use crate::quotient::over;
+use crate::quotient::{Si, over};
 
 macro_rules! structs {
     (

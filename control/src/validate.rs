@@ -1,7 +1,7 @@
 //! Checks settings. An error refuses the settings. A warning names a passivity bound that the settings exceed, or a weak guard
 //! setting, and the consequence.
 
-pub use crate::refusal::{Field, SettingsError, Warning};
+use crate::refusal::{Field, SettingsError, Warning};
 
 use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 

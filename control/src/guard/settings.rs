@@ -2,6 +2,7 @@
 
 use super::Guard;
 use crate::quotient::over;
+// By its former name, because another word in a proved body has the proofs made anew.
 use crate::refusal as validate;
 use crate::{
     ChangeOfForce, Compliance, Energy, Field, GuardSettings, Number, Position, Ratio,

@@ -2,8 +2,7 @@
 //! feature a type without code replaces the law, so that firmware contains only the laws that it can choose.
 
 use super::{Law, Sample, View};
-use crate::validate::SettingsError;
-use crate::{Force, LawKind, Number};
+use crate::{Force, LawKind, Number, SettingsError};
 use core::convert::Infallible;
 use core::marker::PhantomData;
 

@@ -14,9 +14,10 @@
 
 use super::Sample;
 use crate::quotient::over;
-use crate::settings::{ImpactSettings, Settings, Si};
-use crate::validate::{Field, SettingsError, gain, ratio};
-use crate::{Force, Number, Position, Ratio, Stiffness};
+use crate::validate::{gain, ratio};
+use crate::{
+    Field, Force, ImpactSettings, Number, Position, Ratio, Settings, SettingsError, Si, Stiffness,
+};
 
 /// The vibration at the touch of one wall, with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]

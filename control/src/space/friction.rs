@@ -21,8 +21,7 @@ use super::number::Spatial;
 use super::touch::Touch;
 use super::unit::LengthUnit;
 use super::vector::{Direction, Vector};
-use crate::settings::Si;
-use crate::{Compliance, Force, Position, Stiffness};
+use crate::{Compliance, Force, Position, Si, Stiffness};
 use core::fmt;
 
 /// Coefficients of the friction.

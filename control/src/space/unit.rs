@@ -12,10 +12,9 @@
 use super::number::Spatial;
 use super::place_estimator::PlaceEstimator;
 use crate::law::Impact;
-use crate::settings::{FilterSettings, Settings, Si};
 use crate::{
-    AnyLaw, EstimatorSettings, GuardSettings, GuardedDevice, Number, SettingsError, StatesKind,
-    VelocityKind, VelocitySettings,
+    AnyLaw, EstimatorSettings, FilterSettings, GuardSettings, GuardedDevice, Number, Settings,
+    SettingsError, Si, StatesKind, VelocityKind, VelocitySettings,
 };
 
 /// The length that counts as 1 in the number format.
