@@ -115,7 +115,7 @@ macro_rules! measures {
             pub verdict: Verdict,
             /// Reason why the run could not be judged; `None` if it was judged.
             pub not_judged: Option<String>,
-            $($(#[$doc])* $(#[doc = $meaning])? pub $field: $type,)*
+            $($(#[$doc])* $(#[doc = concat!($meaning, "; unit `", $unit, "`")])? pub $field: $type,)*
         }
 
         impl Summary {
