@@ -7,7 +7,7 @@ use touchstone_protocol::{DeviceCommand, Phase, Request, Surround};
 use touchstone_world::plant::{FIRM, Hand, MEDIUM};
 
 use crate::bench::{Bench, MS, Setup};
-use crate::board::{Board, Encoder, FaultLink};
+use crate::board::{Board, Encoder};
 use crate::budgets::{CONTROL, CURRENT, FEEL, LAW, PROCESSOR_PERCENT};
 use crate::cpu::core::{Cost, WAIT_STATES};
 use crate::cpu::decode::EXCEPTION;
@@ -34,6 +34,15 @@ struct Case {
     torque_n_m: f64,
     ramp_s: f64,
 }
+
+/// By board, the encoders that are counted beside the one in [`Board::all`].
+const MORE_ENCODERS: &[(&str, &[Encoder])] = &[
+    (
+        "nucleo-g474re",
+        &[Encoder::Mt6701, Encoder::Incremental(16_384)],
+    ),
+    ("nucleo-g431rb-ihm16m1", &[Encoder::Mt6701]),
+];
 
 /// The workloads after the hard press use a light press: the hard press heats the motor, which halves the allowed force. With half
 /// of its force a wall swings under a strong hand (fault 26).
@@ -173,35 +182,22 @@ impl Table {
 /// code.
 #[must_use]
 pub fn run(programs: &Programs) -> u8 {
-    let nucleo = [
-        Encoder::As5047p,
-        Encoder::Mt6701,
-        Encoder::Incremental(16_384),
-    ]
-    .map(Board::nucleo_g474re);
-    let small = [Board::nucleo_g474re_ihm16m1(
-        Encoder::As5047p,
-        FaultLink::R37,
-    )];
-    let mini = [Board::nucleo_g474re_simplefoc_mini(Encoder::As5047p)];
-    let kit = [Encoder::As5047p, Encoder::Mt6701]
-        .map(|encoder| Board::nucleo_g431rb_ihm16m1(encoder, FaultLink::R37));
-    let boards = [
-        &nucleo[..],
-        &small[..],
-        &mini[..],
-        &kit[..],
-        &[Board::b_g431b_esc1()][..],
-    ];
     let (mut code, mut summaries) = (0, Vec::new());
-    for boards in boards {
-        let Some(program) = programs.of(&boards[0]) else {
+    for board in Board::all() {
+        let Some(program) = programs.of(&board) else {
             continue;
         };
-        match count(program, boards) {
+        let more = MORE_ENCODERS.iter().filter(|(name, _)| *name == board.name);
+        let more = more.flat_map(|(_, encoders)| *encoders);
+        let mut boards = vec![board.clone()];
+        boards.extend(more.map(|&encoder| Board {
+            encoder,
+            ..board.clone()
+        }));
+        match count(program, &boards) {
             Ok((is_right, summary)) => {
                 code |= u8::from(!is_right);
-                summaries.push(format!("{}: {summary}", boards[0].name));
+                summaries.push(format!("{}: {summary}", board.name));
             }
             Err(error) => {
                 println!("WRONG: {error}");
