@@ -124,6 +124,19 @@ def surface(page, check):
         choose(page, control, value)
 
 
+def refused(page, url, check):
+    """Opens a link whose settings are refused: the page says so and starts with its own, with the hand at the start position."""
+    if page.stills:
+        # Otherwise the simulated hand presses, and the page puts it at the start position for that.
+        page.still()
+    page.go("about:blank")
+    page.go(f"{url}#set=k_desired_n_per_m=-1")
+    page.until("typeof runs !== 'undefined' && runs.length > 0 && run.ring.size > 100 && !pending")
+    told, stiffness, beside = page.run("[document.getElementById('error').textContent, run.facts.k_desired_n_per_m, Math.max(...Array.from({ length: run.ring.size }, (_, i) => Math.hypot(...['x', 'y', 'z'].map((axis, k) => run.ring.at(`rest_${axis}_mm`, i) - run.facts.start_mm[k]))))]")
+    check("k_desired_n_per_m" in told and stiffness == 25000, f"a link with refused settings opens the shipped wall: {told}")
+    check(not page.stills or beside == 0, f"and the hand starts {beside:.1f} mm beside the start position")
+
+
 def hands(page, check):
     page.key("h")
     page.wait(1)
@@ -184,6 +197,7 @@ def space(browser, program, pictures, folder, seconds, asked_for, check):
         page.wait(0.5)
         if pictures:
             page.picture(os.path.join(pictures, "space-dark.png"))
+        refused(page, f"file://{file}", check)
         check(not page.problems, f"no complaint of {page.name} {page.problems[:3]}")
     finally:
         page.close()

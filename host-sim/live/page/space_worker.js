@@ -54,7 +54,9 @@ function rest() {
 
 function open({ choice, keep }) {
   put(choice);
-  const failed = keep && facts ? wasm.live_space_change() : wasm.live_space_open();
+  // Until settings are accepted there is no loop to keep, and the hand has to be put at the start position.
+  keep &&= facts !== null;
+  const failed = keep ? wasm.live_space_change() : wasm.live_space_open();
   if (failed) { postMessage({ type: "error", text: given() }); return; }
   wasm.live_space_facts();
   facts = JSON.parse(given());
