@@ -5,7 +5,8 @@ const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
 const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
 
 /** The user's choices: the settings with which the program made the page, and changes of them. */
-let chosen = { object: content.object, texture: "", material: "", base: "shipped", changes: new Map(), automatic: false, speed: 1 };
+const shipped = () => ({ object: content.object, texture: "", material: "", base: "shipped", changes: new Map() });
+let chosen = { ...shipped(), automatic: false, speed: 1 };
 let run = null, runs = [], running = true, aim = null, pending = true;
 let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;
 
@@ -27,18 +28,23 @@ function address() {
   return new URLSearchParams([...Object.entries({ object, texture, material, base }), ...[...changes].map((pair) => ["set", pair.join("=")])]);
 }
 function fromAddress() {
-  const query = new URLSearchParams(location.hash.slice(1)), known = (name, words) => { if (words.includes(query.get(name))) chosen[name] = query.get(name); };
-  known("object", ["sphere", ...Object.keys(NORMALS)]);
-  known("texture", [...$("texture").options].map((option) => option.value));
-  known("material", [...$("material").options].map((option) => option.value));
-  known("base", ["shipped", "thesis"]);
-  chosen.changes = new Map(query.getAll("set").map((pair) => pair.split("=", 2)).filter(([key]) => /^[a-z_]+$/.test(key)));
+  const offered = (id) => [...$(id).options].map((option) => option.value), unknown = [];
+  const words = new Map([...["object", "texture", "material"].map((id) => [id, offered(id)]), ["base", ["shipped", "thesis"]]]);
+  Object.assign(chosen, shipped());
+  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
+    const [, key, to] = name === "set" ? /^([a-z_]+)=(.*)$/s.exec(value) ?? [] : [];
+    if (key) chosen.changes.set(key, to);
+    else if (words.get(name)?.includes(value)) chosen[name] = value;
+    else unknown.push(`${name}=${value}`);
+  }
+  notice = unknown.length ? `left out, because this page does not know it: ${unknown.join(", ")}` : "";
 }
 function open(keep) {
   pending = true;
   tell("open", { choice: choice(), keep });
 }
-let good = { object: content.object, texture: "", material: "", base: "shipped", changes: new Map() }, restoring = false;
+/** The choices that were accepted last, and a message that stays until others are accepted. */
+let good = shipped(), notice = "";
 /** Chooses the shipped wall, or a law with the thesis' settings. */
 function choose(law) {
   chosen.base = law === "shipped" ? "shipped" : "thesis";
@@ -76,8 +82,7 @@ function opened({ facts, keep }) {
 worker.onmessage = ({ data }) => {
   // The hand moves by itself until the user moves it, unless the user's system asks for reduced motion.
   if (data.type === "ready") { open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
-  // The message on refused settings stays until settings are accepted.
-  if (data.type === "opened") { if (!restoring) complain(""); restoring = false; opened(data); }
+  if (data.type === "opened") { complain(notice); notice = ""; opened(data); }
   if (data.type === "rows" && run && !pending) {
     run.ring.push(data.rows);
     counted = data.count;
@@ -85,8 +90,9 @@ worker.onmessage = ({ data }) => {
     for (let at = COLUMNS.indexOf("energy_true_j"); at < data.rows.length; at += COLUMNS.length) run.got = Math.max(run.got, -data.rows[at]);
   }
   if (data.type === "error") {
-    complain(data.text);
-    if (good) { Object.assign(chosen, good); good = null; restoring = true; open(true); }
+    const text = [notice, data.text].filter(Boolean).join("; ");
+    complain(text);
+    if (good) { Object.assign(chosen, good); good = null; notice = text; open(true); }
   }
 };
 worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);
