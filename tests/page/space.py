@@ -152,6 +152,17 @@ def left_out(page, url, check):
     page.until("chosen.material === 'wood' && !pending")
     *held, told = page.run(hold)
     check(held == ["sphere", "", "wood", 25000] and "texture=stone" in told, f"a link in the open page: what it does not name is as shipped: {held}, {told}")
+    for setting in ("texture_height_mm=0.1", "impact_vibration=0.3", "rate_hz=10000", "guard=true\nrate_hz=10000"):
+        page.run(f"(() => {{ history.replaceState(null, '', '#'); location.hash = new URLSearchParams([['set', {setting!r}]]); }})()")
+        page.until("!document.getElementById('error').hidden && !pending")
+        told, rate, changes = page.run("[document.getElementById('error').textContent, run.facts.rate_hz, chosen.changes.size]")
+        check(setting in told and rate == 1000 and changes == 0, f"a setting without a control: {told!r}")
+        choose(page, "object", "plane")
+    for link, shown in (("set=law=fba", "fba"), ("base=thesis", "enhanced-sfa"), ("base=shipped", "shipped")):
+        page.run(f"(() => {{ location.hash = {link!r}; }})()")
+        page.until(f"document.getElementById('law').value === {shown!r} && !pending")
+        states, law = page.run("[run.facts.states, run.facts.law]")
+        check((states, law) == ("estimated" if shown == "shipped" else "measured", law if shown == "shipped" else shown), f"{link}: the list of laws shows {shown}, which acts")
 
 
 def hands(page, check):

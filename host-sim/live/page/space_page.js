@@ -22,21 +22,26 @@ function choice() {
   const material = chosen.base === "shipped" ? content.materials.find(([name]) => name === chosen.material)?.[1] ?? "" : "";
   return content[chosen.base] + material + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
 }
-/** The user's choices as the part of the page's address after the `#`, and back. */
+/** The user's choices as the part of the page's address after the `#`. */
 function address() {
   const { object, texture, material, base, changes } = chosen;
   return new URLSearchParams([...Object.entries({ object, texture, material, base }), ...[...changes].map((pair) => ["set", pair.join("=")])]);
 }
+/** A setting in the address. Only those with a control, so that the controls show what acts; the value is one line, so it adds no other. */
+const SETTING = /^(law|k_desired_n_per_m|per_axis|guard)=(.*)$/;
+/** Makes the choices those in the address: what it does not name is as shipped, what the page does not know is left out and told. */
 function fromAddress() {
   const offered = (id) => [...$(id).options].map((option) => option.value), unknown = [];
   const words = new Map([...["object", "texture", "material"].map((id) => [id, offered(id)]), ["base", ["shipped", "thesis"]]]);
   Object.assign(chosen, shipped());
   for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
-    const [, key, to] = name === "set" ? /^([a-z_]+)=(.*)$/s.exec(value) ?? [] : [];
+    const [, key, to] = name === "set" ? SETTING.exec(value) ?? [] : [];
     if (key) chosen.changes.set(key, to);
     else if (words.get(name)?.includes(value)) chosen[name] = value;
     else unknown.push(`${name}=${value}`);
   }
+  // As in the list of laws, a law by its name has the thesis' settings.
+  if (chosen.changes.has("law")) chosen.base = "thesis";
   notice = unknown.length ? `left out, because this page does not know it: ${unknown.join(", ")}` : "";
 }
 function open(keep) {
@@ -68,7 +73,7 @@ function opened({ facts, keep }) {
   run = { facts, second: false, title: "", ring: keep && run ? run.ring : new Ring(COLUMNS, length), last: keep ? run?.last ?? null : null, got: 0 };
   runs = [run];
   if (!$("law").length) $("law").append(new Option("as shipped", "shipped"), ...facts.laws.map((word) => new Option(`${word}, the thesis' settings`, word)));
-  $("law").value = chosen.base === "shipped" ? "shipped" : facts.law;
+  $("law").value = facts.states === "estimated" ? "shipped" : facts.law;
   $("object").value = chosen.object;
   $("texture").value = chosen.texture;
   $("material").value = chosen.material;
