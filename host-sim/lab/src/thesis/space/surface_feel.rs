@@ -46,8 +46,9 @@ impl SurfaceFeel {
         let Texture {
             height_mm,
             period_mm,
-            along: [x, y, z],
+            along,
         } = self.texture?;
+        let [x, y, z] = along.map(rounded);
         Some(format!(
             "grooves of {height_mm} mm every {period_mm} mm along ({x}, {y}, {z})"
         ))
@@ -66,12 +67,24 @@ impl SurfaceFeel {
         });
         Some(match known {
             Some((name, _)) => (*name).to_owned(),
-            None => format!(
-                "vibration of {} Hz for {} s",
-                impact.frequency_hz, impact.decay_s
-            ),
+            None => {
+                // As in `SpaceImpact::settings`, but the other way: the share of the axis' own speed.
+                let tuned = TunedWall::of(mechanism, RATE_HZ);
+                let share = impact.vibration.to_num::<f64>() * tuned.estimator_kg / tuned.axis_kg;
+                format!(
+                    "vibration of {} of the speed at {} Hz for {} s",
+                    rounded(share),
+                    impact.frequency_hz,
+                    impact.decay_s
+                )
+            }
         })
     }
+}
+
+/// A number rounded to three decimals, and without the sign of a zero.
+fn rounded(number: f64) -> f64 {
+    (1e3 * number).round() / 1e3 + 0.0
 }
 
 /// Table `[law.impact]` of the scene file, with the keys, units and ranges of a scene of one axis. Shares refer to the mass of
@@ -301,24 +314,29 @@ mod tests {
 
     #[test]
     fn a_feel_is_named_for_readers() {
-        let feel = |impact: Value| {
+        let feel_along = |along: [i32; 3], impact: Value| {
             let scene = json!({
                 "dof": 3,
-                "object": {"texture": {"height_mm": 0.1, "period_mm": 2, "along": [0, 5, 0]}},
+                "object": {"texture": {"height_mm": 0.1, "period_mm": 2, "along": along}},
                 "law": {"approach": "shipped", "impact": impact},
             });
             let scene: super::super::scene::SpaceScene = serde_json::from_value(scene).unwrap();
             scene.completed().unwrap().cell().touched()
         };
+        let feel = |impact| feel_along([0, 5, 0], impact);
+        assert_eq!(
+            feel_along([1, -2, 0], json!({})),
+            "horizontal plane, grooves of 0.1 mm every 2 mm along (0.447, -0.894, 0)"
+        );
         let grooves = "horizontal plane, grooves of 0.1 mm every 2 mm along (0, 1, 0)";
         assert_eq!(feel(json!({})), grooves);
         let metal = json!({"vibration_share_of_speed": 0.3, "vibration_decay_s": 0.02});
         assert_eq!(feel(metal), format!("{grooves}, metal"));
-        let own = json!({"vibration_share_of_speed": 0.3, "vibration_hz": 64, "vibration_decay_s": 0.125});
-        assert_eq!(
-            feel(own),
-            format!("{grooves}, vibration of 64 Hz for 0.125 s")
-        );
+        for [share, hz, decay_s] in [[0.3, 64.0, 0.125], [0.2, 40.0, 0.012]] {
+            let own = json!({"vibration_share_of_speed": share, "vibration_hz": hz, "vibration_decay_s": decay_s});
+            let vibration = format!("vibration of {share} of the speed at {hz} Hz for {decay_s} s");
+            assert_eq!(feel(own), format!("{grooves}, {vibration}"));
+        }
         assert_eq!(SurfaceFeel::default().texture_text(), None);
     }
 }
