@@ -100,16 +100,9 @@ impl Options {
         let Some(file) = &self.noise_from else {
             return Ok(self.noise.map(f64::to_radians));
         };
-        let Some(encoder) = &scene.encoder else {
-            return Err(Error::Option {
-                option: "--noise-from".to_owned(),
-                problem: "the scene has no encoder, so the recorded counts have no angle"
-                    .to_owned(),
-                fix: "give the scene the recorded encoder (--set encoder.counts_per_rev=N)"
-                    .to_owned(),
-            });
-        };
-        let rms_counts = noise::rms_counts(&beside::counts(file)?).map_err(|why| Error::Io {
+        let encoder = beside::encoder(scene)?;
+        let counts = beside::counts(file, encoder)?;
+        let rms_counts = noise::rms_counts(&counts).map_err(|why| Error::Io {
             path: file.clone(),
             problem: why.to_string(),
             fix: "record the knob at rest, with the motor off: touchstone monitor --csv FILE.csv"

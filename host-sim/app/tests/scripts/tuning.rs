@@ -149,8 +149,14 @@ fn tuned_settings_are_written_in_the_language_of_the_files_ending() {
 fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     let folder = folder("tune-noise");
     let columns = "tick,time_s,count,penetration_rad,force_n_m,state,limits\n";
-    let recording = |name: &str, count: &dyn Fn(u32) -> i64| {
-        let rows = (0..4000).map(|tick| format!("{tick},0.0,{},0.0,0.0,ready,\n", count(tick)));
+    let recording = |name: &str, counts_per_rev: f64, count: &dyn Fn(u32) -> i64| {
+        let rows = (0..4000).map(|tick| {
+            let count = count(tick);
+            // The device's number format of positions has 24 fractional bits.
+            let angle = count as f64 * std::f64::consts::TAU / counts_per_rev;
+            let penetration = ((angle - 0.3) * 2_f64.powi(24)).floor() / 2_f64.powi(24);
+            format!("{tick},0.0,{count},{penetration},0.0,ready,\n")
+        });
         std::fs::write(
             folder.join(name),
             columns.to_owned() + &rows.collect::<String>(),
@@ -163,8 +169,12 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
         let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x2c1b_3c6d);
         i64::from((mixed ^ (mixed >> 12)) >> 8) % 3 - 1
     };
-    recording("rest.csv", &drawn);
-    recording("turned.csv", &|tick| i64::from(tick) / 10 + drawn(tick));
+    recording("rest.csv", 40_000.0, &drawn);
+    recording("turned.csv", 40_000.0, &|tick| {
+        i64::from(tick) / 10 + drawn(tick)
+    });
+    recording("coarse.csv", 16_384.0, &drawn);
+    recording("fine.csv", 65_536.0, &drawn);
     // A law with a single parameter, so that the search is short.
     let tune = |more: &[&str]| {
         let tune = [
@@ -188,6 +198,13 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     assert!(quiet["noise_deg"].is_null());
     assert_ne!(quiet["scorecard"], found["scorecard"]);
     tune(&["--noise-from", "turned.csv"]).refused(&["turned.csv", "not at rest", "motor off"]);
+    for other in ["coarse.csv", "fine.csv"] {
+        tune(&["--noise-from", other]).refused(&[
+            other,
+            "not whole counts of an encoder with 40000 counts",
+            "encoder.counts_per_rev",
+        ]);
+    }
     tune(&["--noise-from", "rest.csv", "--noise", "0.03"]).refused(&["--noise-from"]);
 }
 

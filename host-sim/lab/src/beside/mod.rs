@@ -13,7 +13,7 @@ mod replay;
 
 pub use fit::Fit;
 pub use page::sections;
-pub use recording::{WallRecording, counts};
+pub use recording::{WallRecording, counts, encoder};
 pub use replay::HAND_FILE;
 
 use serde::Serialize;

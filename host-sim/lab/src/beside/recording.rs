@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::input;
+use touchstone_sim::scene::{Encoder, Scene};
 
 /// Names of the CSV columns that are read.
 const COLUMNS: [&str; 7] = [
@@ -93,22 +94,79 @@ impl WallRecording {
         Ok(told)
     }
 
+    /// Angle of the device's wall surface, so that the real and the simulated encoder step at the same angles.
+    ///
+    /// # Errors
+    /// The scene has no encoder, or another one than the recorded device.
+    pub fn surface_rad(&self, scene: &Scene) -> Result<f64> {
+        let counts = self.count.iter().copied();
+        let places = counts.zip(self.penetration_rad.iter().copied());
+        surface_rad(&self.file, encoder(scene)?, places)
+    }
+
     /// Makes an error about this recording, with the problem and its remedy.
     pub fn wrong(&self, problem: impl Into<String>, fix: &str) -> Error {
-        Error::Io {
-            path: self.file.clone(),
-            problem: problem.into(),
-            fix: fix.to_owned(),
-        }
+        wrong(&self.file, problem, fix)
     }
+}
+
+fn wrong(file: &Path, problem: impl Into<String>, fix: &str) -> Error {
+    Error::Io {
+        path: file.to_owned(),
+        problem: problem.into(),
+        fix: fix.to_owned(),
+    }
+}
+
+const SET_ENCODER: &str = "set the scene's encoder to the device's: --set encoder.counts_per_rev=…";
+
+/// The scene's encoder, whose counts a recording has.
+///
+/// # Errors
+/// The scene has none.
+pub fn encoder(scene: &Scene) -> Result<&Encoder> {
+    scene.encoder.as_ref().ok_or_else(|| Error::Option {
+        option: "encoder.counts_per_rev".into(),
+        problem: "the scene has no encoder, the device has one".into(),
+        fix: SET_ENCODER.into(),
+    })
 }
 
 /// Encoder counts of all records of a recording.
 ///
 /// # Errors
-/// The file cannot be read, or was not written by `monitor`.
-pub fn counts(file: &Path) -> Result<Vec<f64>> {
-    Ok(rows(file)?.iter().map(|row| row.numbers[1]).collect())
+/// The file cannot be read, was not written by `monitor`, or is of a device with another encoder.
+pub fn counts(file: &Path, encoder: &Encoder) -> Result<Vec<f64>> {
+    let rows = rows(file)?;
+    let places = rows.iter().map(|row| (row.numbers[1], row.numbers[2]));
+    surface_rad(file, encoder, places)?;
+    Ok(rows.iter().map(|row| row.numbers[1]).collect())
+}
+
+/// Step of the recorded penetrations, rad.
+const STEP_RAD: f64 = 1.0 / (1 << 24) as f64;
+
+/// Angle of the device's wall surface, from pairs of recorded count and penetration.
+fn surface_rad(
+    file: &Path,
+    encoder: &Encoder,
+    places: impl Iterator<Item = (f64, f64)>,
+) -> Result<f64> {
+    let step = encoder.step_rad();
+    let (low, high) = places
+        .map(|(count, penetration)| count * step - penetration)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| {
+            (low.min(it), high.max(it))
+        });
+    // A knob at rest moves by few counts, so a tenth of a count must tell one encoder from another.
+    if high - low > 0.1 * step + STEP_RAD {
+        let problem = format!(
+            "its positions are not whole counts of an encoder with {} counts a turn",
+            encoder.counts_per_rev
+        );
+        return Err(wrong(file, problem, SET_ENCODER));
+    }
+    Ok(0.5 * (low + high))
 }
 
 /// Shortest recording that is compared, s.
@@ -116,11 +174,7 @@ const SHORTEST_S: f64 = 0.1;
 
 fn rows(file: &Path) -> Result<Vec<Row>> {
     const FIX: &str = "give a file of `touchstone monitor --csv FILE --decimation 1`, which has every control period";
-    let wrong = |problem: String| Error::Io {
-        path: file.to_owned(),
-        problem,
-        fix: FIX.to_owned(),
-    };
+    let wrong = |problem: String| wrong(file, problem, FIX);
     let text = input::text(file, input::MOST_OF_RECORDING);
     let text = text.map_err(|error| wrong(error.to_string()))?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());

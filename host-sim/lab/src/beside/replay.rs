@@ -4,7 +4,6 @@ use super::held::rest_point_rad;
 use super::recording::WallRecording;
 use super::{HandWas, closest, rms};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchstone_report::csv::decimal;
@@ -56,7 +55,7 @@ impl<'a> Replay<'a> {
         folder: &Path,
     ) -> Result<Self> {
         let period_s = fits(scene, told)?;
-        let surface_rad = surface_rad(scene, told)?;
+        let surface_rad = told.surface_rad(scene)?;
         let (first, start_rad, speed, motion) = match hand {
             HandWas::Gone => {
                 let flight = flight(told)?;
@@ -171,39 +170,6 @@ fn fits(scene: &Scene, told: &WallRecording) -> Result<f64> {
         ));
     }
     Ok(period_s)
-}
-
-/// Angle of the device's wall surface, computed from recorded counts and penetrations, so that the real and the simulated encoder
-/// step at the same angles.
-///
-/// # Errors
-/// The scene has no encoder, or the recording's counts do not fit it.
-fn surface_rad(scene: &Scene, told: &WallRecording) -> Result<f64> {
-    let Some(encoder) = &scene.encoder else {
-        return Err(Error::Option {
-            option: "encoder.counts_per_rev".into(),
-            problem: "the scene has no encoder, the device has one".into(),
-            fix: "set the scene's encoder to the device's: --set encoder.counts_per_rev=…".into(),
-        });
-    };
-    let step = TAU / encoder.counts_per_rev;
-    let places = || {
-        let both = told.count.iter().zip(&told.penetration_rad);
-        both.map(|(count, penetration)| count * step - penetration)
-    };
-    let (low, high) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| {
-        (low.min(it), high.max(it))
-    });
-    if high - low > 0.5 * step {
-        return Err(told.wrong(
-            format!(
-                "its positions are not whole counts of an encoder with {} counts a turn",
-                encoder.counts_per_rev
-            ),
-            "set the scene's encoder to the device's: --set encoder.counts_per_rev=…",
-        ));
-    }
-    Ok(0.5 * (low + high))
 }
 
 /// Range of ticks in which a released knob moves freely just before it reaches the wall; an odd number of ticks. The hand has most
