@@ -14,6 +14,7 @@ use touchstone_lab::beside;
 use touchstone_lab::identify::noise;
 use touchstone_lab::scorecard::rivals::{MOST_DELAY_TICKS, Rival, delay_ticks};
 use touchstone_lab::scorecard::{self, Entry, Scorecard, page};
+use touchstone_lab::tune::cost::NOISE_DEG;
 use touchstone_lab::tune::diagnosis::{FailureCause, of_row};
 use touchstone_lab::tune::own_firmware::{self, CFile, OwnFirmware};
 use touchstone_lab::tune::pareto::{self, Point};
@@ -44,7 +45,7 @@ pub struct Options {
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
     /// Noise of the position sensor with which every limit must hold, degrees rms; default: the scene's `sensor.noise`.
-    #[arg(long, value_name = "DEG", value_parser = number::up_to(10.0, "degrees"))]
+    #[arg(long, value_name = "DEG", value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Option<f64>,
     /// Measures that noise from a recording of the knob at rest with the motor off, as `touchstone monitor --csv FILE.csv` writes it.
     #[arg(long, value_name = "FILE.csv", conflicts_with = "noise")]
@@ -116,8 +117,8 @@ impl Options {
 pub fn main(options: &Options) -> Result<ExitCode> {
     let mut scene = options.wall.load(&options.device)?;
     if let Some(rms_rad) = options.noise_rad(&scene)? {
-        // A noise of zero is one below what the encoder can tell: tuned for as without the option.
-        scene.sensor.noise = (rms_rad > 0.0).then_some(SensorNoise { rms_rad });
+        // Zero too is a noise that is known: without any, the search assumes the usual one.
+        scene.sensor.noise = Some(SensorNoise { rms_rad });
     }
     refuse_late(&scene)?;
     let rival = Rival::named(&options.law)?;
@@ -178,7 +179,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         value["cause"] = serde_json::json!(cause);
         out::print(format_args!("{}\n", out::json_text(&value)))?;
     } else {
-        print(&tuned, &card, &points)?;
+        print(options, &tuned, &card, &points)?;
         match &options.out {
             Some(file) if kept => tell!("settings  {}", file.display()),
             _ => say!("\n{}", text.trim_end()),
@@ -250,13 +251,27 @@ fn value(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> serde_json::Value
     })
 }
 
-/// Noise of the position sensor for which the law was tuned, degrees rms; `None` without noise.
+/// Noise of the position sensor for which the law was tuned, degrees rms; `None` if none was given.
 fn noise_deg(tuned: &Tuned) -> Option<f64> {
     let noise = tuned.scene.sensor.noise.as_ref();
     noise.map(|noise| noise.rms_rad.to_degrees())
 }
 
-fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
+/// The noise for which the law was tuned, in words.
+fn noise_words(options: &Options, tuned: &Tuned) -> String {
+    let noise = match noise_deg(tuned) {
+        None if tuned.scene.encoder.is_none() => "not given".to_owned(),
+        None => format!("not given; the search also tried {NOISE_DEG}° rms"),
+        Some(0.0) if options.noise_from.is_some() => "less than the encoder resolves".to_owned(),
+        Some(0.0) => "none".to_owned(),
+        Some(noise_deg) => format!("{noise_deg:.6}° rms"),
+    };
+    let file = options.noise_from.as_deref().map(path_line);
+    let measured = file.map_or_else(String::new, |file| format!(", measured in {file}"));
+    format!("noise of the position sensor: {noise}{measured}")
+}
+
+fn print(options: &Options, tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
     say!("{}", page::text(card).trim_end());
     say!("");
     say!("{}", page::devices(card).trim_end());
@@ -266,9 +281,7 @@ fn print(tuned: &Tuned, card: &Scorecard, points: &[Point]) -> Result<()> {
         tuned.evaluations,
         tuned.seed
     );
-    if let Some(noise_deg) = noise_deg(tuned) {
-        say!("with {noise_deg:.4}° rms of noise of the position sensor");
-    }
+    say!("{}", noise_words(options, tuned));
     for (path, value) in &tuned.parameters {
         say!("  {path} = {value}");
     }

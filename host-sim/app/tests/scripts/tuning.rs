@@ -175,6 +175,7 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     });
     recording("coarse.csv", 16_384.0, &drawn);
     recording("fine.csv", 65_536.0, &drawn);
+    recording("still.csv", 40_000.0, &|_| 7);
     // A law with a single parameter, so that the search is short.
     let tune = |more: &[&str]| {
         let tune = [
@@ -197,6 +198,20 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     let quiet = tune(&[]).ended(3).json();
     assert!(quiet["noise_deg"].is_null());
     assert_ne!(quiet["scorecard"], found["scorecard"]);
+    // A noise of zero is known, so the search does not try the usual one.
+    let none = tune(&["--noise", "0"]).ended(3).json();
+    assert_eq!(none["noise_deg"], 0.0);
+    assert_ne!(none["settings"], quiet["settings"]);
+    let still = "tune --law fba --quick --k-desired 1 --noise-from still.csv";
+    let still: Vec<&str> = still.split(' ').collect();
+    let still = run_in(&folder, &still).ended(3).out;
+    let (path, value) = none["settings"].as_object().unwrap().iter().next().unwrap();
+    for line in [
+        "noise of the position sensor: less than the encoder resolves, measured in still.csv\n",
+        &format!("{path} = {value}\n"),
+    ] {
+        assert!(still.contains(line), "{line}: {still}");
+    }
     tune(&["--noise-from", "turned.csv"]).refused(&["turned.csv", "not at rest", "motor off"]);
     for other in ["coarse.csv", "fine.csv"] {
         tune(&["--noise-from", other]).refused(&[

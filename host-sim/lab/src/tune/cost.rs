@@ -22,9 +22,9 @@ pub const REFUSED: f64 = 1e6;
 
 /// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
 const TOUCH: f64 = 1.5;
-/// Sensor noise with which the nominal device should still rest, degrees, root mean square; the noise of the magnetic sensor
-/// AS5046.
-const NOISE_DEG: f64 = 0.03;
+/// Sensor noise with which the nominal device should still rest if the scene gives none, degrees, root mean square; the noise of
+/// the magnetic sensor AS5046.
+pub const NOISE_DEG: f64 = 0.03;
 /// Largest allowed motion at rest with sensor noise, peak to peak, rad. Four encoder counts are allowed if these are larger.
 const NOISY_REST_RAD: f64 = 6e-4;
 /// Weight of goals without a limit. Each goal adds at most `WISH · MOST_WISH` to the cost, so that a search never exceeds a limit

@@ -212,6 +212,18 @@ fn what_is_tuned_is_never_worse_than_what_was_there() {
 }
 
 #[test]
+fn a_noise_of_zero_is_not_taken_for_the_usual_one() {
+    let mut scene = knob(5.0);
+    let cost = |scene: &Scene| {
+        let judgement = Judgement::new(scene, Reference::of(scene).expect("runs"), true);
+        judgement.cost(scene).value
+    };
+    let usual = cost(&scene);
+    scene.sensor.noise = Some(SensorNoise { rms_rad: 0.0 });
+    assert!(cost(&scene) < usual);
+}
+
+#[test]
 fn a_wall_that_fails_says_why() {
     let fails = |scene: &Scene| {
         let rival = Rival::named("spring-damper-estimated").expect("a law");
