@@ -106,7 +106,7 @@ impl Options {
         let rms_counts = noise::rms_counts(&counts).map_err(|why| Error::Io {
             path: file.clone(),
             problem: why.to_string(),
-            fix: "record the knob at rest, with the motor off: touchstone monitor --csv FILE.csv"
+            fix: "record the knob at rest for some seconds, with the motor off (touchstone monitor --csv FILE.csv), or give the noise (--noise DEG)"
                 .to_owned(),
         })?;
         Ok(Some(rms_counts * encoder.step_rad()))

@@ -50,7 +50,7 @@ impl WallRecording {
     /// The file cannot be read, was not written by `monitor`, or has no tenth of a second in which the wall was on without a lost
     /// tick.
     pub fn read(file: &Path, from_s: f64, to_s: f64) -> Result<Self> {
-        let rows = rows(file)?;
+        let rows = rows(file, EVERY_PERIOD)?;
         let mut told = Self {
             file: file.to_owned(),
             time_s: Vec::new(),
@@ -137,7 +137,7 @@ pub fn encoder(scene: &Scene) -> Result<&Encoder> {
 /// # Errors
 /// The file cannot be read, was not written by `monitor`, or is of a device with another encoder.
 pub fn counts(file: &Path, encoder: &Encoder) -> Result<Vec<f64>> {
-    let rows = rows(file)?;
+    let rows = rows(file, "give a file of `touchstone monitor --csv FILE`")?;
     let places = rows.iter().map(|row| (row.numbers[1], row.numbers[2]));
     surface_rad(file, encoder, places)?;
     Ok(rows.iter().map(|row| row.numbers[1]).collect())
@@ -172,9 +172,13 @@ fn surface_rad(
 /// Shortest recording that is compared, s.
 const SHORTEST_S: f64 = 0.1;
 
-fn rows(file: &Path) -> Result<Vec<Row>> {
-    const FIX: &str = "give a file of `touchstone monitor --csv FILE --decimation 1`, which has every control period";
-    let wrong = |problem: String| wrong(file, problem, FIX);
+/// Remedy for a file that cannot be compared.
+const EVERY_PERIOD: &str =
+    "give a file of `touchstone monitor --csv FILE --decimation 1`, which has every control period";
+
+/// Reads all rows of a recording; `fix` is the remedy if this fails.
+fn rows(file: &Path, fix: &str) -> Result<Vec<Row>> {
+    let wrong = |problem: String| wrong(file, problem, fix);
     let text = input::text(file, input::MOST_OF_RECORDING);
     let text = text.map_err(|error| wrong(error.to_string()))?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());
