@@ -6,7 +6,7 @@ use super::number;
 use super::out::{self, say};
 use super::progress;
 use std::process::ExitCode;
-use touchstone_lab::scorecard::family::{Around, Family, corners, judge, sample};
+use touchstone_lab::scorecard::family::{Around, Devices, Family, corners, judge, sample};
 use touchstone_lab::scorecard::family_page::text;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
@@ -37,8 +37,8 @@ pub struct Options {
     /// Noise of the position sensor, degrees rms; default: the scene's.
     #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Vec<f64>,
-    /// Number of device variants on which each wall may be lost (a press or touch too deep, or its stiffness far off). Does not count
-    /// variants on which no tuned law can hold the wall.
+    /// Number of device variants on which each wall may be lost (a press or touch too deep, or its stiffness far off), in each line:
+    /// combinations and random variants are counted apart. Does not count variants on which no tuned law can hold the wall.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,
     /// Largest allowed depth of press and touch, as a multiple of F/k_de (force over stiffness of the wall).
@@ -54,11 +54,19 @@ impl Options {
 
     /// Tests each control law with each stiffness on all device variants, and prints the results.
     pub fn main(&self, scene: &Scene, laws: &[(String, Scene)], seed: u64) -> Result<ExitCode> {
-        let around = Around {
+        let mut sets = vec![match self.measured {
+            true => Devices::Measured,
+            false => Devices::Corners,
+        }];
+        if self.members > 0 {
+            sets.push(Devices::Random);
+        }
+        let around = sets.into_iter().map(|devices| Around {
+            devices,
             rates_hz: self.rates.clone(),
             noise_deg: self.noise.clone(),
-            measured: self.measured,
-        };
+        });
+        let around: Vec<Around> = around.collect();
         let mut walls = self.walls.clone();
         if walls.is_empty() {
             walls.push(scene.wall.k_desired_n_m_per_rad);
@@ -68,14 +76,13 @@ impl Options {
             for k_desired in &walls {
                 let mut wall = scene.clone();
                 wall.wall.k_desired_n_m_per_rad = *k_desired;
-                let mut sets = vec![(law.clone(), corners(&wall, &around))];
-                if self.members > 0 {
-                    let random = sample(&wall, &around, self.members, seed);
-                    sets.push((format!("{law}, random"), random));
-                }
-                for (name, members) in sets {
+                for around in &around {
+                    let members = match around.devices {
+                        Devices::Random => sample(&wall, around, self.members, seed),
+                        Devices::Corners | Devices::Measured => corners(&wall, around),
+                    };
                     let bar = progress::bar(members.len() as u64, "touching the family");
-                    families.push(judge(&name, &wall, &around, &members, || bar.inc(1))?);
+                    families.push(judge(law, &wall, around, &members, || bar.inc(1))?);
                     bar.finish_and_clear();
                 }
             }
@@ -110,9 +117,10 @@ impl Options {
             }
             if !fails.is_empty() {
                 eprintln!(
-                    "error: {} at {} N·m/rad: of {} variants {}; tune the law, or relax --most-lost and --deepest",
+                    "error: {} at {} N·m/rad, {}: of {} variants {}; tune the law, or relax --most-lost and --deepest",
                     family.law,
                     family.k_desired,
+                    family.devices.name(),
                     family.members,
                     fails.join(", and ")
                 );

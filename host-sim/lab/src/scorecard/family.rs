@@ -71,24 +71,48 @@ struct Change {
     delay_ticks: f64,
 }
 
-/// Control rates and noise levels of the variants; an empty list means the scene's own.
+/// Which variants of the scene's device are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Devices {
+    /// Every combination of the factors and delays.
+    #[default]
+    Corners,
+    /// Random variants between these.
+    Random,
+    /// Every combination within 10 % of a device that was measured. Their touches are compared with those of an ideal wall.
+    Measured,
+}
+
+impl Devices {
+    /// Name of the set, as in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Corners => "corners",
+            Self::Random => "random",
+            Self::Measured => "measured",
+        }
+    }
+}
+
+/// Devices, control rates and noise levels of the variants; an empty list means the scene's own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Around {
+    /// Which variants of the device are judged.
+    pub devices: Devices,
     /// Control rates, Hz.
     pub rates_hz: Vec<u32>,
     /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: Vec<f64>,
-    /// Whether the device was measured: the variants then lie within 10 % of the scene's, and their touches are compared with those
-    /// of an ideal wall.
-    pub measured: bool,
 }
 
 impl Around {
     /// Factors on counts, inertia and damping, and delays in ticks (control periods), of which the variants are made.
     fn changes(&self) -> (&'static [f64], &'static [f64], &'static [f64]) {
-        match self.measured {
-            true => (&COUNTS[..1], &MEASURED_TIMES, &MEASURED_DELAYS),
-            false => (&COUNTS, &TIMES, &DELAYS),
+        match self.devices {
+            Devices::Measured => (&COUNTS[..1], &MEASURED_TIMES, &MEASURED_DELAYS),
+            Devices::Corners | Devices::Random => (&COUNTS, &TIMES, &DELAYS),
         }
     }
 
@@ -331,6 +355,8 @@ impl Judged {
 pub struct Family {
     /// Name of the control law.
     pub law: String,
+    /// Which variants of the device were simulated.
+    pub devices: Devices,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
     /// Number of device variants that were simulated.
@@ -349,7 +375,8 @@ pub struct Family {
     /// Measures of the light touch over those of an ideal wall, the worst of all variants of a measured device; `None` if the device
     /// was not measured.
     pub touch_over_ideal: Option<TouchRatios>,
-    /// Results of the scene's own device, one entry per rate and noise level.
+    /// Results of the scene's own device, one entry per rate and noise level; empty for random variants, because those of the
+    /// corners are the same.
     pub nominal: Vec<Nominal>,
     /// The worst variants, the worst one first.
     pub worst: Vec<Judged>,
@@ -369,7 +396,7 @@ pub fn judge(
     let (mut judged, ideal): (Vec<Judged>, Vec<Option<TouchRatios>>) = members
         .par_iter()
         .map(|member| {
-            let (depths, ideal) = member.depths(around.measured)?;
+            let (depths, ideal) = member.depths(around.devices == Devices::Measured)?;
             done();
             let judged = Judged {
                 member: member.name.clone(),
@@ -384,15 +411,19 @@ pub fn judge(
         .collect::<Result<Vec<_>>>()?
         .into_iter()
         .unzip();
-    let nominal = around
-        .scenes(scene)
-        .par_iter()
-        .map(Nominal::of)
-        .collect::<Result<_>>()?;
+    let nominal = match around.devices {
+        Devices::Random => Vec::new(),
+        Devices::Corners | Devices::Measured => around
+            .scenes(scene)
+            .par_iter()
+            .map(Nominal::of)
+            .collect::<Result<_>>()?,
+    };
     let lost = |judged: &&Judged| judged.press.is_none();
     let deepest = |of: fn(&Judged) -> Option<f64>| judged.iter().filter_map(of).fold(0.0, f64::max);
     let mut family = Family {
         law: law.to_owned(),
+        devices: around.devices,
         k_desired: scene.wall.k_desired_n_m_per_rad,
         members: judged.len(),
         lost: judged.iter().filter(lost).count(),
@@ -440,14 +471,14 @@ mod tests {
         let members = corners(&scene, &own);
         assert_eq!(members.len(), 216);
         let measured = Around {
-            measured: true,
+            devices: Devices::Measured,
             ..Around::default()
         };
         assert_eq!(corners(&scene, &measured).len(), 81);
         let all = Around {
+            devices: Devices::Corners,
             rates_hz: vec![1000, 2000, 5000, 10_000],
             noise_deg: vec![0.0, 0.03, 0.06],
-            measured: false,
         };
         let many = corners(&scene, &all);
         let mut names: Vec<&String> = many.iter().map(|member| &member.name).collect();
@@ -502,6 +533,34 @@ mod tests {
                 assert!(touch <= 1.05, "{k_desired}: {touch}");
             }
         }
+    }
+
+    #[test]
+    fn random_variants_have_lines_of_their_own_but_not_another_nominal_device() {
+        let law = "spring-damper-estimated";
+        let scene = knob(law, 5.0);
+        let of = |devices, members: fn(&Scene, &Around) -> Vec<Member>| {
+            let around = Around {
+                devices,
+                ..Around::default()
+            };
+            let members = members(&scene, &around);
+            judge(law, &scene, &around, &members[..3], || ()).expect("runs")
+        };
+        let all = of(Devices::Corners, corners);
+        let random = of(Devices::Random, |scene, around| sample(scene, around, 3, 1));
+        assert_eq!((all.nominal.len(), random.nominal.len()), (1, 0));
+        let json = serde_json::json!([all, random]);
+        assert_eq!(
+            (&json[1]["law"], &json[1]["devices"]),
+            (&law.into(), &"random".into())
+        );
+        let text = text(&[all, random]);
+        let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
+        // A line each in the first table and of three variants; the nominal device's has no name of the set.
+        assert_eq!(lines("spring-damper-estimated corners  "), 4, "{text}");
+        assert_eq!(lines("spring-damper-estimated random   "), 4, "{text}");
+        assert_eq!(lines("spring-damper-estimated "), 9, "{text}");
     }
 
     #[test]

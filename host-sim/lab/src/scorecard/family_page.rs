@@ -8,14 +8,15 @@ use std::fmt::Write;
 #[must_use]
 pub fn text(families: &[Family]) -> String {
     let mut text = String::from(
-        "law                       k_de  members  lost  beyond map  lost or deep  deepest press  deepest touch\n",
+        "law                     devices    k_de  members  lost  beyond map  lost or deep  deepest press  deepest touch\n",
     );
     for it in families {
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<24}{:>6}{:>9}{:>6}{:>12}{:>14}{:>15.3}{:>15.3}",
+            "{:<24}{:<9}{:>6}{:>9}{:>6}{:>12}{:>14}{:>15.3}{:>15.3}",
             it.law,
+            it.devices.name(),
             it.k_desired,
             it.members,
             it.lost,
@@ -65,14 +66,15 @@ pub fn text(families: &[Family]) -> String {
     }
     let _ = writeln!(
         text,
-        "\nworst\nlaw                       k_de   press   touch  T sqrt(k/J)  delay  member"
+        "\nworst\nlaw                     devices    k_de   press   touch  T sqrt(k/J)  delay  member"
     );
     for it in families {
         for worst in &it.worst {
             let _ = writeln!(
                 text,
-                "{:<24}{:>6}{:>8}{:>8}{:>13.3}{:>7.2}  {}{}",
+                "{:<24}{:<9}{:>6}{:>8}{:>8}{:>13.3}{:>7.2}  {}{}",
                 it.law,
+                it.devices.name(),
                 it.k_desired,
                 shown(worst.press, 1.0),
                 shown(worst.touch, 1.0),
