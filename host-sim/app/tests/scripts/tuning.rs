@@ -248,18 +248,19 @@ fn on_a_measured_device_a_touch_is_as_hard_as_an_ideal_walls_up_to_ten() {
             .ended(0)
             .json();
         let families = found["families"].as_array().unwrap().clone();
-        families.into_iter().map(|family| {
+        let found = families.iter().map(|family| {
             assert_eq!(
-                (&family["members"], &family["lost"]),
-                (&81.into(), &0.into())
+                (&family["devices"], &family["members"], &family["lost"]),
+                (&"measured".into(), &81.into(), &0.into())
             );
             let touch = &family["touch_over_ideal"];
             ["penetration", "extended_rate_hardness", "torque"]
                 .map(|it| touch[it].as_f64().unwrap())
-        })
+        });
+        <[[f64; 3]; 4]>::try_from(found.collect::<Vec<_>>()).expect("four walls")
     };
     let (goal, near, far) = ([1.1, 1.0, 1.0], [1.1, 0.9, 0.9], [1.2, 0.7, 0.7]);
-    for (found, limits) in judged(&[]).zip([goal, goal, near, far]) {
+    for (found, limits) in judged(&[]).into_iter().zip([goal, goal, near, far]) {
         let [depth, hardness, torque] = found;
         assert!(
             depth <= limits[0] && hardness >= limits[1] && torque >= limits[2],

@@ -16,6 +16,7 @@ use crate::random_device::Random;
 use crate::scene_hand::of_plant;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 use touchstone_world::plant::{FIRM, Hand, LIGHT};
@@ -180,11 +181,17 @@ impl Member {
         stiffness_per_tick(&self.scene) > most_stiffness_per_tick(self.delay_ticks)
     }
 
+    /// Inertia and damping of the device, in bits: all on which the touch of an ideal wall depends besides the hand.
+    fn mechanics(&self) -> [u64; 2] {
+        let device = &self.scene.device;
+        [device.inertia_kg_m2, device.damping_n_m_s_per_rad].map(f64::to_bits)
+    }
+
     /// Deepest penetration of press and touch, each divided by the ideal depth (force of the press over requested stiffness).
     /// `None` if the wall is lost: press or touch too deep, or stiffness far off.
     ///
-    /// Also the touch over that of an ideal wall, if this is wanted and the hand is one of the scorecard's grips.
-    fn depths(&self, over_ideal: bool) -> Result<(Option<[f64; 2]>, Option<TouchRatios>)> {
+    /// Also the touch over that of an ideal wall, if `ideal` has this device and the hand is one of the scorecard's grips.
+    fn depths(&self, ideal: &IdealTouches) -> Result<(Option<[f64; 2]>, Option<TouchRatios>)> {
         let (grip, hand) = self.hand;
         let programme = Programme::of(&self.scene);
         let mut pressed = programme.scene(&self.scene, grip, Deed::Press);
@@ -196,13 +203,10 @@ impl Member {
         ];
         let held = figures.get(Measure::StiffnessErrorHeld) <= LOST_ERROR;
         let near = depths.iter().all(|depth| *depth <= LOST_DEPTH);
-        let ideal = match GRIPS.iter().position(|it| *it == grip) {
-            Some(grip) if over_ideal => {
-                Some(IdealTouch::of(&self.scene, &programme)?.ratios(grip, &beside))
-            }
-            _ => None,
-        };
-        Ok(((held && near).then_some(depths), ideal))
+        let grip = GRIPS.iter().position(|it| *it == grip);
+        let ideal = grip.zip(ideal.get(&self.mechanics()));
+        let ratios = ideal.map(|(grip, ideal)| ideal.ratios(grip, &beside));
+        Ok(((held && near).then_some(depths), ratios))
     }
 }
 
@@ -382,6 +386,25 @@ pub struct Family {
     pub worst: Vec<Judged>,
 }
 
+/// Touches of the ideal wall on each device, by [`Member::mechanics`].
+type IdealTouches = BTreeMap<[u64; 2], IdealTouch>;
+
+/// Simulates the touches of the ideal wall on a measured device's variants: once for those that differ only in what an ideal wall
+/// does not have, such as delay.
+fn ideal_touches(devices: Devices, members: &[Member]) -> Result<IdealTouches> {
+    if devices != Devices::Measured {
+        return Ok(BTreeMap::new());
+    }
+    let distinct: BTreeMap<_, &Scene> = members
+        .iter()
+        .map(|member| (member.mechanics(), &member.scene))
+        .collect();
+    let touches = distinct
+        .into_par_iter()
+        .map(|(mechanics, scene)| Ok((mechanics, IdealTouch::of(scene, &Programme::of(scene))?)));
+    touches.collect()
+}
+
 /// Simulates one set of law settings on all device variants; calls `done` after each variant.
 ///
 /// # Errors
@@ -393,10 +416,11 @@ pub fn judge(
     members: &[Member],
     done: impl Fn() + Sync,
 ) -> Result<Family> {
+    let touches = ideal_touches(around.devices, members)?;
     let (mut judged, ideal): (Vec<Judged>, Vec<Option<TouchRatios>>) = members
         .par_iter()
         .map(|member| {
-            let (depths, ideal) = member.depths(around.devices == Devices::Measured)?;
+            let (depths, ideal) = member.depths(&touches)?;
             done();
             let judged = Judged {
                 member: member.name.clone(),
@@ -532,6 +556,34 @@ mod tests {
                 let touch = nominal.touch.expect("a touch").penetration;
                 assert!(touch <= 1.05, "{k_desired}: {touch}");
             }
+        }
+    }
+
+    #[test]
+    fn an_ideal_wall_is_touched_once_by_each_hand_on_each_inertia_and_damping() {
+        let scene = knob("enhanced", 10.0);
+        let around = Around {
+            devices: Devices::Measured,
+            rates_hz: vec![1000, 2000],
+            ..Around::default()
+        };
+        let members = corners(&scene, &around);
+        let shared = ideal_touches(around.devices, &members).expect("runs");
+        assert_eq!((members.len(), shared.len()), (2 * 81, 9));
+        assert!(
+            ideal_touches(Devices::Corners, &members)
+                .expect("none")
+                .is_empty()
+        );
+        // Variants with another delay and rate than the one that was simulated: its touches are theirs.
+        for member in [&members[0], &members[40], &members[161]] {
+            let own = IdealTouch::of(&member.scene, &Programme::of(&member.scene));
+            assert_eq!(
+                shared[&member.mechanics()],
+                own.expect("runs"),
+                "{}",
+                member.name
+            );
         }
     }
 
