@@ -20,12 +20,12 @@ pub struct Options {
     /// inertia and damping, and four delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
-    /// Judges this many random device variants between those too, on lines of their own, with hands between the grips and a little
+    /// Also judges this many random device variants between those, on separate lines, with hands between the grips and a little
     /// beyond, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
-    /// Varies a device that was measured instead: 81 variants of inertia and damping within 10 %, up to half a control period of
-    /// delay and the three grips, whose touches are compared with those of an ideal damped wall.
+    /// For a scene with measured inertia and damping: judges 81 variants within 10 % of both, up to half a control period of delay,
+    /// in three grips, and compares their touches with an ideal damped wall's.
     #[arg(long, requires = "family", conflicts_with = "members")]
     measured: bool,
     /// Stiffnesses of the wall, N·m/rad; default: the scene's.

@@ -47,7 +47,8 @@ pub struct Options {
     /// Noise of the position sensor with which every limit must hold, degrees rms; default: the scene's `sensor.noise`.
     #[arg(long, value_name = "DEG", value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Option<f64>,
-    /// Measures that noise from a recording of the knob at rest with the motor off, as `touchstone monitor --csv FILE.csv` writes it.
+    /// Measures that noise from a recording of the knob at rest with the motor off, of at least 3,000 records, as `touchstone monitor
+    /// --csv FILE.csv` writes it.
     #[arg(long, value_name = "FILE.csv", conflicts_with = "noise")]
     noise_from: Option<PathBuf>,
     /// Writes the settings to this file: FILE.toml for `touchstone config import` and for `--settings`, FILE.rs, FILE.c or FILE.h
