@@ -205,6 +205,11 @@ fn rows(file: &Path, fix: &str) -> Result<Vec<Row>> {
                 ))
             })
         };
+        // Of swapped columns too, so that this is not taken for another encoder.
+        if number(2)?.fract() != 0.0 {
+            let problem = format!("line {line}, count: `{}` is not a whole number", cell(2));
+            return Err(wrong(problem));
+        }
         rows.push(Row {
             tick: number(0)? as u32,
             numbers: [number(1)?, number(2)?, number(3)?, number(4)?],
