@@ -79,6 +79,8 @@ pub fn refused(config: &KnobConfig) -> Option<&'static str> {
 
 /// Largest hysteresis of a position with detents, as a fraction of the distance between two detents.
 const MOST_HYSTERESIS: f64 = 0.49;
+/// Larger than the rounding of a sum of two of the configuration's `f32` numbers.
+const ROUNDING: f64 = 1e-6;
 
 /// Translates a SmartKnob's configuration to an environment (detents, end stops) in which `position` is at the angle `centre_rad`.
 /// The configuration must have passed [`refused`].
@@ -95,14 +97,23 @@ pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Str
     positions.bias = f64::from(config.snap_point_bias);
     // A SmartKnob's detents move with its present position. The detents here stay, so from a snap point of 1 on the knob could rest in
     // a detent under its neighbour's number.
-    if torque > 0.0 && positions.hysteresis + positions.bias > MOST_HYSTERESIS {
+    if torque > 0.0 && positions.hysteresis + positions.bias > MOST_HYSTERESIS + ROUNDING {
+        let (snap, bias) = (0.5 + positions.hysteresis, positions.bias);
         positions.hysteresis = positions.hysteresis.min(MOST_HYSTERESIS);
         positions.bias = MOST_HYSTERESIS - positions.hysteresis;
-        notes.push(format!(
-            "the position changes at {} of the way to the next detent instead of {}",
-            0.5 + MOST_HYSTERESIS,
-            config.snap_point + config.snap_point_bias
-        ));
+        let changes = |now: f64, wanted: f64| {
+            let [now, wanted] = [now, wanted].map(|share| (1e3 * share).round() / 1e3);
+            format!("{now} of the way to the next detent instead of {wanted}")
+        };
+        let mut note = format!(
+            "the position changes at {}",
+            changes(0.5 + MOST_HYSTERESIS, snap + bias)
+        );
+        if bias > 0.0 {
+            let back = 0.5 + positions.hysteresis - positions.bias;
+            note += &format!(", and back towards 0 at {}", changes(back, snap - bias));
+        }
+        notes.push(note);
     }
     positions.ends = bounds.map(|[first, last]| (first, last));
     let ends = bounds.filter(|_| config.endstop_strength_unit > 0.0);
@@ -217,13 +228,35 @@ mod tests {
             endstop_n_m_per_rad: 1.0,
             most_n_m: 0.1,
         };
-        for (detent_strength_unit, snap_point, snap_point_bias, [hysteresis, bias], notes) in [
-            (0.0, 1.1, 0.0, [0.6, 0.0], 0),
-            (0.0, 1.1, 0.4, [0.6, 0.4], 0),
-            (1.0, 1.1, 0.0, [0.49, 0.0], 1),
-            (1.0, 0.75, 0.0, [0.25, 0.0], 0),
-            (1.0, 0.55, 0.4, [0.05, 0.4], 0),
-            (1.0, 0.75, 0.4, [0.25, 0.24], 1),
+        let out = "the position changes at 0.99 of the way to the next detent instead of";
+        let back = |now, wanted| {
+            format!(
+                ", and back towards 0 at {now} of the way to the next detent instead of {wanted}"
+            )
+        };
+        for (detent_strength_unit, snap_point, snap_point_bias, [hysteresis, bias], note) in [
+            (0.0, 1.1, 0.0, [0.6, 0.0], None),
+            (0.0, 1.1, 0.4, [0.6, 0.4], None),
+            (1.0, 1.1, 0.0, [0.49, 0.0], Some(format!("{out} 1.1"))),
+            (1.0, 0.75, 0.0, [0.25, 0.0], None),
+            (1.0, 0.55, 0.4, [0.05, 0.4], None),
+            // As `f32`, this number and this sum are above 0.99.
+            (1.0, 0.99, 0.0, [0.49, 0.0], None),
+            (1.0, 0.55, 0.44, [0.05, 0.44], None),
+            (
+                1.0,
+                0.75,
+                0.4,
+                [0.25, 0.24],
+                Some(format!("{out} 1.15") + &back(0.51, 0.35)),
+            ),
+            (
+                1.0,
+                1.1,
+                0.4,
+                [0.49, 0.0],
+                Some(format!("{out} 1.5") + &back(0.99, 0.7)),
+            ),
         ] {
             let config = KnobConfig {
                 max_position: -1,
@@ -239,7 +272,7 @@ mod tests {
                     && (played.positions.bias - bias).abs() < 1e-6,
                 "{snap_point}, {snap_point_bias}"
             );
-            assert_eq!(played.notes.len(), notes, "{:?}", played.notes);
+            assert_eq!(played.notes, Vec::from_iter(note));
         }
     }
 }
