@@ -24,8 +24,8 @@ pub struct Options {
     /// beyond, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
-    /// For a scene with measured inertia and damping: judges 81 variants within 10 % of both, up to half a control period of delay,
-    /// in three grips, and compares their touches with an ideal damped wall's.
+    /// For a scene with measured inertia and damping: judges 81 variants within 10 % of both, with delays up to half a control
+    /// period. Their touches are compared with those of an ideal damped wall.
     #[arg(long, requires = "family", conflicts_with = "members")]
     measured: bool,
     /// Stiffnesses of the wall, N·m/rad; default: the scene's.

@@ -178,15 +178,9 @@ fn a_wall_is_tuned_for_the_noise_of_a_recording() {
     recording("still.csv", 40_000.0, &|_| 7);
     // A law with a single parameter, so that the search is short.
     let tune = |more: &[&str]| {
-        let tune = [
-            "tune",
-            "--law",
-            "fba",
-            "--quick",
-            "--k-desired",
-            "1",
-            "--json",
-        ];
+        let tune: Vec<&str> = "tune --law fba --quick --k-desired 1 --json"
+            .split(' ')
+            .collect();
         run_in(&folder, &[&tune[..], more].concat())
     };
     let found = tune(&["--noise-from", "rest.csv"]).ended(3).json();
