@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::process::{Command, Stdio};
 
 use crate::outcome::Outcome;
-use crate::shell;
+use crate::{shell, unit};
 
 /// A cargo command for the crate `inspect/`, with the profile that compiles fastest.
 fn of_tools(what: &str) -> Command {
@@ -17,6 +17,18 @@ fn of_tools(what: &str) -> Command {
         "--package",
         "xtask-inspect",
     ]);
+    cargo
+}
+
+/// The command that runs the crate `inspect/`. After the unit tests it is the program that they built for a test of that crate, so
+/// that its dependencies are not compiled in a second profile.
+fn program() -> Command {
+    let built = shell::target("debug").join("xtask-inspect");
+    if unit::has_compiled() && built.is_file() {
+        return shell::program(built);
+    }
+    let mut cargo = of_tools("run");
+    cargo.arg("--");
     cargo
 }
 
@@ -37,9 +49,8 @@ pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
 
 /// Runs the crate `inspect/` like [`call`], but returns the lines instead of printing them.
 pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
-    let mut cargo = of_tools("run");
-    let done = cargo
-        .arg("--")
+    let mut program = program();
+    let done = program
         .args(words)
         .stdin(Stdio::null())
         .stderr(Stdio::inherit())
@@ -57,7 +68,7 @@ pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>,
         .zip(lines.pop());
     let outcome = match answer {
         Some((of, sentence)) => of(sentence),
-        None => Outcome::Failed(format!("`{}` failed", shell::shown(&cargo))),
+        None => Outcome::Failed(format!("`{}` failed", shell::shown(&program))),
     };
     (lines, outcome)
 }

@@ -25,11 +25,17 @@ const SLOWEST: usize = 10;
 /// Environment variable with the number of tests that a test binary runs at the same time.
 const THREADS: &str = "RUST_TEST_THREADS";
 
+static HAS_COMPILED: AtomicBool = AtomicBool::new(false);
 static ALL_PASSED: AtomicBool = AtomicBool::new(false);
 
 /// Whether all tests of all crates have passed since this program started, so that a later step need not repeat some.
 pub fn all_passed() -> bool {
     ALL_PASSED.load(Relaxed)
+}
+
+/// Whether all tests of all crates were compiled and passed, but for those of a quick run, since this program started.
+pub fn has_compiled() -> bool {
+    HAS_COMPILED.load(Relaxed)
 }
 
 /// Test results read from the output of `cargo test`.
@@ -144,6 +150,7 @@ pub fn run(args: &[String]) -> Outcome {
             broken = broken.or(Some(outcome));
         }
     }
+    HAS_COMPILED.store(broken.is_none(), Relaxed);
     println!("\n{}", seen.slowest());
     let Seen {
         passed,
