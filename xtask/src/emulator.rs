@@ -56,17 +56,26 @@ pub fn test() -> Outcome {
     if let Some(outcome) = missing() {
         return outcome;
     }
-    let mut cargo = shell::cargo_locked("test");
+    shell::run(&mut cargo("test", &["--lib"]))
+}
+
+/// A cargo command for the emulator's crate, with further options.
+fn cargo(subcommand: &str, options: &[&str]) -> Command {
+    let mut cargo = shell::cargo_locked(subcommand);
     cargo
-        .args([
-            "--release",
-            "--lib",
-            "--manifest-path",
-            "emulator/Cargo.toml",
-        ])
+        .args(["--release", "--manifest-path", "emulator/Cargo.toml"])
         .arg("--target-dir")
-        .arg(shell::target("emulator"));
-    shell::run(&mut cargo)
+        .arg(shell::target("emulator"))
+        .args(options);
+    cargo
+}
+
+/// The commands that compile the emulator and its own tests; none where a tool for them is missing.
+pub fn builds() -> Vec<Command> {
+    if !is_there() {
+        return Vec::new();
+    }
+    vec![cargo("build", &[]), cargo("test", &["--lib", "--no-run"])]
 }
 
 /// Builds the emulator and returns the path of its program.
@@ -74,14 +83,8 @@ pub fn built() -> Result<PathBuf, Outcome> {
     if let Some(outcome) = missing() {
         return Err(outcome);
     }
-    let folder = shell::target("emulator");
-    let mut cargo = shell::cargo_locked("build");
-    cargo
-        .args(["--release", "--manifest-path", "emulator/Cargo.toml"])
-        .arg("--target-dir")
-        .arg(&folder);
-    match shell::run(&mut cargo) {
-        Outcome::Ok(_) => Ok(folder.join("release/touchstone-emulator")),
+    match shell::run(&mut cargo("build", &[])) {
+        Outcome::Ok(_) => Ok(shell::target("emulator").join("release/touchstone-emulator")),
         failed => Err(failed),
     }
 }

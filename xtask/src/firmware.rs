@@ -69,20 +69,36 @@ fn usage() -> String {
 
 /// Builds a board's firmware with warnings as errors; returns the path of the firmware file.
 pub fn build(board: &str) -> Result<PathBuf, Outcome> {
-    let (mut cargo, options) = toolchain::build_board()?;
-    let folder = shell::target("firmware").join("build");
-    arguments(&mut cargo, board, &options, &shell::root(), &folder);
-    cargo.args(["--config", "build.warnings='deny'"]);
-    match shell::run(&mut cargo) {
+    match shell::run(&mut build_command(board)?) {
         Outcome::Ok(_) => {}
         failed => return Err(failed),
     }
-    let built = built(&folder, board);
+    let built = built(&build_folder(), board);
     let kept = program(board);
     let copied = kept.parent().map_or(Ok(()), std::fs::create_dir_all);
     let copied = copied.and_then(|()| std::fs::copy(&built, &kept));
     copied.map_err(|error| Outcome::Failed(format!("{}: {error}", built.display())))?;
     Ok(kept)
+}
+
+/// The folder in which firmware is compiled.
+fn build_folder() -> PathBuf {
+    shell::target("firmware").join("build")
+}
+
+/// The command that builds a board's firmware with warnings as errors.
+fn build_command(board: &str) -> Result<Command, Outcome> {
+    let (mut cargo, options) = toolchain::build_board()?;
+    let folder = build_folder();
+    arguments(&mut cargo, board, &options, &shell::root(), &folder);
+    cargo.args(["--config", "build.warnings='deny'"]);
+    Ok(cargo)
+}
+
+/// The commands that build the reference board's firmware and run Clippy on it, as far as this machine has compilers for it.
+pub fn builds() -> Vec<Command> {
+    let build = build_command(REFERENCE).ok();
+    build.into_iter().chain(lint_command(REFERENCE)).collect()
 }
 
 /// The command that builds a board's firmware from a copy of the sources, and the path of the program that it writes.
@@ -104,13 +120,20 @@ fn built(folder: &Path, board: &str) -> PathBuf {
 /// Runs Clippy on a board's firmware with warnings as errors. Does nothing if no installed Clippy supports the target; the build
 /// also treats the compiler's own warnings as errors.
 fn lint(board: &str) -> Outcome {
-    let Some((mut clippy, options)) = toolchain::clippy_board() else {
-        return Outcome::Ok(String::new());
-    };
-    let folder = shell::target("firmware").join("build");
+    lint_command(board).map_or_else(
+        || Outcome::Ok(String::new()),
+        |mut clippy| shell::run(&mut clippy),
+    )
+}
+
+/// The command that runs Clippy on a board's firmware; `None` if no installed Clippy supports the target.
+fn lint_command(board: &str) -> Option<Command> {
+    let (mut clippy, options) = toolchain::clippy_board()?;
+    let folder = build_folder();
     arguments(&mut clippy, board, &options, &shell::root(), &folder);
     clippy.args(["--config", "build.warnings='deny'"]);
-    shell::run(clippy.args(["--", "-D", "warnings"]))
+    clippy.args(["--", "-D", "warnings"]);
+    Some(clippy)
 }
 
 /// Adds to a cargo command the arguments that the build and Clippy have in common.

@@ -4,6 +4,7 @@
 //! that the first command starts within seconds. The crate `inspect/` reads the files that other programs write (firmware,
 //! assembly, lists, reports); only the steps that need it build it.
 
+mod ahead;
 mod arduino;
 mod bench;
 mod board_scorecard;

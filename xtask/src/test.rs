@@ -4,6 +4,7 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
+use crate::ahead;
 use crate::outcome::Outcome;
 use crate::step::{Gate, Step};
 
@@ -35,7 +36,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
         .filter_map(|step| step.gates.of(*gate).args().map(|args| (step, args)))
         .collect();
     let start = Instant::now();
-    let mut done = Vec::new();
+    let (mut done, mut ahead) = (Vec::new(), None);
     for (index, (step, args)) in steps.iter().enumerate() {
         println!("\n==> [{}/{}] {}", index + 1, steps.len(), step.name);
         let begun = Instant::now();
@@ -47,7 +48,13 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
             outcome,
             took,
         });
+        // After the step that looks for what compiling needs. A quick run needs nothing of it, a night is long enough.
+        if step.name == "setup" && *gate == Gate::Test {
+            ahead = Some(ahead::start());
+        }
     }
+    // Every step has ended, so only compiling that no step waited for can still run.
+    let _ = ahead.map(std::thread::JoinHandle::join);
     println!("\n{}", table(&done));
     let rest = left_out(all, *gate);
     if !rest.is_empty() {

@@ -31,7 +31,10 @@ fn compare() -> Result<Outcome, Outcome> {
     if !has_qemu() {
         return Err(Outcome::NotRun(format!("no QEMU (apt-get install {QEMU})")));
     }
-    let program = self::build(build, &options)?;
+    shell::run(&mut self::build(build, &options)).went_well()?;
+    let program = shell::target("thumb")
+        .join(BOARD)
+        .join("release/touchstone-thumb");
     let mut golden = shell::cargo_locked("run");
     golden.args(["--quiet", "--release", "--package", "touchstone-vectors"]);
     let here = kept(golden.args(["--example", "golden"]), "desktop.txt")?;
@@ -48,18 +51,20 @@ fn has_qemu() -> bool {
     shell::capture(shell::program(QEMU).arg("--version")).is_some()
 }
 
-/// Builds the program for the emulated microcontroller and returns its path.
-fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
-    let folder = shell::target("thumb");
+/// The command that builds the program for the emulated microcontroller.
+fn build(mut cargo: Command, options: &[String]) -> Command {
     cargo
         .args(["--quiet", "--release", "--manifest-path"])
         .args(["tests/thumb/Cargo.toml", "--target-dir"])
-        .arg(&folder)
+        .arg(shell::target("thumb"))
         .args(options);
-    match shell::run(&mut cargo) {
-        Outcome::Ok(_) => Ok(folder.join(BOARD).join("release/touchstone-thumb")),
-        failed => Err(failed),
-    }
+    cargo
+}
+
+/// The same command for a build ahead of this step, if there is a compiler for it.
+pub fn builds() -> Option<Command> {
+    let (cargo, options) = toolchain::build_board().ok()?;
+    Some(build(cargo, &options))
 }
 
 /// The QEMU command that runs the program. Every instruction takes 1024 ns of emulated time, so the program counts instructions by
