@@ -1,5 +1,6 @@
 """Tests the web page of the simulated device with three axes: every control, the four ways to move the hand, and how the page looks."""
 
+import json
 import os
 import subprocess
 
@@ -124,6 +125,62 @@ def surface(page, check):
         choose(page, control, value)
 
 
+def saved(page, program, folder, check):
+    """Saves the settings as scenes, which the program reads and runs. Settings that no scene has are refused with the control to change."""
+    file = os.path.join(folder, "live-three-axes.toml")
+
+    def scene():
+        if os.path.exists(file):
+            os.remove(file)
+        page.run("document.getElementById('scene').focus()")
+        if page.presses:
+            page.key(" ")
+        else:
+            click(page, "scene")
+        for _ in range(50):
+            if os.path.exists(file) and os.path.getsize(file):
+                break
+            page.wait(0.1)
+        said = text(page, "link-told")
+        if not os.path.exists(file):
+            return {}, said
+        done = subprocess.run([program, "--json", "run", file, "--print"], capture_output=True, text=True)
+        return json.loads(done.stdout) if done.returncode == 0 else {"refused": done.stderr}, said
+
+    for control, value in (("object", "inclined"), ("texture", "0.1/2"), ("material", "metal")):
+        choose(page, control, value)
+    shown, said = scene()
+    law, thing = shown.get("law", {}), shown.get("object", {})
+    check(thing.get("kind") == "inclined" and thing.get("texture", {}).get("period_mm") == 2 and law.get("approach") == "shipped"
+          and law.get("impact", {}).get("vibration_hz") == 100 and f"touchstone run {os.path.basename(file)}" in said, f"saves the shipped wall with texture and material: {shown}, {said}")
+    out = subprocess.run([program, "--json", "run", file, "--expect", "passive"], capture_output=True, text=True)
+    check(out.returncode == 0, f"touchstone run runs it: {out.returncode} {out.stderr}")
+    for control, other, own, named in (("guard", "false", "true", "tick Energy guard"), ("per-axis", "true", "false", "clear One law for each axis"), ("stiffness-n", "10", "25", "tuned for 25 N/mm")):
+        choose(page, control, other)
+        shown, said = scene()
+        check(not shown and named in said, f"{control} {other} is in no scene: {said}")
+        choose(page, control, own)
+    choose(page, "law", "enhanced-sfa")
+    check("clear Energy guard" in scene()[1], "a thesis' law with a guard is in no scene")
+    choose(page, "guard", "false")
+    choose(page, "stiffness-n", "12.5")
+    for law, axes, approach in (("enhanced-sfa", "false", "magnitude"), ("enhanced-sfa", "true", "per-axis"), ("spring", "false", "spring"), ("spring-damper", "false", "spring-damper")):
+        choose(page, "law", law)
+        choose(page, "per-axis", axes)
+        shown, said = scene()
+        own = shown.get("law", {})
+        damped = page.run("/^virtual_damping_n_s_per_m=0(\\.0*)?$/m.test(choice())") is False
+        check(damped == (law == "spring-damper"), f"{law}: {'with' if damped else 'without'} virtual damping")
+        check((own.get("approach"), own.get("k_desired_n_per_mm"), own.get("impact")) == (approach, 12.5, None), f"saves {approach}: {shown}, {said}")
+    choose(page, "law", "tdpa")
+    check("there is no law tdpa" in scene()[1], "a law without an approach is in no scene")
+    choose(page, "law", "spring")
+    choose(page, "per-axis", "true")
+    check("only the law enhanced-sfa" in scene()[1], "a spring for each axis is in no scene")
+    for control, value in (("per-axis", "false"), ("guard", "true"), ("law", "shipped"), ("stiffness-n", "25"), ("object", "sphere"), ("texture", ""), ("material", "")):
+        choose(page, control, value)
+
+
 def refused(page, url, check):
     """Opens a link whose settings are refused: the page says so and starts with its own, with the hand at the start position."""
     if page.stills:
@@ -203,13 +260,14 @@ def space(browser, program, pictures, folder, seconds, asked_for, check):
     file = os.path.join(folder, "space.html")
     subprocess.run([program, "--quiet", "live", "--dof", "3", "--no-open", "--out", file], check=True)
     check(os.path.getsize(file) <= 1_500_000, f"the page of three axes has {os.path.getsize(file)} bytes")
-    page = browser(f"file://{file}")
+    page = browser(f"file://{file}", downloads=folder)
     try:
-        page.until("typeof run !== 'undefined' && run !== null && run.last !== null")
-        page.until("run !== null && run.last !== null && run.last.force_n > 0.5", 10)
+        # Before its script runs, the page's button named `run` is the value of `run`, and has no force.
+        page.until("typeof run !== 'undefined' && run?.last?.force_n > 0.5", 20)
         check(page.run("chosen.automatic && aim === null"), "three axes: it presses by itself before anybody touched it")
         presses(page, pictures, check)
         controls(page, check)
+        saved(page, program, folder, check)
         hands(page, check)
         click(page, "automatic")
         worst_second(page, seconds, asked_for, check, "three axes", MOST_CALLS_SPACE)

@@ -9,10 +9,10 @@ use super::report_options::program_name;
 use super::whole::{Named, is_of_same_command};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use touchstone_control::LawKind;
+use touchstone_control::{Choice as _, LawKind};
 use touchstone_device::{Address, guard_settings};
 use touchstone_lab::thesis::space as three_axes;
-use touchstone_lab::thesis::space::surface_feel::{MATERIALS, material};
+use touchstone_lab::thesis::space::surface_feel::{MATERIALS, material, material_table};
 use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_link::rows::COLUMNS;
 use touchstone_live::board_page as board;
@@ -145,8 +145,23 @@ fn space(object: &str) -> Result<String> {
     let mechanism = three_axes::Mechanism::Cartesian;
     let tuned = TunedWall::of(mechanism, rate_hz);
     let shipped = of(tuned.settings(rate_hz, OMEGA3.force_n));
-    let thesis = of(three_axes::settings(LawKind::EnhancedSfa, 25.0));
-    let materials = MATERIALS.map(|(name, values)| (name, material(values, mechanism)));
+    let laws = LawKind::WORDS
+        .iter()
+        .filter_map(|word| LawKind::of_word(word));
+    let thesis: Vec<_> = laws
+        .map(|law| of(three_axes::settings(law, 25.0)))
+        .collect();
+    let mut materials = Vec::new();
+    for (name, values) in MATERIALS {
+        let table = toml::to_string(&material_table(values, mechanism));
+        materials.push(space_page::Material {
+            name,
+            impact: material(values, mechanism),
+            scene: table.map_err(|error| {
+                Error::device("TOML", error.to_string(), "report this as a bug")
+            })?,
+        });
+    }
     Ok(space_page::render(
         &shipped,
         &thesis,

@@ -381,13 +381,6 @@ worker.onmessage = ({ data }) => {
 worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);
 
 // Saves recorded runs as files.
-function save(name, type, text) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-}
 function saveEach(make) {
   recorded?.files.forEach((file, i) => { if (file) make(file, `live-${"ab"[i]}`); });
 }

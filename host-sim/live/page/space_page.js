@@ -19,8 +19,9 @@ function choice() {
   changes.set("object", chosen.object === "sphere" ? "sphere" : "plane");
   NORMALS[chosen.object]?.forEach((n, i) => changes.set(`normal_${"xyz"[i]}`, n));
   if (chosen.texture) chosen.texture.split("/").forEach((mm, i) => changes.set(["texture_height_mm", "texture_period_mm"][i], mm));
+  const base = chosen.base === "shipped" ? content.shipped : content.thesis[changes.get("law")] ?? content.thesis["enhanced-sfa"];
   const material = chosen.base === "shipped" ? content.materials.find(([name]) => name === chosen.material)?.[1] ?? "" : "";
-  return content[chosen.base] + material + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
+  return base + material + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
 }
 /** The user's choices as the part of the page's address after the `#`. */
 function address() {
@@ -42,11 +43,13 @@ function fromAddress() {
   }
   // As in the list of laws, a law by its name has the thesis' settings.
   if (chosen.changes.has("law")) chosen.base = "thesis";
-  notice = unknown.length ? `left out, because this page does not know it: ${unknown.join(", ")}` : "";
+  notice = unknown.length ? `not taken from the link, because the page has no such choice: ${unknown.join(", ")}` : "";
 }
+/** Whether the worker has loaded the simulation. Choices of before are opened then. */
+let ready = false;
 function open(keep) {
   pending = true;
-  tell("open", { choice: choice(), keep });
+  if (ready) tell("open", { choice: choice(), keep });
 }
 /** The choices that were accepted last, and a message that stays until others are accepted. */
 let good = shipped(), notice = "";
@@ -86,7 +89,7 @@ function opened({ facts, keep }) {
 }
 worker.onmessage = ({ data }) => {
   // The hand moves by itself until the user moves it, unless the user's system asks for reduced motion.
-  if (data.type === "ready") { open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
+  if (data.type === "ready") { ready = true; open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
   if (data.type === "opened") { complain(notice); notice = ""; opened(data); }
   if (data.type === "rows" && run && !pending) {
     run.ring.push(data.rows);
@@ -234,6 +237,13 @@ on("material", "change", () => { chosen.material = $("material").value; open(tru
 on("link", "click", async () => {
   try { await navigator.clipboard.writeText(location.href); $("link-told").textContent = "The page's address with these settings is copied."; }
   catch { $("link-told").textContent = `Copy it from the address bar: ${location.hash}`; }
+});
+on("scene", "click", () => {
+  // While changed settings are opened, the running ones are not yet those of the page.
+  if (!run || pending) return;
+  const why = notInScene(good.base, run.facts);
+  if (!why) save("live-three-axes.toml", "application/toml", sceneOf(good, run.facts));
+  $("link-told").textContent = why ? `Not saved. In a scene ${why}.` : "Saved as live-three-axes.toml. touchstone run live-three-axes.toml presses, slides and lets go with a simulated hand.";
 });
 addEventListener("hashchange", () => { fromAddress(); restart(); });
 on("law", "change", () => choose($("law").value));

@@ -25,14 +25,16 @@ const WORKER: [&str; 4] = [
     include_str!("../page/worker.js"),
 ];
 pub(crate) const VIEW: &str = include_str!("../page/view.js");
+pub(crate) const SAVE: &str = include_str!("../page/save.js");
 pub(crate) const STAGE: &str = include_str!("../page/stage.js");
-const SCRIPT: [&str; 10] = [
+const SCRIPT: [&str; 11] = [
     "\"use strict\";\n",
     UNPACK,
     include_str!("../page/presets.js"),
     VIEW,
     include_str!("../page/profile.js"),
     include_str!("../page/parts.js"),
+    SAVE,
     STAGE,
     include_str!("../page/page.js"),
     include_str!("../page/open.js"),

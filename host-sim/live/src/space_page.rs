@@ -1,8 +1,9 @@
 //! Builds the web page of the simulated device with three axes.
 
 use crate::page::{
-    MARK, MEMORY, PACING, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
+    MARK, MEMORY, PACING, SAVE, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
 };
+use touchstone_control::Choice as _;
 use touchstone_control::settings::ImpactSettings;
 
 use crate::space_loop::{SPACE_ROW, SpaceChoice, SpaceObject};
@@ -18,23 +19,35 @@ const WORKER: [&str; 5] = [
     BASIS,
     include_str!("../page/space_worker.js"),
 ];
-const SCRIPT: [&str; 6] = [
+const SCRIPT: [&str; 8] = [
     STRICT,
     UNPACK,
     VIEW,
     BASIS,
+    SAVE,
     include_str!("../page/space_view.js"),
+    include_str!("../page/space_scene.js"),
     include_str!("../page/space_page.js"),
 ];
 
+/// A material that the shipped wall can have.
+#[derive(Debug, Clone)]
+pub struct Material<'a> {
+    /// The material's name.
+    pub name: &'a str,
+    /// Pulse and vibration at the touch.
+    pub impact: ImpactSettings,
+    /// The same as lines of the table `[law.impact]` of a scene of three axes.
+    pub scene: String,
+}
+
 /// Returns the page as HTML. The simulation starts with the settings in `shipped`. If the user chooses a law by its name, the
-/// settings are those in `thesis`, with that law. `materials` are the names of materials, with pulse and vibration at the touch of the
-/// shipped wall. `program` is the name, version and commit shown.
+/// settings are those in `thesis` for that law. `program` is the name, version and commit shown.
 #[must_use]
 pub fn render(
     shipped: &SpaceChoice,
-    thesis: &SpaceChoice,
-    materials: &[(&str, ImpactSettings)],
+    thesis: &[SpaceChoice],
+    materials: &[Material],
     program: &str,
 ) -> String {
     let script = SCRIPT.concat();
@@ -44,20 +57,25 @@ pub fn render(
         SpaceObject::Plane([x, y, _]) if x == 0.0 && y == 0.0 => "plane",
         SpaceObject::Plane(_) => "inclined",
     };
-    let materials: Vec<(&str, String)> = materials
+    let materials: Vec<(&str, String, &str)> = materials
         .iter()
-        .map(|(name, impact)| {
+        .map(|material| {
             let mut choice = shipped.clone();
-            choice.law.impact = *impact;
+            choice.law.impact = material.impact;
             let text = choice.to_text();
             let lines = text.lines().filter(|line| line.starts_with("impact_"));
-            (*name, lines.map(|line| format!("{line}\n")).collect())
+            let lines = lines.map(|line| format!("{line}\n")).collect();
+            (material.name, lines, &*material.scene)
         })
+        .collect();
+    let thesis: serde_json::Map<String, serde_json::Value> = thesis
+        .iter()
+        .map(|choice| (choice.law.law.word().to_owned(), choice.to_text().into()))
         .collect();
     let data = serde_json::json!({
         "materials": materials,
         "shipped": shipped.to_text(),
-        "thesis": thesis.to_text(),
+        "thesis": thesis,
         "object": object,
         "row": SPACE_ROW,
     });

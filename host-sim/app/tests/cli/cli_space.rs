@@ -91,3 +91,62 @@ fn what_has_no_meaning_is_refused_on_one_line() {
         assert!(!folder.join("touchstone-report").exists());
     }
 }
+
+/// Checks that a scene with the same object, law and material gives the forces of the live page bit for bit, with the settings that
+/// the program writes into the page.
+#[test]
+fn the_live_page_plays_what_its_scene_plays() {
+    use touchstone_lab::thesis::space::scene::SpaceScene;
+    use touchstone_lab::thesis::space::{ProbingMotion, run};
+    use touchstone_live::space_loop::{SPACE_ROW, SpaceChoice, SpaceLoop};
+    let folder = folder("live-scene");
+    let out = run_in(&folder, ["live", "--dof", "3", "inclined", "--no-open"]);
+    assert!(out.status.success(), "{out:?}");
+    let page = std::fs::read_to_string(folder.join("touchstone-live.html")).unwrap();
+    let (_, content) = page.split_once("id=\"content\">").unwrap();
+    let (content, _) = content.split_once("</script>").unwrap();
+    let content: serde_json::Value = serde_json::from_str(content).unwrap();
+    let text = |value: &serde_json::Value| value.as_str().unwrap().to_owned();
+    let mut pairs = vec![(text(&content["shipped"]), "\"shipped\"".to_owned())];
+    for material in content["materials"].as_array().unwrap() {
+        let choice = text(&content["shipped"]) + &text(&material[1]);
+        let law = format!("\"shipped\"\n[law.impact]\n{}", text(&material[2]));
+        pairs.push((choice, law));
+    }
+    assert!(pairs.len() > 1);
+    for (law, per_axis, approach) in [
+        ("spring", false, "spring"),
+        ("spring-damper", false, "spring-damper"),
+        ("enhanced-sfa", false, "magnitude"),
+        ("enhanced-sfa", true, "per-axis"),
+    ] {
+        let own = text(&content["thesis"][law]);
+        let choice = format!("{own}guard=false\nper_axis={per_axis}\n");
+        pairs.push((choice, format!("\"{approach}\"")));
+    }
+    let grooves = "[object]\nkind = \"inclined\"\ntexture = { height_mm = 0.1, period_mm = 2 }\n";
+    let force = SPACE_ROW
+        .iter()
+        .position(|name| *name == "force_x_n")
+        .unwrap();
+    for (choice, law) in pairs {
+        let scene = format!("dof = 3\n{grooves}[law]\napproach = {law}\n");
+        let scene: SpaceScene = toml::from_str(&scene).unwrap();
+        let cell = scene.completed().unwrap().cell();
+        let record = run(&cell).unwrap();
+        let motion = ProbingMotion::of(cell.object);
+        let choice = choice + "texture_height_mm=0.1\ntexture_period_mm=2\n";
+        let choice = SpaceChoice::of_text(&choice).unwrap();
+        let mut page = SpaceLoop::at(choice, motion.rest_mm(0.0)).unwrap();
+        for (tick, expected) in record.force_n.iter().enumerate() {
+            let row = page.tick(motion.rest_mm(tick as f64 * 1e-3));
+            assert_eq!(&row[force..force + 3], expected, "{law}, tick {tick}");
+        }
+        let touched = record
+            .force_n
+            .iter()
+            .filter(|force| **force != [0.0; 3])
+            .count();
+        assert!(touched > 1000, "{law}: {touched}");
+    }
+}

@@ -29,14 +29,19 @@ pub const MATERIALS: [(&str, [f64; 3]); 3] = [
 /// Pulse and vibration of a material on the shipped wall of a mechanism.
 #[must_use]
 pub fn material(values: [f64; 3], mechanism: Mechanism) -> ImpactSettings {
+    material_table(values, mechanism).settings(mechanism)
+}
+
+/// The table `[law.impact]` that gives the shipped wall of a mechanism this material.
+#[must_use]
+pub fn material_table(values: [f64; 3], mechanism: Mechanism) -> SpaceImpact {
     let [share, hz, decay_s] = values.map(Some);
-    let impact = SpaceImpact {
+    SpaceImpact {
         share_of_momentum: Some(TunedWall::of(mechanism, RATE_HZ).pulse),
         vibration_share_of_speed: share,
         vibration_hz: hz,
         vibration_decay_s: decay_s,
-    };
-    impact.settings(mechanism)
+    }
 }
 
 impl SurfaceFeel {
