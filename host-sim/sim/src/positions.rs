@@ -9,6 +9,10 @@ use touchstone_control::environment::WHOLE;
 /// next detent, a quarter beyond the ridge between the two.
 pub const HYSTERESIS: f64 = 0.25;
 
+/// Largest hysteresis, or sum of hysteresis and bias, of positions with detents, as a fraction of the distance between two positions.
+/// With more, the knob could rest in one detent under its neighbour's number.
+pub const MOST_HYSTERESIS: f64 = 0.49;
+
 /// The most positions of a list: a torque profile of 96 points has at most this number of places at which a knob rests.
 pub const MOST_LISTED: usize = 48;
 

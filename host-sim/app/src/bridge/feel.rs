@@ -7,7 +7,7 @@ use touchstone_protocol::settings::environment::{
     DetentsBeside, Points, ProfileBeside, Surround, TravelEnds,
 };
 use touchstone_protocol::{Decimal, DeviceSettings};
-use touchstone_sim::positions::Positions;
+use touchstone_sim::positions::{MOST_HYSTERESIS, Positions};
 
 /// Narrowest and widest distance between two positions that a board accepts, rad.
 const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;
@@ -77,8 +77,6 @@ pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     }
 }
 
-/// Largest hysteresis of a position with detents, as a fraction of the distance between two detents.
-const MOST_HYSTERESIS: f64 = 0.49;
 /// Larger than the rounding of a sum of two of the configuration's `f32` numbers.
 const ROUNDING: f64 = 1e-6;
 

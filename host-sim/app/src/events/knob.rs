@@ -55,7 +55,7 @@ impl<'a> Knob<'a> {
             match positions.numbers() {
                 None => called = Some(number),
                 Some(_) => note!(
-                    "note: --keep has no effect between end stops, where the knob's angle gives the position number"
+                    "note: --keep has no effect here: with end stops or listed detents the knob's angle alone gives the position number"
                 ),
             }
         }
@@ -69,7 +69,7 @@ impl<'a> Knob<'a> {
             kept,
             zero: Zero::new(settings.timing.rate_hz),
         };
-        knob.positions.hysteresis = options.hysteresis;
+        knob.follow(positions);
         Ok(knob)
     }
 
@@ -168,6 +168,7 @@ impl<'a> Knob<'a> {
     fn follow(&mut self, positions: Positions) {
         self.positions = positions;
         self.positions.hysteresis = self.options.hysteresis;
+        self.positions.bias = self.options.bias;
     }
 
     /// Sends a feel to the board. If the board refuses it, nothing changes and the inner error says why.

@@ -75,7 +75,10 @@ impl Lines {
                 // Never answered: two programs would answer each other for ever, and so would this one with its own port as receiver.
                 None if message.address == ERROR => {}
                 None => {
-                    let problem = format!("{} is not a message for a knob", message.address);
+                    let problem = format!(
+                        "{} is not a message that `events` takes, or its argument has the wrong type; send /touchstone/position with an integer or /touchstone/feel with a text",
+                        message.address
+                    );
                     self.refuse(Asker::Osc, &Refusal::of_request(problem));
                 }
             }

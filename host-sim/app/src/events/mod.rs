@@ -35,8 +35,8 @@ use serde_json::json;
 use std::path::PathBuf;
 use touchstone_keys::KeyPair;
 use touchstone_protocol::Request;
-use touchstone_sim::error::Result;
-use touchstone_sim::positions::HYSTERESIS;
+use touchstone_sim::error::{Error, Result};
+use touchstone_sim::positions::{HYSTERESIS, MOST_HYSTERESIS};
 
 /// Telemetry records per second, from which the position is read. This is enough for a hand that turns by 20 positions per second.
 const RECORDS_PER_S: u32 = 250;
@@ -46,13 +46,18 @@ const RECORDS_PER_S: u32 = 250;
 pub struct Options {
     #[command(flatten)]
     port: PortOption,
-    /// Distance between two positions, degrees. Default: that of the device's detents, or of its torque profile.
+    /// Distance between two positions, degrees. Default: that of the device's detents, torque profile or clicks.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = number::up_to(360.0, "in degrees"))]
     pitch: Option<f64>,
     /// How far beyond the midpoint between two positions the number changes, as a fraction of their distance, 0 to 0.49.
-    #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
+    #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, MOST_HYSTERESIS, "of the distance between two positions"))]
     hysteresis: f64,
-    /// The number of the position in which the knob is now. Default: position 0 is at the scene's `centre_rad` or `start_rad`.
+    /// Holds the knob longer at position 0: shifts each change of the number away from position 0 by this fraction of the distance
+    /// between two positions, 0 to 0.49. With --hysteresis at most 0.49 in total. A SmartKnob calls it `snap_point_bias`.
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::within(0.0, MOST_HYSTERESIS, "of the distance between two positions"))]
+    bias: f64,
+    /// Gives this number to the position in which the knob is now. Default: position 0 is the detent or click at `centre_rad`, the
+    /// first detent of a list, or the first angle of a torque profile at which the knob rests.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     position: Option<i64>,
     /// Stores the position's number in this file for the next start, for a knob without end stops. At the next start, the position
@@ -70,7 +75,7 @@ pub struct Options {
     osc: Option<String>,
     /// Receives OSC messages from this computer on this port. /touchstone/feel FEEL renders a feel, by the name of a shipped one or
     /// as the TOML text of a scene with a table `environment`. /touchstone/position N gives the present position the number N. A
-    /// refused message is answered through --osc by /touchstone/error SETTING PROBLEM.
+    /// refused message changes nothing; with --osc the answer is /touchstone/error SETTING PROBLEM.
     #[arg(long, value_name = "PORT")]
     osc_listen: Option<u16>,
     /// Also sends every change, as --json prints it, to the clients of a WebSocket on a port of this computer. Accepts the requests
@@ -92,8 +97,32 @@ pub struct Options {
     keys: Option<KeyPair>,
 }
 
+impl Options {
+    /// Refuses a bias and a hysteresis that are allowed each, but not together.
+    fn check(&self) -> Result<()> {
+        // The decimal fractions of the options are rounded to binary ones.
+        const ROUNDING: f64 = 1e-9;
+        let rest = MOST_HYSTERESIS - self.hysteresis;
+        if self.bias <= rest + ROUNDING {
+            return Ok(());
+        }
+        let (bias, hysteresis) = (self.bias, self.hysteresis);
+        Err(Error::Option {
+            option: "--bias".into(),
+            problem: format!(
+                "{bias} and --hysteresis {hysteresis} are together more than {MOST_HYSTERESIS} of the distance between two positions, so the knob could rest in one position under another one's number"
+            ),
+            fix: format!(
+                "give --bias {:.3} at most, or a smaller --hysteresis",
+                rest.max(0.0)
+            ),
+        })
+    }
+}
+
 /// Runs the command `touchstone events`.
 pub fn main(options: &Options) -> Result<()> {
+    options.check()?;
     let stop = super::interrupt::noted()?;
     let osc = Osc::open(options.osc.as_deref(), options.osc_listen)?;
     let websocket = options.websocket.as_deref();

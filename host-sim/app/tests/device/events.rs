@@ -2,6 +2,7 @@
 
 use crate::demo::Demo;
 use crate::fake::Fake;
+use crate::websocket::Events;
 use std::io::{BufRead, BufReader};
 #[cfg(target_os = "linux")]
 use std::process::Command;
@@ -80,6 +81,65 @@ fn a_knob_without_positions_says_what_to_give() {
             device.run(&["events", "--pitch", wrong]).code,
             Some(2),
             "{wrong}"
+        );
+    }
+}
+
+/// Checks that a knob with a bias leaves number 0 later than it comes back to it, on both sides, and that wrong
+/// values are refused by name.
+#[test]
+fn a_bias_holds_a_knob_longer_at_its_first_position() {
+    let board = Fake::new();
+    board.run(&["config", "environment", "smooth"]).done();
+    let words = [
+        "--pitch",
+        "10",
+        "--hysteresis",
+        "0.1",
+        "--bias",
+        "0.3",
+        "--position",
+        "0",
+    ];
+    board.world().1.count = 0;
+    let events = Events::at(
+        &board.address,
+        &[&words[..], &["--seconds", "120"]].concat(),
+    );
+    let mut program = events.page();
+    assert_eq!(program.until("position")["position"], 0);
+    // Number 0 is left at 0.5 + 0.1 + 0.3 of the way and entered at 0.5 - 0.1 + 0.3 of it.
+    let turn = |share: f64| board.world().1.count = (share * 16384.0 / 36.0) as i32;
+    for (before, after, position) in [
+        (0.88, 0.92, 1),
+        (0.72, 0.68, 0),
+        (-0.88, -0.92, -1),
+        (-0.72, -0.68, 0),
+    ] {
+        turn(before);
+        // Long enough for a wrong change to come first.
+        std::thread::sleep(std::time::Duration::from_millis(200));
+        turn(after);
+        let line = program.until("position");
+        assert_eq!(line["position"], position, "{before} to {after}: {line}");
+        let found = line["angle_rad"].as_f64().unwrap().to_degrees() / 10.0;
+        assert!((found - after).abs() < 0.01, "{before} to {after}: {line}");
+    }
+    for (wrong, named) in [
+        (["--bias", "-0.1"], "between 0 and 0.49"),
+        (["--bias", "0.5"], "between 0 and 0.49"),
+        (["--bias", "far"], "between 0 and 0.49"),
+        (
+            ["--bias", "0.3"],
+            "give --bias 0.240 at most, or a smaller --hysteresis",
+        ),
+    ] {
+        let said = board.run(&[&["events"][..], &wrong].concat());
+        assert_eq!(said.code, Some(2), "{wrong:?}");
+        assert!(
+            said.err.contains("--bias") && said.err.contains(named),
+            "{}",
+            said.err
         );
     }
 }

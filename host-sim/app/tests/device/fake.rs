@@ -68,6 +68,8 @@ pub struct World {
     tick: u32,
     calibrated_at: Option<u32>,
     decimation: u16,
+    /// Encoder count of the knob's angle.
+    pub count: i32,
     dropped: u32,
     /// Number of requests that the fake device has received.
     pub answers: usize,
@@ -142,6 +144,7 @@ impl Fake {
             tick: 0,
             calibrated_at: None,
             decimation: 1,
+            count: 7,
             dropped: 0,
             answers: 0,
             records: 0,
@@ -319,7 +322,7 @@ impl World {
         }
         let record = Telemetry {
             tick: self.tick,
-            count: 7,
+            count: self.count,
             penetration_rad: fixed::types::I8F24::from_bits(self.tick.cast_signed() % 1000),
             since_change_rad: fixed::types::I8F24::ZERO,
             force_n_m: fixed::types::I8F24::from_bits(1),
