@@ -8,6 +8,7 @@ use touchstone_lab::thesis::space::{
     settings,
 };
 use touchstone_live::space_loop::{SPACE_ROW, SpaceChoice, SpaceLoop, SpaceObject};
+use touchstone_world::plant::OMEGA3;
 
 fn choice(object: Object, approach: Approach, k_n_per_mm: f64) -> SpaceChoice {
     let law = match approach {
@@ -34,6 +35,10 @@ fn column(name: &str) -> usize {
 #[test]
 fn the_same_hand_gives_the_same_forces() {
     let (hip, force) = (column("hip_x_mm"), column("force_x_n"));
+    let depth = column("depth_mm");
+    // The page shows the depth of the measured position, which is half a count off on each axis. A groove's flank is inclined by
+    // at most 0.16. Together the depth is off by at most 0.866 * 1.16 counts; the rest is rounding of the number format.
+    let depth_off_mm = 1.1e3 * OMEGA3.count_m;
     let grooves = Texture {
         height_mm: 0.1,
         period_mm: 2.0,
@@ -83,6 +88,12 @@ fn the_same_hand_gives_the_same_forces() {
                         record.hip_mm[tick][axis].to_bits()
                     );
                 }
+                assert!(
+                    (row[depth] - record.depth_mm(tick)).abs() < depth_off_mm,
+                    "{object:?} {approach:?}, tick {tick}: {} for {} mm",
+                    row[depth],
+                    record.depth_mm(tick)
+                );
                 touched += usize::from(record.force_n[tick] != [0.0; 3]);
             }
             assert!(touched > 1000, "{object:?} {approach:?}: {touched}");
