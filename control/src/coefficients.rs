@@ -7,7 +7,7 @@ use crate::choices::{IdealStep, OffsetUpdate, Regulate, StatesKind};
 use crate::filter::VirtualMass;
 use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa, Vibration};
 use crate::quotient::over;
-use crate::validate::{gain, ratio};
+use crate::validate::{gain, largest_force, ratio};
 use crate::velocity::Velocity;
 use crate::{
     Compliance, Divisor, Energy, Field, Force, Number, ObserverForm, Ratio, Settings,
@@ -157,17 +157,6 @@ impl<N: Number> Common<N> {
                 format: N::NAME,
             })
     }
-}
-
-/// Largest force that a law commands.
-pub(crate) fn largest_force<N: Number>(settings: &Settings) -> Result<Force<N>, SettingsError> {
-    N::signal(settings.force_limit)
-        .map(Force)
-        .ok_or(SettingsError::OutOfFormat {
-            field: Field::ForceLimit,
-            value: settings.force_limit,
-            format: N::NAME,
-        })
 }
 
 /// Virtual damping per tick in N·m/rad: the damping `B` over the control period `T`.

@@ -8,7 +8,7 @@ use crate::law::kept::{
     Damped, DampedState, EnhancedSfa, EnhancedState, Fba, FbaState, Kept as _, Sfa, SfaState, Tdpa,
     TdpaState,
 };
-use crate::law::{Impact, Law, Sample, Spring, SpringState, View};
+use crate::law::{Impact, Law, Sample, Spring, SpringState, View, YieldingSurface};
 use crate::settings::Settings;
 use crate::{Force, Guard, Guarded, Number, Position, SettingsError, States, Stiffness};
 
@@ -119,7 +119,7 @@ impl<N: Number> AnyLaw<N> {
 /// the energy guard limits the sum.
 ///
 /// ```text
-/// penetration e -> states -> law -> pulse at the touch -> guard -> force
+/// penetration e -> states -> surface -> law -> pulse at the touch -> guard -> force
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<N: Number> {
@@ -127,6 +127,8 @@ pub struct Controller<N: Number> {
     pub law: AnyLaw<N>,
     /// The stage before the law, which gives position and velocity: measured or estimated.
     pub states: States<N>,
+    /// The wall's surface, which gives way to a hand that overpowers the motor.
+    pub surface: YieldingSurface<N>,
     /// Pulse and vibration that are added to the law's force at the touch; `None` if the settings have neither.
     pub impact: Option<Impact<N>>,
     /// The energy guard after the law; `None` if the settings switch it off.
@@ -152,17 +154,19 @@ impl<N: Number> Controller<N> {
         };
         let law = AnyLaw::new(settings)?;
         let mut controller = Self::of_parts(law, states, guard);
+        controller.surface = YieldingSurface::surface_of(settings)?;
         controller.impact = Impact::pulse_of(settings)?;
         Ok(controller)
     }
 
     /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings; without a
-    /// pulse at the touch.
+    /// pulse at the touch, and with a surface that never gives way.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {
             law,
             states,
+            surface: YieldingSurface::unyielding(),
             impact: None,
             guard,
             commanded: Force::zero(),
@@ -208,8 +212,9 @@ impl<N: Number> Controller<N> {
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
-        let sample = self.states.sample(e);
+        let sample = self.surface.from_surface(self.states.sample(e));
         let mut wanted = self.law.tick(sample);
+        self.surface.give_way(sample, wanted);
         if let Some(impact) = &mut self.impact {
             wanted = impact.with_pulse_and_vibration(sample, wanted);
         }

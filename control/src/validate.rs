@@ -3,7 +3,7 @@
 
 use crate::refusal::{Field, SettingsError, Warning};
 
-use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
+use crate::{Force, GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 
 /// Stiffness-like quantities that depend on several settings, computed once. All are in N·m/rad (N/m) and saturate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,6 +142,17 @@ impl Settings {
         .chain(guard)
         .flatten()
     }
+}
+
+/// Largest force that a law commands.
+pub(crate) fn largest_force<N: Number>(settings: &Settings) -> Result<Force<N>, SettingsError> {
+    N::signal(settings.force_limit)
+        .map(Force)
+        .ok_or(SettingsError::OutOfFormat {
+            field: Field::ForceLimit,
+            value: settings.force_limit,
+            format: N::NAME,
+        })
 }
 
 /// Converts a coefficient to a gain (stiffness) of the number format `N`, or returns the error that names the coefficient's

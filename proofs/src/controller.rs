@@ -1,10 +1,10 @@
-//! The controller around a law: a tick is the law, the pulse at the touch and then the energy guard, for any law. The controller
+//! The controller around a law: a tick is the wall's surface, the law, the pulse at the touch and then the energy guard, for any law. The controller
 //! stores the force that later stages report to it.
 //!
 //! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` its capacity; `'` marks the new value.
 //!
 //! ```text
-//! f = guard(pulse(law(e, e - e(n-1))))         p11_controller_tick
+//! f = guard(pulse(law(seen(e, e - e(n-1)))))   p11_controller_tick
 //! reported f: f(n-1) = f, in the guard too     p11_controller_told
 //! resumed: memory new, B' = min(B, C')         p7_controller_resumes
 //! built: law, guard if switched on, f = 0      p8_controller_made
@@ -14,8 +14,9 @@ use crate::format::Format;
 use crate::source::{Source, one_with};
 use crate::stage::{any_stage, stage_holds};
 use crate::valid::Valid;
+use crate::yielding::surface_holds;
 use crate::{assume, cover, replaced_property};
-use touchstone_control::law::{Impact, Law, Sample, Spring, SpringState};
+use touchstone_control::law::{Impact, Law, Sample, Spring, SpringState, YieldingSurface};
 use touchstone_control::{
     AnyLaw, Controller, Fixed8, Fixed32, Force, Guard, Guarded, Number, Settings, Si, States,
     StatesKind, Stiffness,
@@ -96,6 +97,12 @@ fn any_pulse<S: Source>(s: &mut S) -> Impact<N> {
 fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
     let mut wall = plain::<N>();
     wall.impact = s.bool().then(|| any_pulse(s));
+    wall.surface = YieldingSurface {
+        limit: N::any_force(s),
+        deepest: N::any_position(s),
+        step: N::any_position(s),
+        given: N::any_position(s),
+    };
     let law = one_with(s, <Spring<N> as Valid<N>>::any, Spring::valid);
     wall.law = AnyLaw::Spring(law, <Spring<N> as Valid<N>>::any_state(s));
     wall.commanded(N::any_force(s));
@@ -109,16 +116,17 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
 }
 
 controller_property! {
-    /// P11 (refinement): a tick is the law, with the penetration and its change, then the pulse at the touch, and then the guard.
-    /// The guard gets the measured positions and the force that law and pulse request.
-    equation "f = guard(e, at_change, pulse(law(e, e - e(n-1))))"
-    over "spring, pulse or none, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
+    /// P11 (refinement): a tick is the law, with the penetration from the surface and its change, then the pulse at the touch, and
+    /// then the guard. The surface may give way under the law's force. The guard gets the measured positions and the force that law and pulse request.
+    equation "f = guard(e, at_change, pulse(law(seen(e, e - e(n-1)))))"
+    over "spring, surface, pulse or none, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
     by minisat fn p11_controller_tick(s) {
         let before = any_wall(s);
         assume!(s, cfg!(kani) || before.guard.as_ref().is_none_or(stage_holds), "Guard::new; invariant, kept by p1_account_stays, p4_overspeed and p9_no_way_uncounted");
         let AnyLaw::Spring(law, mut state) = before.law else { return };
         assume!(s, law.valid(), "validate");
         let States::Measured { last } = before.states else { return };
+        assume!(s, surface_holds(&before.surface), "YieldingSurface::surface_of; invariant, kept by p4_surface_gives");
         let e = N::any_position(s);
         let at_change = s.bool().then(|| N::any_position(s));
         let mut wall = before;
@@ -126,8 +134,10 @@ controller_property! {
             None => wall.tick(e),
             Some(_) => wall.tick_with_change(e, at_change),
         };
-        let sample = Sample { e, moved: e - last };
+        let mut surface = before.surface;
+        let sample = surface.from_surface(Sample { e, moved: e - last });
         let mut wanted = law.tick(&mut state, sample);
+        surface.give_way(sample, wanted);
         let mut impact = before.impact;
         if let Some(impact) = &mut impact {
             wanted = impact.with_pulse_and_vibration(sample, wanted);
@@ -140,12 +150,13 @@ controller_property! {
         assert!(shown == force && wall.last_commanded() == force);
         assert!(wall.law == AnyLaw::Spring(law, state) && wall.view() == law.view(&state));
         assert!(wall.guard == guard && wall.states == States::Measured { last: e });
-        assert!(wall.impact == impact);
+        assert!(wall.impact == impact && wall.surface == surface);
         assert!(wall.tripped() == guard.is_some_and(|guard| guard.tripped));
         cover!(s, guard.is_some() && force != Force::zero(), "a force, guarded");
         cover!(s, guard.is_none() && force != Force::zero(), "a force, not guarded");
         cover!(s, wanted > Force::quantum() + Force::quantum() + Force::quantum(), "a force of many digits");
         cover!(s, wall.tripped(), "overspeed");
+        cover!(s, wall.surface.given > before.surface.given, "a surface that gives way");
     }
 }
 controller_property! {
@@ -163,7 +174,7 @@ controller_property! {
         let before = wall;
         wall.commanded(told);
         assert!(wall.last_commanded() == told && wall.guard == guard);
-        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact);
+        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact && wall.surface == before.surface);
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
@@ -181,7 +192,7 @@ controller_property! {
         let before = wall;
         wall.switched_off();
         assert!(wall.last_commanded() == Force::zero() && wall.guard == guard);
-        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact);
+        assert!(wall.law == before.law && wall.states == before.states && wall.impact == before.impact && wall.surface == before.surface);
         cover!(s, wall.guard != before.guard, "the guard counts with it");
     }
 }
@@ -196,7 +207,7 @@ controller_property! {
         fresh.guard = s.bool().then(|| Guarded::new(Guard::<N>::any(s)));
         let mut wall = before;
         wall.resume(&fresh);
-        assert!(wall.law == fresh.law && wall.states == fresh.states);
+        assert!(wall.law == fresh.law && wall.states == fresh.states && wall.surface == fresh.surface);
         assert!(wall.last_commanded() == Force::zero());
         let guard = match (fresh.guard, before.guard) {
             (Some(fresh), Some(before)) => Some(fresh.resumed(&before)),
@@ -253,13 +264,28 @@ pub fn guard_made<N: Number>(
     })
 }
 
+/// Replaces `YieldingSurface::surface_of`: returns a surface that holds the arguments, or an error for a negative force limit.
+#[cfg(kani)]
+pub fn surface_made<N: Number>(settings: &Settings) -> Result<YieldingSurface<N>, SettingsError> {
+    let (count, coarsest) = (settings.force_limit, Si::ZERO);
+    if settings.force_limit < Si::ZERO {
+        return Err(SettingsError::TooCoarse { count, coarsest });
+    }
+    Ok(YieldingSurface {
+        limit: Force(N::saturating_signal(settings.force_limit)),
+        deepest: Position(N::saturating_signal(settings.k_desired)),
+        ..YieldingSurface::unyielding()
+    })
+}
+
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
-    (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8 (settings): with measured states, a controller consists of the law, the pulse and, if switched on, the guard of its
+    (touchstone_control::Guard::new, crate::controller::guard_made)
+    (touchstone_control::law::YieldingSurface::surface_of, crate::controller::surface_made)]
+    /// P8 (settings): with measured states, a controller consists of the surface, the law, the pulse and, if switched on, the guard of its
     /// settings, and commands no force. It is refused if one of them is refused, and for no other reason.
-    equation "Controller(s) = (law(s), pulse(s), guard(s) where on, f = 0)"
-    over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
+    equation "Controller(s) = (surface(s), law(s), pulse(s), guard(s) where on, f = 0)"
+    over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law, a guard and a surface that are what they were told, or none"
     by cadical fn p8_controller_made(s) {
         let mut settings = Settings {
             states: StatesKind::Measured,
@@ -276,11 +302,13 @@ replaced_property! {
         let guard = Guard::<Fixed32>::new(&settings.guard, &settings.guarded_device());
         let guard = settings.guard.on.then_some(guard).transpose();
         let impact = Impact::<Fixed32>::pulse_of(&settings);
-        assert!(found.is_err() == (law.is_err() || guard.is_err() || impact.is_err()));
+        let surface = YieldingSurface::<Fixed32>::surface_of(&settings);
+        assert!(found.is_err() == (law.is_err() || guard.is_err() || impact.is_err() || surface.is_err()));
         cover!(s, law.is_err(), "no law");
         cover!(s, guard.is_err(), "no guard");
         if let (Ok(found), Ok(law), Ok(guard), Ok(impact)) = (found, law, guard, impact) {
             assert!(found.impact == impact && found.law == law && found.guard == guard.map(Guarded::new));
+            assert!(surface.is_ok_and(|surface| found.surface == surface));
             assert!(found.states == States::default() && found.last_commanded() == Force::zero());
             cover!(s, found.guard.is_some(), "with a guard");
             cover!(s, found.guard.is_none(), "without one");

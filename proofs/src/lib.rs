@@ -86,3 +86,4 @@ pub mod velocity;
 pub mod views;
 pub mod weighed;
 pub mod wide;
+pub mod yielding;

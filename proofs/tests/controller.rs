@@ -1,7 +1,7 @@
-//! Tests that the controller runs its parts in order (states, law, pulse at the touch, guard), and passes to each what it needs.
+//! Tests that the controller runs its parts in order (states, surface, law, pulse at the touch, guard), and passes to each what it needs.
 
 use touchstone_control::estimator::EstimatorState;
-use touchstone_control::law::Impact;
+use touchstone_control::law::{Impact, YieldingSurface};
 use touchstone_control::{
     AnyLaw, Controller, Field, Fixed16, Fixed32, Force, Guard, GuardSettings, Guarded, LawKind,
     Position, Settings, SettingsError, Si, States, StatesKind,
@@ -49,6 +49,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
             .guard
             .on
             .then(|| Guarded::new(guard.expect("a controller was made of it")));
+        let mut surface = YieldingSurface::<Fixed32>::surface_of(&settings).expect("as the law");
         let mut states = match settings.states {
             StatesKind::Measured => States::<Fixed32>::default(),
             StatesKind::Estimated => {
@@ -67,8 +68,9 @@ fn a_tick_is_the_law_and_then_the_guard() {
             let (e, _) = hand.moves(&mut random, tick, i128::from(force.0.to_bits()));
             let e = Position(e);
             states.commanded(force);
-            let sample = states.sample(e);
+            let sample = surface.from_surface(states.sample(e));
             let mut wanted = law.tick(sample);
+            surface.give_way(sample, wanted);
             if let Some(impact) = &mut impact {
                 wanted = impact.with_pulse_and_vibration(sample, wanted);
             }
@@ -79,6 +81,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
             assert_eq!(wall.tick(e), force, "{settings:?}");
             assert_eq!(wall.view(), law.view());
             assert_eq!((wall.states, wall.guard), (states, guard));
+            assert_eq!(wall.surface, surface);
             assert_eq!(wall.tripped(), guard.is_some_and(|it| it.tripped));
             limited += u64::from(force != wanted);
             tripped += u64::from(wall.tripped());

@@ -87,7 +87,8 @@ impl<N: Number> Environment<N> {
     ) {
         let mut places = self.walls.iter_mut().flatten();
         if let Some(place) = places.find(|place| place.wall == *wall) {
-            (place.states, place.law, place.impact) = (before.states, before.law, before.impact);
+            (place.states, place.law) = (before.states, before.law);
+            (place.surface, place.impact) = (before.surface, before.impact);
         }
         self.guard = before.guard;
         self.last = Some(at.on_steps(self.step));

@@ -2,10 +2,10 @@
 //! centre, friction, click, inertia). A wall is solid above or below its surface. One energy guard limits the sum of their forces.
 //!
 //! ```text
-//! angle -> each wall: penetration -> states -> law \
-//!       -> detents ---------------------------------> sum -> saturation -> guard -> force
-//!       -> profile --------------------------------->
-//!       -> feel ------------------------------------>
+//! angle -> each wall: penetration -> states -> surface -> law \
+//!       -> detents --------------------------------------------> sum -> saturation -> guard -> force
+//!       -> profile -------------------------------------------->
+//!       -> feel ----------------------------------------------->
 //! ```
 //!
 //! **All walls are calculated at every tick.** Each wall has its own law with its own memory. When a contact has ended, its law
@@ -42,10 +42,10 @@ pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 pub use viscous::ViscousSettings;
 
-use crate::coefficients::largest_force;
 use crate::controller::Controller;
 use crate::guard::{displacement, quantum};
-use crate::law::{Contact, Impact, View};
+use crate::law::{Contact, Impact, View, YieldingSurface};
+use crate::validate::largest_force;
 use crate::{AnyLaw, Force, Guard, Guarded, Number, Position, Settings, Si, States};
 
 /// The most walls that an environment can have: two end stops and four walls between them.
@@ -71,6 +71,7 @@ struct Walled<N: Number> {
     wall: WallSettings,
     reached: Reached,
     states: States<N>,
+    surface: YieldingSurface<N>,
     law: AnyLaw<N>,
     impact: Option<Impact<N>>,
 }
@@ -80,6 +81,7 @@ impl<N: Number> Walled<N> {
     #[cold]
     fn forget(&mut self) {
         self.states.forget();
+        self.surface.forget_push();
         self.law.forget();
         if let Some(impact) = &mut self.impact {
             impact.forget_touch();
@@ -173,6 +175,7 @@ impl<N: Number> Environment<N> {
                 wall,
                 reached: wall.face.reached(),
                 states,
+                surface: YieldingSurface::surface_of(&own).map_err(refused)?,
                 law,
                 impact: pulse,
             });
@@ -248,14 +251,16 @@ impl<N: Number> Environment<N> {
             let Walled {
                 wall,
                 states,
+                surface,
                 law,
                 impact,
                 ..
             } = wall;
             let side = wall.face.side;
             states.commanded(side.seen(commanded));
-            let sample = states.sample(e);
+            let sample = surface.from_surface(states.sample(e));
             let mut force = law.tick(sample);
+            surface.give_way(sample, force);
             if let Some(impact) = impact {
                 force = impact.with_pulse_and_vibration(sample, force);
             }

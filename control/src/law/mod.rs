@@ -13,6 +13,7 @@ mod sfa;
 mod spring;
 mod tdpa;
 mod vibration;
+mod yielding;
 
 pub use crate::sample::Sample;
 pub use damped::{Damped, DampedState};
@@ -23,6 +24,7 @@ pub use sfa::{Sfa, SfaState};
 pub use spring::{Spring, SpringState};
 pub use tdpa::{Tdpa, TdpaState};
 pub use vibration::Vibration;
+pub use yielding::YieldingSurface;
 
 use crate::{Energy, Force, Number, Position};
 

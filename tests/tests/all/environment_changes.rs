@@ -2,7 +2,7 @@
 //! stated rate, and the energy account keeps its level.
 
 use touchstone_control::environment::{DetentSettings, Environment, Side, WallSettings};
-use touchstone_control::{Controller, Fixed32, Force, LawKind, Settings, Si, StatesKind};
+use touchstone_control::{Controller, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
 use touchstone_tests::environment::{at, encoder, wall};
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
@@ -172,7 +172,7 @@ fn a_hand_that_rests_feels_the_rate_and_no_more() {
 /// from an environment with only that wall.
 #[test]
 fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
-    let mut touched = 0;
+    let (mut touched, mut yielded) = (0, 0);
     for mut settings in laws() {
         // Both guards round the motion differently. With an account that covers everything, that changes no force.
         settings.guard.capacity = si("8");
@@ -192,16 +192,24 @@ fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
                 assert_eq!(around.tick(&at(count), None), shown);
             }
             touched += u32::from(shown > Force::zero());
+            // A deep press, in which the surface of most laws gives way.
+            for _ in 0..1_500 {
+                count += 2;
+                shown = alone.tick(scale.penetration(count));
+                assert_eq!(around.tick(&at(count), None), shown);
+            }
+            yielded += u32::from(alone.surface.given > Position::zero());
             let (mut one, mut other) = (*after, *after);
             one.take_over_from(&alone, &first, (&at(count), shown), per_tick());
             other.take_over(&around, per_tick());
             for _ in 0..400 {
-                count += i64::from(random.whole(5));
+                count += i64::from(random.whole(5)) - 4;
                 assert_eq!(one.tick(&at(count), None), other.tick(&at(count), None));
             }
         }
     }
     assert!(touched > 40, "{touched}");
+    assert!(yielded > 20, "{yielded}");
 }
 
 /// Checks that one energy account bounds what a hand gets out when walls appear under it again and again.

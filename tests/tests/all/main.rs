@@ -45,6 +45,7 @@ mod number_formats;
 mod number_formats_agree;
 mod observed_energy_keeps_its_promise;
 mod offset_after_the_loan;
+mod overpowered_wall;
 mod profile;
 mod pulse_at_the_touch;
 mod pulse_on_an_empty_account;
