@@ -1,7 +1,7 @@
 //! Properties at 32 bits of a wall's surface that gives way to a hand that overpowers the motor.
 //!
-//! `e` is the penetration into the wall as drawn, `g` how far the surface has given way, `d` the depth from which on it does, `s` the
-//! most by which it does in a tick.
+//! `e` is the penetration into the wall as drawn, and `g` how far the surface has given way. It gives way from the depth `d` on, by at
+//! most `s` in a tick.
 //!
 //! ```text
 //! g = 0: seen(sample) = sample                                          p9_surface_seen
@@ -68,8 +68,8 @@ property! {
 }
 
 property! {
-    /// P4: the surface gives way only deep inside the wall, under the law's largest force, by no more than a step and the
-    /// device's displacement, and never so far that the law's spring is shorter than the depth that the surface always holds.
+    /// P4: the surface gives way only deep inside the wall and under the law's largest force. It moves by no more than a step and the
+    /// device's displacement. The law's spring stays at least as long as the depth that the surface always holds.
     equation "g <= g'; g' > g only if f >= limit; g' - g <= s, displacement; e - g' >= d"
     over "depth, distance, step, limit, sample as seen from the surface, force of the law"
     fn p4_surface_gives(s) {

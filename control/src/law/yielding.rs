@@ -9,7 +9,7 @@
 //! law with an offset pushes with that until the device is outside. A surface that gave way goes back with the device, and is where it
 //! was drawn once the device is outside the wall.
 //!
-//! The surface is slower than a device that a broken part accelerates into the wall, so that a board's monitors find it.
+//! The surface is slower than a device that a broken part drives into the wall, or the monitors would miss it. A faster hand swings.
 
 use super::Sample;
 use crate::quotient::over;

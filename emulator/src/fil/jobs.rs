@@ -49,7 +49,7 @@ const BRIEF: [&str; 4] = [
 /// The longest check, which takes a tenth of the whole campaign's time. The short forms of the campaign leave it out.
 const LONGEST: &str = "cogging";
 
-/// A check that the short form `Sample` also runs on a second board, whose hotter motor leaves a pressed wall the least torque.
+/// A check that the short form `Sample` also runs on a second board, because its result differs from the reference board's.
 const HOT: (&str, &str) = ("a hand that leans", "nucleo-g474re");
 
 /// The firmware programs of the boards. Boards without a program are left out of the campaign.

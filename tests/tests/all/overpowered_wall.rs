@@ -1,5 +1,5 @@
-//! A hand that presses harder than the motor goes deep into the wall. There the knob must stand still in the hand, and the wall must
-//! be where it was drawn once the knob is outside again.
+//! A hand that slowly presses harder than the motor goes deep into the wall. There the knob must stand still in the hand, and the wall
+//! must be where it was drawn once the knob is outside again.
 //!
 //! A soft grip that presses with 0.7 N·m pushes the knob more than a turn through the wall, faster than the surface gives way. There the
 //! knob swings, and the test prints it too:
@@ -53,7 +53,7 @@ fn pressed(grip: &str, stiffness: u32, torque: f64, inertia: f64) -> Held {
 }
 
 #[test]
-fn a_hand_that_overpowers_the_motor_is_not_shaken() {
+fn a_hand_that_slowly_overpowers_the_motor_is_not_shaken() {
     let mut shaken = Vec::new();
     println!("grip | N·m/rad | pushed, N·m | inertia | speed, rad/s | torque, N·m");
     for grip in ["medium", "firm"] {
