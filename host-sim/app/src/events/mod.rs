@@ -107,15 +107,14 @@ impl Options {
             return Ok(());
         }
         let (bias, hysteresis) = (self.bias, self.hysteresis);
+        // Rounded down, so that the value is allowed.
+        let most = ((rest.max(0.0) + ROUNDING) * 1e3).floor() / 1e3;
         Err(Error::Option {
             option: "--bias".into(),
             problem: format!(
                 "{bias} and --hysteresis {hysteresis} are together more than {MOST_HYSTERESIS} of the distance between two positions, so the knob could rest in one position under another one's number"
             ),
-            fix: format!(
-                "give --bias {:.3} at most, or a smaller --hysteresis",
-                rest.max(0.0)
-            ),
+            fix: format!("give --bias {most:.3} at most, or a smaller --hysteresis"),
         })
     }
 }
