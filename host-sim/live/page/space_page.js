@@ -19,7 +19,7 @@ function choice() {
   changes.set("object", chosen.object === "sphere" ? "sphere" : "plane");
   NORMALS[chosen.object]?.forEach((n, i) => changes.set(`normal_${"xyz"[i]}`, n));
   if (chosen.texture) chosen.texture.split("/").forEach((mm, i) => changes.set(["texture_height_mm", "texture_period_mm"][i], mm));
-  const base = chosen.base === "shipped" ? content.shipped : content.thesis[changes.get("law")] ?? content.thesis["enhanced-sfa"];
+  const law = changes.get("law"), base = chosen.base === "shipped" ? content.shipped : content.thesis[Object.hasOwn(content.thesis, law) ? law : "enhanced-sfa"];
   const material = chosen.base === "shipped" ? content.materials.find(([name]) => name === chosen.material)?.[1] ?? "" : "";
   return base + material + [...changes].map(([key, value]) => `${key}=${value}\n`).join("");
 }
@@ -47,10 +47,16 @@ function fromAddress() {
 }
 /** Whether the worker has loaded the simulation. Choices of before are opened then. */
 let ready = false;
+/** Choices sent to the worker that it has not answered. Only the answer to the last one counts. */
+let unanswered = 0;
 function open(keep) {
   pending = true;
-  if (ready) tell("open", { choice: choice(), keep });
+  if (!ready) return;
+  unanswered += 1;
+  tell("open", { choice: choice(), keep });
 }
+/** Whether this is the worker's answer to the last choice. */
+const isLast = () => (unanswered = Math.max(0, unanswered - 1)) === 0;
 /** The choices that were accepted last, and a message that stays until others are accepted. */
 let good = shipped(), notice = "";
 /** Chooses the shipped wall, or a law with the thesis' settings. */
@@ -90,14 +96,14 @@ function opened({ facts, keep }) {
 worker.onmessage = ({ data }) => {
   // The hand moves by itself until the user moves it, unless the user's system asks for reduced motion.
   if (data.type === "ready") { ready = true; open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
-  if (data.type === "opened") { complain(notice); notice = ""; opened(data); }
+  if (data.type === "opened" && isLast()) { complain(notice); notice = ""; opened(data); }
   if (data.type === "rows" && run && !pending) {
     run.ring.push(data.rows);
     counted = data.count;
     run.last = Object.fromEntries(COLUMNS.map((name) => [name, run.ring.at(name, 0)]));
     for (let at = COLUMNS.indexOf("energy_true_j"); at < data.rows.length; at += COLUMNS.length) run.got = Math.max(run.got, -data.rows[at]);
   }
-  if (data.type === "error") {
+  if (data.type === "error" && isLast()) {
     const text = [notice, data.text].filter(Boolean).join("; ");
     complain(text);
     if (good) { Object.assign(chosen, good); good = null; notice = text; open(true); }
