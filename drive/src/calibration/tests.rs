@@ -60,3 +60,43 @@ fn the_field_waits_for_a_rotor_that_swings_and_not_for_ever() {
     let for_ever = ticks_until_the_field_turns(swings(u32::MAX));
     assert_eq!(for_ever - at_rest, 3_000);
 }
+
+#[cfg(feature = "large")]
+#[test]
+fn a_bad_reading_before_the_check_of_a_stored_alignment_only_costs_new_offsets() {
+    let config = CalibrationConfig::new(&DeviceSettings::default(), &IHM08M1);
+    let code = IHM08M1.offset_code << 4;
+    let offsets = Some(Offsets {
+        a: code,
+        b: code,
+        spread: 0,
+    });
+    let kept = Alignment {
+        offset: Angle(0),
+        against: false,
+    };
+    let mut calibration = Calibration::of_kept(config, kept);
+    let mut report = CurrentReport {
+        offsets,
+        ..CurrentReport::default()
+    };
+    // A hand turns the shaft for a second. Then a bad reading discards the offsets for 60 control periods.
+    for tick in 0..1_060_i64 {
+        report.offsets = offsets.filter(|_| tick < 1_000);
+        let progress = calibration.tick(tick as u32, tick, &report);
+        assert!(
+            matches!(progress, Progress::Running(_)),
+            "{tick}: {progress:?}"
+        );
+    }
+    // Offsets that never come are still a failure.
+    let ended = (0..1_000).find_map(|tick| match calibration.tick(tick, 0, &report) {
+        Progress::Running(_) => None,
+        ended => Some((tick, ended)),
+    });
+    let (tick, ended) = ended.expect("a failure");
+    assert!(
+        tick < 500 && ended == failed(Reason::OffsetsLate),
+        "{tick}: {ended:?}"
+    );
+}
