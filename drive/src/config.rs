@@ -175,7 +175,6 @@ impl Configs {
     }
 
     /// Whether a configuration is stored to which the next calibration switches.
-    #[cfg(feature = "large")]
     pub(crate) const fn has_next(&self) -> bool {
         self.has_next
     }

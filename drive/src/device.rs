@@ -240,8 +240,10 @@ impl Device {
     fn tick_with(&mut self, input: &ControlInput, scenery: &mut impl Scenery) -> ControlOutput {
         let tick = self.memory.record.tick.wrapping_add(1);
         let before = self.memory.machine.state();
-        let watched = matches!(before, State::Calibrating | State::Ready | State::Armed)
-            || input.command == Some(Command::Calibrate);
+        // New settings are used from the calibration's first period on, which is watched with their limits. The bridge is off until
+        // then. By the old limits a supply that only the new ones allow would be a fault at every try.
+        let begins = input.command == Some(Command::Calibrate) && !self.configs.has_next();
+        let watched = begins || matches!(before, State::Calibrating | State::Ready | State::Armed);
         let read = self.memory.read.take();
         let watch = Watch {
             watched,

@@ -91,6 +91,9 @@ impl Parts for Own {
     fn calibration_over(&mut self) {
         self.calibration = None;
     }
+    fn changes_wait(&self) -> bool {
+        self.waits
+    }
     fn changes_over(&mut self) -> bool {
         let waited = core::mem::take(&mut self.waits);
         if waited {

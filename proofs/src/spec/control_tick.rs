@@ -45,6 +45,8 @@ pub trait Parts {
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress;
     /// Ends the calibration, so that the next tick does not run it.
     fn calibration_over(&mut self);
+    /// Whether new settings are waiting.
+    fn changes_wait(&self) -> bool;
     /// Applies new settings that are waiting; returns whether any were waiting.
     fn changes_over(&mut self) -> bool;
     /// Shaft's speed in rad/s, with 16 fractional bits.
@@ -122,7 +124,7 @@ pub fn tick(
     let watched = armed
         || before == State::Calibrating
         || before == State::Ready
-        || input.command == Some(Command::Calibrate);
+        || input.command == Some(Command::Calibrate) && !parts.changes_wait();
     let drove = armed && found.record.law_ran;
     let verdict = parts.inspect(Watch {
         watched,

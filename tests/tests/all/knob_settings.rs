@@ -31,6 +31,32 @@ fn refused_settings_do_not_calibrate_until_there_are_others() {
 }
 
 #[test]
+fn a_supply_that_only_the_new_limits_allow_calibrates_with_them_at_the_first_try() {
+    let mut low = DeviceSettings::default();
+    low.limits.bus_min_v = Si::lit("25");
+    low.limits.bus_max_v = Si::lit("30");
+    // The simulated supply has 24 V.
+    let mut knob = Knob::new(&low, GIMBAL, 0.0, Honest);
+    knob.calibrate();
+    assert_eq!(knob.fault(), Some(FaultCode::UnderVoltage));
+    knob.device
+        .configure(&DeviceSettings::default(), &IHM08M1)
+        .unwrap();
+    knob.ask(Command::Stop);
+    knob.tick();
+    assert_eq!(knob.calibrate(), State::Ready);
+    // The other way: the limits that come refuse what the present ones allow.
+    knob.device.configure(&low, &IHM08M1).unwrap();
+    knob.ask(Command::Stop);
+    knob.tick();
+    knob.calibrate();
+    assert_eq!(
+        (knob.fault(), knob.acting),
+        (Some(FaultCode::UnderVoltage), Drive::Off)
+    );
+}
+
+#[test]
 fn settings_count_from_the_next_calibration_on() {
     let mut knob = Knob::new(&DeviceSettings::default(), GIMBAL, 0.0, Honest);
     assert_eq!(knob.calibrate(), State::Ready);

@@ -163,11 +163,16 @@ fn a_tuned_wall_is_written_as_rust_and_c() {
         .parse()
         .unwrap();
     let delay_s = scene["timing"]["computational_delay_s"].as_float().unwrap();
+    // The board's setting is 0, because it calculates the delay itself; the simulated guard is told the scene's.
+    assert!(scene["law"]["guard"]["delay_s"].as_float().unwrap() >= delay_s);
     let device_text = rust.split_once("tuned_device").unwrap().1;
     assert!(number_after(device_text, "damping:") <= damping * 1.000001);
     assert!(number_after(device_text, "delay:") >= delay_s - 1e-9);
+    assert_eq!(kept(&out)["tuned_quickly"], true);
     setup(&device, &out, &law).done();
     assert!(!out.join("law.rs").exists() && !out.join("law.h").exists());
+    // The next setup without --law must not take the given law for a tuned one.
+    assert!(kept(&out)["tuned_for"].is_null());
 }
 
 /// The measured values of a setup's progress file. Resistance, inductance and torque constant are those of the board's default
@@ -375,10 +380,14 @@ fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
         setup(&device, &out, &law).failed(1, &["fault", "voltage", "the same command"]);
         assert!(kept(&out)["measured"].is_null());
     }
+    // This fault is latched, because nothing stops the board afterwards.
+    device
+        .run(&["device", "calibrate"])
+        .failed(1, &["03 under-voltage"]);
     device.world().1.knob.tamper.0 = 24.0;
     let said = setup(&device, &out, &law);
     assert_eq!(said.code, Some(0), "{}", said.err);
-    assert!(said.err.contains("was in fault 03 under-voltage"));
+    assert!(said.err.contains("was in fault 03 under-voltage"), "{}", said.err);
 }
 
 #[test]
