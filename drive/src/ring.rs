@@ -131,7 +131,7 @@ impl Ring {
     }
 
     const fn skipped_at(rate_hz: u32) -> u16 {
-        (rate_hz.div_ceil(RECORDS as u32) as u16).saturating_sub(1)
+        (rate_hz.saturating_sub(1) / RECORDS as u32) as u16
     }
 
     /// Empties the ring for another control rate.

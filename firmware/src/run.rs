@@ -11,7 +11,7 @@ use touchstone_protocol::session::Session;
 use touchstone_protocol::settings::DeviceSettings;
 use touchstone_protocol::{Context, FaultCode, Phase, State, flash};
 
-use crate::control::{CONTROL, Control};
+use crate::control::{CONTROL, Control, RING};
 use crate::exchange::{CONTROL_LIVES, CURRENT_LIVES, LATE_PERIODS};
 use crate::requests::Thread;
 use crate::serial::{LINK_LIVES, link};
@@ -109,6 +109,7 @@ fn control(
         control.device.report_fault(FaultCode::SettingsInvalid, 0);
     }
     board::magnetic::prepare(settings.encoder.kind);
+    RING.in_thread(here, |ring| ring.restart(settings.timing.rate_hz));
     let current = CURRENT_LOOP.init(CurrentLoop::new(control.device.current_config()));
     CONTROL.in_thread(here, |place| *place = Some(control));
     current
