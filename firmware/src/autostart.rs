@@ -5,8 +5,8 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use touchstone_drive::ResetReason;
 use touchstone_drive::autostart::{Autostart, AutostartInput, STEP_MS};
-use touchstone_protocol::SelfStart;
 use touchstone_protocol::session::Session;
+use touchstone_protocol::{Command, SelfStart, State};
 
 use crate::board;
 use crate::control::{Control, control};
@@ -46,6 +46,10 @@ pub fn step(here: InThread) {
             desktop_spoke,
         };
         if let Some(command) = control.autostart.step(&now) {
+            // A gate driver reports an error while it has no supply, and nobody is there to give `stop` after that.
+            if command == Command::Calibrate && control.state == State::Boot {
+                control.clear_latches();
+            }
             control.command = Some(command);
         }
         let told = control.autostart.told();

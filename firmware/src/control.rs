@@ -270,7 +270,8 @@ impl Control {
         board::magnetic::prepare(self.encoder);
     }
 
-    fn clear_latches(&mut self) {
+    /// Forgets errors of the hardware that are over; an error that lasts is found again at once.
+    pub fn clear_latches(&mut self) {
         BROWN_OUT.store(false, Relaxed);
         self.brown_out_told = false;
         BREAK.store(false, Relaxed);

@@ -87,7 +87,7 @@ pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
 /// A test of one reason that prevents an automatic start. It prepares the reason and checks that the outputs stay off.
 type Case = fn(&mut Bench) -> Result<String, String>;
 
-const KEPT_FROM: [(&str, Case); 8] = [
+const KEPT_FROM: [(&str, Case); 9] = [
     ("reset by the pin", |bench| {
         reset(bench, ResetCause::Pin, SelfStart::NoPowerOn)
     }),
@@ -118,6 +118,18 @@ const KEPT_FROM: [(&str, Case); 8] = [
         power_on(bench);
         let off = is_off_for(bench, WOULD_BE_ON);
         bench.machine.chip_mut().world.bridge.bus_v = volts;
+        off?;
+        bench.run_until("the outputs on", WOULD_BE_ON, |bench| bench.is_on())?;
+        Ok("off, and on when it had come".into())
+    }),
+    ("a driver that reports an error until its supply comes", |bench| {
+        bench.machine.chip_mut().world.bridge.bus_v = 7.0;
+        power_on(bench);
+        let error = Trouble::Break(0);
+        error.inject(bench)?;
+        let off = is_off_for(bench, WOULD_BE_ON);
+        // The supply is as it should be, too.
+        error.remove(bench);
         off?;
         bench.run_until("the outputs on", WOULD_BE_ON, |bench| bench.is_on())?;
         Ok("off, and on when it had come".into())
