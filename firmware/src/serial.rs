@@ -60,9 +60,10 @@ pub async fn link(
             };
             // Writing to this port cannot fail.
             let _ = port.write_all(&frame[..length]).await;
-        }
-        if device.has_new_settings() {
-            device.apply(session);
+            // Before the next request, which may be the command to calibrate with the new settings.
+            if device.has_new_settings() {
+                device.apply(session);
+            }
         }
         // Sends a limited number of records, not all: telemetry may arrive faster than the port sends, and requests must be read
         // too.
