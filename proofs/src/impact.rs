@@ -12,11 +12,12 @@
 //! ```
 
 use crate::format::Format;
+use crate::refines::any_sample;
 use crate::source::{Source, one_with};
 use crate::{assume, cover, property, replaced_property};
 #[cfg(kani)]
 use touchstone_control::Number;
-use touchstone_control::law::{Impact, Sample, Vibration};
+use touchstone_control::law::{Impact, Vibration};
 use touchstone_control::{Fixed32, Force, Position, Stiffness};
 
 type N = Fixed32;
@@ -66,13 +67,6 @@ fn any_vibration32<S: Source>(s: &mut S) -> Vibration<N> {
     }
 }
 
-fn any_sample32<S: Source>(s: &mut S) -> Sample<N> {
-    Sample {
-        e: N::any_position(s),
-        moved: N::any_position(s),
-    }
-}
-
 property! {
     /// P4: if the law's force is between 0 and the limit, the pulse only adds to it, up to the limit, and keeps the invariant of
     /// its memory. Outside the wall it changes nothing.
@@ -81,7 +75,7 @@ property! {
     fn p4_pulse_limited(s) {
         let mut impact = any_pulse32(s);
         assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by this property");
-        let sample = any_sample32(s);
+        let sample = any_sample::<N, _>(s);
         let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
         assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
         let force = impact.with_pulse(sample, wanted);
@@ -109,7 +103,7 @@ replaced_property! {
     by minisat fn p9_pulse_impulse(s) {
         let mut impact = any_pulse32(s);
         assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
-        let sample = any_sample32(s);
+        let sample = any_sample::<N, _>(s);
         let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
         assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
         let before = impact;
@@ -136,7 +130,7 @@ property! {
     fn p9_pulse_apart(s) {
         let mut impact = any_pulse32(s);
         assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
-        let sample = any_sample32(s);
+        let sample = any_sample::<N, _>(s);
         let before = impact;
         let _ = impact.with_pulse(sample, N::any_force(s));
         let inside = sample.e > Position::zero();
@@ -157,7 +151,7 @@ property! {
         let mut impact = any_pulse32(s);
         assume!(s, pulse_holds(&impact), "Impact::pulse_of; invariant, kept by p4_pulse_limited");
         impact.vibration = Some(any_vibration32(s));
-        let sample = any_sample32(s);
+        let sample = any_sample::<N, _>(s);
         let wanted = one_with(s, N::any_force, |it| *it >= Force::zero() && *it <= impact.limit);
         assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
         let mut pulse = impact;
@@ -176,7 +170,7 @@ property! {
     over "limit, vibration, memory, sample, touch or not, force"
     fn p9_vibration_ends(s) {
         let before = any_vibration32(s);
-        let (sample, touch) = (any_sample32(s), s.bool());
+        let (sample, touch) = (any_sample::<N, _>(s), s.bool());
         let (wanted, limit) = (N::any_force(s), N::any_force(s));
         let mut vibration = before;
         let force = vibration.with_vibration(sample, touch, wanted, limit);

@@ -10,9 +10,10 @@
 //! ```
 
 use crate::format::Format;
+use crate::refines::any_sample;
 use crate::source::{Source, one_with};
 use crate::{assume, cover, property};
-use touchstone_control::law::{Sample, YieldingSurface};
+use touchstone_control::law::YieldingSurface;
 use touchstone_control::{Fixed32, Position};
 
 type N = Fixed32;
@@ -40,13 +41,6 @@ pub(crate) fn surface_holds<N: Format>(it: &YieldingSurface<N>) -> bool {
     it.deepest >= Position::zero() && it.step >= Position::zero() && it.given >= Position::zero()
 }
 
-fn any_sample_of_surface<S: Source>(s: &mut S) -> Sample<N> {
-    Sample {
-        e: N::any_position(s),
-        moved: N::any_position(s),
-    }
-}
-
 property! {
     /// P9: a surface that has not given way changes nothing. Another one takes exactly its distance off the penetration, goes back
     /// with the device, and is where it was drawn once the device is outside the wall.
@@ -55,7 +49,7 @@ property! {
     fn p9_surface_seen(s) {
         let mut surface = any_yielding32(s);
         assume!(s, surface_holds(&surface), "YieldingSurface::surface_of; invariant, kept by p4_surface_gives");
-        let sample = any_sample_of_surface(s);
+        let sample = any_sample::<N, _>(s);
         let before = surface;
         let seen = surface.from_surface(sample);
         let given = before.given.min(sample.e).max(Position::zero());
@@ -74,7 +68,7 @@ property! {
     over "depth, distance, step, limit, sample as seen from the surface, force of the law"
     fn p4_surface_gives(s) {
         let mut surface = any_yielding32(s);
-        let sample = any_sample_of_surface(s);
+        let sample = any_sample::<N, _>(s);
         assume!(s, surface_holds(&surface), "YieldingSurface::surface_of; invariant, kept by this property");
         let inside = sample.e.max(Position::zero());
         let at = N::of_signal(inside.0) + N::of_signal(surface.given.0);

@@ -68,7 +68,7 @@ impl<N: Number> YieldingSurface<N> {
     #[must_use]
     pub fn unyielding() -> Self {
         Self {
-            limit: Force::zero(),
+            limit: Force(N::saturating_signal(Si::MAX)),
             deepest: Position(N::saturating_signal(Si::MAX)),
             step: Position::zero(),
             given: Position::zero(),
@@ -92,8 +92,16 @@ impl<N: Number> YieldingSurface<N> {
     /// what the law got.
     #[inline(always)]
     pub fn give_way(&mut self, sample: Sample<N>, force: Force<N>) {
-        let is_deep = sample.e > self.deepest && sample.moved > Position::zero();
-        if is_deep && force >= self.limit {
+        if force >= self.limit {
+            self.follow(sample);
+        }
+    }
+
+    /// The rare part of [`YieldingSurface::give_way`], so that every other tick is short.
+    #[cold]
+    #[inline(never)]
+    fn follow(&mut self, sample: Sample<N>) {
+        if sample.e > self.deepest && sample.moved > Position::zero() {
             let further = sample.moved.min(sample.e - self.deepest).min(self.step);
             self.given = self.given + further;
         }
