@@ -132,7 +132,8 @@ pub struct KnobConfig {
     /// Numbers of the positions that have detents, at most 5. If the list is empty, every position has a detent.
     #[prost(int32, repeated, tag = "11")]
     pub detent_positions: Vec<i32>,
-    /// Asymmetry of the distances at which the number changes; boards ignore it.
+    /// Shifts each change of the number away from position 0 by this fraction of a position's width, so that the knob stays longer
+    /// at position 0.
     #[prost(float, tag = "12")]
     pub snap_point_bias: f32,
     /// Colour of the SmartKnob's lamps; boards ignore it.

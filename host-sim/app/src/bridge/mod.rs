@@ -352,7 +352,11 @@ impl SmartKnob {
         if self.render(client, terminal, config, position, centre_rad)?
             && std::mem::take(&mut self.arms)
         {
-            client.tell(&Request::Command(DeviceCommand::Arm))?;
+            // For example an uncalibrated board. The program keeps its knob, whose motor stays off.
+            if let Err(refusal) = client.ask_or_refusal(&Request::Command(DeviceCommand::Arm))? {
+                note!("note: --arm: {refusal}");
+                terminal.log(&format!("Not armed: {refusal}"));
+            }
         }
         Ok(())
     }
@@ -371,14 +375,19 @@ impl SmartKnob {
             positions,
             notes,
         } = played(&config, position, centre_rad, self.strength);
-        // The board's own check, made here: a refusal becomes a log line for the program and does not end this command.
+        // The board's own check, made here. This refusal, and the board's below, become log lines and do not end this command.
         if let Err(error) = environment.check(&self.settings) {
             terminal.log(&format!("Ignoring invalid config: {error}"));
             return Ok(false);
         }
-        match client.ask(&Request::SetEnvironment(environment))? {
-            Reply::Taken(_) => {}
-            other => return Err(client.odd(&other)),
+        match client.ask_or_refusal(&Request::SetEnvironment(environment))? {
+            Ok(Reply::Taken(_)) => {}
+            Ok(other) => return Err(client.odd(&other)),
+            // For example during a calibration.
+            Err(refusal) => {
+                terminal.log(&format!("Ignoring config: {refusal}"));
+                return Ok(false);
+            }
         }
         self.positions = positions;
         self.config = config;

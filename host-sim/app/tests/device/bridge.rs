@@ -8,6 +8,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use touchstone_protocol::{Event, State};
 
 /// Encodes a number as a protobuf varint: seven bits per byte, the lowest bits first.
 fn varint(mut value: u64) -> Vec<u8> {
@@ -386,6 +387,24 @@ fn bounds_beside_the_knob_do_not_push_it() {
             .is_some_and(|state| *state == (0, "above".into()))
     });
     assert!(client.beside.abs() < 1.5, "{}", client.beside);
+}
+
+/// Checks that a board that refuses to be armed, and one that calibrates and refuses a configuration, tell the program why, and that
+/// the program keeps its knob.
+#[test]
+fn a_refusal_by_the_board_is_told_and_does_not_end_the_bridge() {
+    let board = Fake::new();
+    let (_bridge, mut client) = armed(&board.address);
+    let logs = |client: &Client, begin: &str| client.logs.iter().any(|it| it.starts_with(begin));
+    client.until("no arming", |it| logs(it, "Not armed: "));
+    let calibrates = Event::Command(touchstone_protocol::Command::Calibrate);
+    assert!(board.world().1.machine.handle(calibrates));
+    client.send(&config(0, [0, 3], 20.0, &[], "later"));
+    client.until("a refusal", |it| logs(it, "Ignoring config: "));
+    client.until("the first configuration", |it| {
+        it.state.as_ref().is_some_and(|state| state.1 == "dial")
+    });
+    assert_eq!(board.world().1.machine.state(), State::Calibrating);
 }
 
 #[test]
