@@ -11,6 +11,9 @@ use touchstone_sim::output;
 
 /// Name of the progress file.
 const NAME: &str = "setup.json";
+/// Keys of the progress file: the text of the scene for which the law in the folder was tuned, and whether by a quick search.
+const TUNED_FOR: &str = "tuned_for";
+const TUNED_QUICKLY: &str = "tuned_quickly";
 /// Files, and a folder, that a setup writes in addition to its progress file.
 const FILES: [&str; 6] = [
     super::BEFORE,
@@ -169,14 +172,27 @@ impl Kept {
         self.write()
     }
 
-    /// Text of the scene for which the last wall was tuned; `None` before tuning.
-    pub fn tuned_for(&self) -> Option<&str> {
-        self.done.get("tuned_for")?.as_str()
+    /// Whether the law in the folder was tuned for this scene. The law of a quick search counts only if a quick one is asked for
+    /// again (`quick`); that of a full search counts for both.
+    pub fn is_tuned_for(&self, scene: &str, quick: bool) -> bool {
+        let of = |key| self.done.get(key);
+        let is_of_scene = of(TUNED_FOR).and_then(Value::as_str) == Some(scene);
+        let was_quick = of(TUNED_QUICKLY).and_then(Value::as_bool) == Some(true);
+        is_of_scene && (quick || !was_quick)
     }
 
-    /// Records that a wall was tuned for this scene.
-    pub fn keep_tuned_for(&mut self, scene: &str) -> Result<()> {
-        self.done.insert("tuned_for".into(), scene.into());
+    /// Records that a wall was tuned for this scene, by a quick or a full search.
+    pub fn keep_tuned_for(&mut self, scene: &str, quick: bool) -> Result<()> {
+        self.done.insert(TUNED_FOR.into(), scene.into());
+        self.done.insert(TUNED_QUICKLY.into(), quick.into());
+        self.write()
+    }
+
+    /// Records that the law in the folder is not one that was tuned. Called before another law is written there, so that an
+    /// interruption leaves no law that counts as tuned.
+    pub fn forget_tuned(&mut self) -> Result<()> {
+        self.done
+            .retain(|key, _| key != TUNED_FOR && key != TUNED_QUICKLY);
         self.write()
     }
 
@@ -211,5 +227,30 @@ pub fn io(path: &Path, error: &std::io::Error) -> Error {
         path: path.to_owned(),
         problem: error.to_string(),
         fix: "choose another folder with --out".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Kept, Map};
+
+    #[test]
+    fn a_quick_law_does_not_count_where_a_full_search_is_asked_for() {
+        let file = std::env::temp_dir().join(format!("touchstone-kept-{}", std::process::id()));
+        let mut kept = Kept {
+            file: file.clone(),
+            done: Map::new(),
+            is_new: false,
+        };
+        // Whether the search was quick, and whether its law counts where a quick and where a full search is asked for.
+        for (was_quick, counts) in [(true, [true, false]), (false, [true, true])] {
+            kept.keep_tuned_for("a", was_quick).unwrap();
+            let found = [true, false].map(|quick| kept.is_tuned_for("a", quick));
+            assert_eq!(found, counts, "{was_quick}");
+            assert!(!kept.is_tuned_for("b", true));
+        }
+        kept.forget_tuned().unwrap();
+        assert!(!kept.is_tuned_for("a", true));
+        std::fs::remove_file(file).unwrap();
     }
 }

@@ -185,19 +185,21 @@ fn steps(
         let law = touchstone_sim::input::text(given, touchstone_sim::input::MOST_OF_SETTINGS)
             .map_err(|error| io(given, &error))?;
         toml_file::read(&law, given, &settings)?;
+        kept.forget_tuned()?;
         write(&law_file, &law)?;
         // Those of an earlier search would be of another law.
         for name in [RUST, C] {
             let _ = std::fs::remove_file(options.out.join(name));
         }
-    } else if kept.tuned_for() == Some(&*text) && law_file.is_file() {
+    } else if kept.is_tuned_for(&text, options.quick) && law_file.is_file() {
         tell!("5/6 wall       tuned before: {}", law_file.display());
     } else {
         tell!("5/6 wall       looking for settings of the law");
         let law = tuned(&Scene::parse(&text, &scene_file)?, options, stop)?;
+        kept.forget_tuned()?;
         write(&law_file, &tune::settings::toml(&law))?;
         write_code(&law, &options.out)?;
-        kept.keep_tuned_for(&text)?;
+        kept.keep_tuned_for(&text, options.quick)?;
     }
 
     tell!("6/6 board      gets the settings, saves them and calibrates: THE SHAFT TURNS");
