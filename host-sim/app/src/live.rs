@@ -6,6 +6,7 @@ use super::board_page;
 use super::browser::open;
 use super::out::{note, result, tell};
 use super::report_options::program_name;
+use super::shell;
 use super::whole::{Named, is_of_same_command};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -103,12 +104,13 @@ pub fn edit(options: &EditOptions) -> Result<()> {
 fn knob(name: &str, changes: &SceneOptions, word: &str) -> Result<String> {
     let (scene, _) = changes.load(name)?;
     let scene = without_files(scene)?;
-    let command = super::command_line();
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
     Ok(page::render(&Content {
         scene: &scene.to_toml(),
         name: &scene.name,
         description: &scene.description,
-        source: &source(name, &command, word),
+        source: &source(name, words, word),
         program: &program_name(),
         edits: word == "edit",
     }))
@@ -199,18 +201,18 @@ pub fn page_without_scene() -> String {
     })
 }
 
-/// This program's command line, reduced to the scene's name and the options that change the scene. Options that concern only the
-/// page, such as `--out`, are left out. The options begin after the word `first`.
-fn source(scene: &str, command: &str, first: &str) -> String {
-    let mut words = command.split_whitespace().skip_while(|word| *word != first);
+/// The words of this program's command line, reduced to the scene's name and the options that change the scene, and quoted for a
+/// shell. Options that concern only the page, such as `--out`, are left out. The options begin after the word `first`.
+fn source(scene: &str, words: impl IntoIterator<Item = String>, first: &str) -> String {
+    let mut words = words.into_iter().skip_while(|word| word != first);
     words.next();
-    let mut kept = vec![scene.to_owned()];
+    let mut kept = vec![shell::word(scene)];
     while let Some(word) = words.next() {
-        match word {
+        match &*word {
             "--out" => drop(words.next()),
             "--no-open" | "--json" | "--quiet" | "-q" => {}
             word if word == scene || word.starts_with("--out=") => {}
-            word => kept.push(word.to_owned()),
+            word => kept.push(shell::word(word)),
         }
     }
     kept.join(" ")
@@ -241,4 +243,35 @@ fn write(path: &Path, page: &str) -> Result<()> {
         });
     }
     place.write(page)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::source;
+
+    #[test]
+    fn the_command_of_a_page_is_quoted_word_by_word() {
+        for (scene, words, shown) in [
+            (
+                "thesis-knob",
+                &["-q", "live", "--k-desired", "20", "--no-open"][..],
+                "thesis-knob --k-desired 20",
+            ),
+            (
+                "my scene.toml",
+                &[
+                    "live",
+                    "--out",
+                    "a b.html",
+                    "my scene.toml",
+                    "--set",
+                    "name=a  b",
+                ],
+                "'my scene.toml' --set 'name=a  b'",
+            ),
+        ] {
+            let words = words.iter().map(|word| (*word).to_owned());
+            assert_eq!(source(scene, words, "live"), shown);
+        }
+    }
 }

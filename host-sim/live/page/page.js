@@ -297,7 +297,8 @@ function share() {
   if (chosen.strength !== 0.3) query.set("strength", chosen.strength);
   history.replaceState(null, "", `#${query}`);
   const line = (pair) => (pair.startsWith("preset=") ? `--preset=${shellWord(pair.slice(7))}` : `--set=${shellWord(pair)}`);
-  $("command").textContent = ["touchstone live", shellWord(chosen.base === "own" ? content.source : chosen.base), ...pairs(chosen.sets).map(line)].join(" ");
+  // `content.source` is quoted already, word by word.
+  $("command").textContent = ["touchstone live", chosen.base === "own" ? content.source : shellWord(chosen.base), ...pairs(chosen.sets).map(line)].join(" ");
 }
 function fromAddress() {
   const query = new URLSearchParams(location.hash.slice(1));

@@ -50,7 +50,7 @@ pub struct Content<'a> {
     pub name: &'a str,
     /// What the simulation of the page shows, in one sentence.
     pub description: &'a str,
-    /// Command-line arguments after `touchstone live` that give the same simulation as the page.
+    /// Command-line arguments after `touchstone live` that give the same simulation as the page, quoted for a shell.
     pub source: &'a str,
     /// Name, version and commit of the program that made the page.
     pub program: &'a str,
