@@ -246,7 +246,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .or(programme.map(|ticks| ticks as f64 / f64::from(rate_hz)));
     let most = seconds.map(|seconds| (seconds * f64::from(rate_hz)).ceil() as u64);
     let kept = options.csv.is_some() || options.scored.out.is_some() || turn.is_some();
-    let mut trace = DeviceTrace::for_ticks(most.filter(|_| kept).unwrap_or(0));
+    let mut trace = DeviceTrace::for_ticks(most.filter(|_| kept).unwrap_or(0))?;
     let priority = (!options.fast).then(real_time);
     let begun = Instant::now();
     let more = |tick: &ServoTick| {

@@ -4,7 +4,7 @@
 use crate::whole::Named;
 use touchstone_device::servo::ServoTick;
 use touchstone_report::csv::decimal;
-use touchstone_sim::error::Result;
+use touchstone_sim::error::{Error, Result};
 
 /// Column names: time, positions and forces along the three axes.
 const COLUMNS: [&str; 7] = [
@@ -24,10 +24,21 @@ pub struct DeviceTrace {
 
 impl DeviceTrace {
     /// Reserves memory for `most` control periods (ticks); further ones are not recorded.
-    pub fn for_ticks(most: u64) -> Self {
-        Self {
-            ticks: Vec::with_capacity(usize::try_from(most).unwrap_or(0)),
-        }
+    ///
+    /// # Errors
+    /// The computer has too little memory for them.
+    pub fn for_ticks(most: u64) -> Result<Self> {
+        let mut ticks = Vec::new();
+        let count = usize::try_from(most).unwrap_or(usize::MAX);
+        ticks.try_reserve_exact(count).map_err(|_| Error::Option {
+            option: "--seconds".into(),
+            problem: format!(
+                "a recording of this length needs {:.0} GB of memory, more than there is",
+                most as f64 * size_of::<ServoTick>() as f64 / 1e9
+            ),
+            fix: "give a shorter time, or leave out --csv and --out".into(),
+        })?;
+        Ok(Self { ticks })
     }
 
     /// Records a control period (tick), without allocating memory.
@@ -59,5 +70,21 @@ impl DeviceTrace {
             .into_inner()
             .map_err(|error| place.error(&error.into_error()))?;
         place.write(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DeviceTrace;
+
+    #[test]
+    fn a_recording_that_fits_no_memory_is_refused() {
+        // No computer can address so many records, whatever its memory.
+        let refused = DeviceTrace::for_ticks(u64::MAX / 64).err().unwrap();
+        let words = refused.to_string();
+        for part in ["--seconds", "GB of memory", "leave out --csv and --out"] {
+            assert!(words.contains(part), "{words}");
+        }
+        assert!(DeviceTrace::for_ticks(1000).is_ok());
     }
 }
