@@ -149,7 +149,7 @@ impl WhichDevice {
     }
 
     /// Refuses a survey or a service address for a device that uses none, instead of ignoring it.
-    fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         let lost = |option: &str, only: HapticKind| Error::Option {
             option: option.into(),
             problem: format!("is for {} only", only.word()),

@@ -49,6 +49,7 @@ pub fn main(action: &Action) -> Result<ExitCode> {
 
 /// Lists the devices found. For each type of which none was found, gives the reason.
 fn list(which: &WhichDevice) -> Result<()> {
+    which.check()?;
     let found = which.all();
     let boards = ports();
     let entry = |(kind, found): &(choice::HapticKind, Result<String>)| match found {

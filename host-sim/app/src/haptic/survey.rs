@@ -31,6 +31,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 
 /// Runs the survey. The motors are never switched on.
 pub fn main(options: &Options) -> Result<()> {
+    options.which.check()?;
     let model = options.which.model();
     if let Some(other) = model.filter(|kind| *kind != HapticKind::Omega3) {
         return Err(Error::Option {

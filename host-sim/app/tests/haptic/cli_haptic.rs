@@ -402,45 +402,42 @@ fn a_survey_becomes_a_plant() {
 #[test]
 fn what_does_not_go_together_is_said() {
     let folder = common::folder("haptic-usage");
-    for (arguments, parts) in [
-        (&["device", "run", "plne"][..], &["did you mean plane?"][..]),
+    for (words, parts) in [
+        ("run plne", &["did you mean plane?"][..]),
+        ("run plane --law sprin", &["did you mean spring?"]),
         (
-            &["device", "run", "plane", "--law", "sprin"],
-            &["did you mean spring?"],
-        ),
-        (
-            &["device", "run", "plane", "--fast"],
+            "run plane --fast",
             &["--fast", "a real device runs in real time only"],
         ),
         (
-            &[
-                "device",
-                "run",
-                "plane",
-                "--rate-hz",
-                "8000",
-                "--device",
-                "simulated",
-            ],
+            "run plane --rate-hz 8000 --device simulated",
             &["--rate-hz", "1000 to 4000 Hz, not 8000"],
         ),
         (
-            &[
-                "device", "run", "plane", "--device", "omega3", "--twin", "x",
-            ],
+            "run plane --device omega3 --twin x",
             &["--twin", "is for simulated only"],
         ),
         (
-            &["device", "run", "plane", "--port", "COM3"],
+            "survey --device omega3 --twin x --out y",
+            &["--twin", "is for simulated only"],
+        ),
+        (
+            "list --device omega3 --haply a:1",
+            &["--haply", "is for inverse3 only"],
+        ),
+        (
+            "run plane --port COM3",
             &["--port", "haptic devices have none"],
         ),
         (
-            &["device", "survey", "--device", "simulated", "--out", "x"],
+            "survey --device simulated --out x",
             &["the program does not know the mechanism"],
         ),
-        (&["device", "lst"], &["did you mean"]),
+        ("lst", &["did you mean"]),
     ] {
-        failed(&common::run_in(&folder, arguments), 2, parts);
+        let words = format!("device {words}");
+        let arguments: Vec<&str> = words.split(' ').collect();
+        failed(&common::run_in(&folder, &arguments), 2, parts);
     }
 }
 
