@@ -202,7 +202,11 @@ impl Client {
                     self.heard = Instant::now();
                     take(text.as_str().to_owned());
                 }
-                Ok(Message::Close(_)) => return Err(None),
+                Ok(Message::Close(_)) => {
+                    // Reading has only queued the answer, without which the client takes the connection for lost (code 1006).
+                    let _ = self.socket.flush();
+                    return Err(None);
+                }
                 Ok(_) => self.heard = Instant::now(),
                 Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
                     break;
@@ -417,5 +421,21 @@ mod tests {
             assert!(sent < 2000, "120 MB wait for a client");
         }
         drop(client);
+    }
+
+    #[test]
+    fn a_client_that_closes_its_connection_gets_an_answer() {
+        let mut server = WebSocketServer::open("0", &[]).unwrap();
+        let place = server.address["ws://".len()..].split_once('/').unwrap().0;
+        let stream = TcpStream::connect(place).unwrap();
+        let (mut client, _) = tungstenite::client(&*server.address, stream).unwrap();
+        client.close(None).unwrap();
+        let begun = Instant::now();
+        // The client has come once it has a number, and is gone when the server has closed its connection.
+        while server.next == 0 || !server.clients.is_empty() {
+            server.turn();
+            assert!(begun.elapsed().as_secs() < 20, "the client is not gone");
+        }
+        assert!(client.read().unwrap().is_close());
     }
 }

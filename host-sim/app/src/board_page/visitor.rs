@@ -134,7 +134,11 @@ impl Visitor {
                 Ok(Message::Text(text)) => {
                     orders.push_back(serde_json::from_str(text.as_str()).unwrap_or_default());
                 }
-                Ok(Message::Close(_)) => return Err("the page was closed"),
+                Ok(Message::Close(_)) => {
+                    // Reading has only queued the answer, without which the page takes the connection for lost (code 1006).
+                    let _ = self.socket.flush();
+                    return Err("the page was closed");
+                }
                 Ok(_) => {}
                 Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
                     return Ok(());

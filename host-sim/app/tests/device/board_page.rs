@@ -297,7 +297,8 @@ fn a_page_that_is_gone_or_hangs_disarms_the_device() {
     let mut page = served.page();
     assert_eq!(page.ask(json!({ "do": "stop" })), None);
     assert_eq!(page.ask(json!({ "do": "calibrate" })), None);
-    drop(page);
+    page.socket.close(None).unwrap();
+    while !page.socket.read().unwrap().is_close() {}
     stands(&device, Phase::Stopped);
 }
 
