@@ -118,9 +118,15 @@ impl Osc {
                     Err(_) => text.to_owned(),
                 };
                 let place = place.to_socket_addrs().ok().and_then(|mut all| all.next());
+                // Nothing can be sent to port 0.
+                let place = place.filter(|place| place.port() != 0);
                 let place = place.ok_or_else(|| {
                     let problem = format!("{text} is not an address");
-                    failed("--osc", problem, "give a port, e.g. 9000, or HOST:PORT")
+                    failed(
+                        "--osc",
+                        problem,
+                        "give a port from 1 to 65535, e.g. 9000, or HOST:PORT",
+                    )
                 })?;
                 let own = match place {
                     SocketAddr::V4(_) => "0.0.0.0:0",
@@ -240,6 +246,8 @@ mod tests {
             assert!(begun.elapsed().as_secs() < 5, "nothing came");
         };
         assert_eq!(read, Message::new("/touchstone/position", [Value::Int(3)]));
-        assert!(Osc::open(Some("no such place"), None).is_err());
+        for wrong in ["no such place", "0", "127.0.0.1:0", "65536"] {
+            assert!(Osc::open(Some(wrong), None).is_err(), "{wrong}");
+        }
     }
 }

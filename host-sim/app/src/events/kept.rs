@@ -23,12 +23,16 @@ impl Kept {
     /// Reads the number from the file, if the file exists.
     ///
     /// # Errors
-    /// The file does not contain a number, or cannot be read.
+    /// The file does not contain a number or cannot be read, or its folder does not exist.
     pub fn open(path: &Path) -> Result<Self> {
         let failed = |problem: String, fix: &str| Error::Io {
             path: path.to_owned(),
             problem,
             fix: fix.into(),
+        };
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
         };
         let number = match std::fs::read_to_string(path) {
             Ok(text) => Some(text.trim().parse().map_err(|_| {
@@ -37,7 +41,16 @@ impl Kept {
                     "give another file with --keep, or remove it",
                 )
             })?),
-            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            // A missing folder is reported now, not when the first number is stored.
+            Err(error) if error.kind() == ErrorKind::NotFound => match folder.is_dir() {
+                true => None,
+                false => {
+                    return Err(failed(
+                        format!("there is no folder {}", folder.display()),
+                        "make the folder, or give another file with --keep",
+                    ));
+                }
+            },
             Err(error) => return Err(failed(error.to_string(), "give another file with --keep")),
         };
         Ok(Self {

@@ -76,7 +76,7 @@ pub struct Options {
     /// Receives OSC messages from this computer on this port. /touchstone/feel FEEL renders a feel, by the name of a shipped one or
     /// as the TOML text of a scene with a table `environment`. /touchstone/position N gives the present position the number N. A
     /// refused message changes nothing; with --osc the answer is /touchstone/error SETTING PROBLEM.
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", value_parser = number::within(1_u16, u16::MAX, "of a port"))]
     osc_listen: Option<u16>,
     /// Also sends every change, as --json prints it, to the clients of a WebSocket on a port of this computer. Accepts the requests
     /// {"position": N} and {"feel": FEEL} from them. FEEL is the name of a shipped feel, the TOML text of a scene with a
@@ -171,9 +171,10 @@ pub fn main(options: &Options) -> Result<()> {
         knob.take(client, &mut lines, record)?;
         Ok(lines.goes_on())
     });
-    knob.keep()?;
+    // The board gets its own telemetry rate back even if the number cannot be stored.
+    let stored = knob.keep();
     client.tell(&Request::Telemetry {
         decimation: settings.telemetry.decimation,
     })?;
-    watched
+    watched.and(stored)
 }

@@ -83,6 +83,28 @@ fn a_knob_without_positions_says_what_to_give() {
             "{wrong}"
         );
     }
+    // At port 0 no program could be reached, and none could reach this one.
+    for option in ["--osc", "--osc-listen"] {
+        let said = device.run(&["events", "--pitch", "10", "--seconds", "0.3", option, "0"]);
+        said.failed(2, &[option, "65535"]);
+    }
+}
+
+/// Checks that a missing folder is refused before the board is asked anything, and that a number that cannot be stored leaves the
+/// board with its own telemetry rate. The folder /proc exists, but nobody can make a file in it.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_number_that_cannot_be_stored_is_refused_and_leaves_the_telemetry_as_it_was() {
+    let device = Fake::new();
+    let events = |file: &str| {
+        let words = ["--quiet", "events", "--pitch", "10", "--seconds", "0.3"];
+        device.run(&[&words[..], &["--keep", file]].concat())
+    };
+    events("/no/such/folder/n").failed(2, &["there is no folder /no/such/folder", "--keep"]);
+    assert_eq!(device.world().1.answers, 0);
+    events("/proc/touchstone-number").failed(2, &["--keep"]);
+    let (session, world) = &*device.world();
+    assert_eq!(world.decimation, session.settings().telemetry.decimation);
 }
 
 /// Checks that a knob with a bias leaves number 0 later than it comes back to it, on both sides, and that wrong

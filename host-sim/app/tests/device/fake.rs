@@ -67,7 +67,8 @@ pub struct World {
     board: Board,
     tick: u32,
     calibrated_at: Option<u32>,
-    decimation: u16,
+    /// Number of control periods for each telemetry record; 0: no telemetry.
+    pub decimation: u16,
     /// Encoder count of the knob's angle.
     pub count: i32,
     dropped: u32,
