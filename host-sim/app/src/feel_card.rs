@@ -30,8 +30,8 @@ pub struct Options {
     /// Judges the scene's feel (detents, profile, friction, clicks) under three simulated grips, instead of its wall.
     #[arg(long, conflicts_with_all = ["family", "tuned", "out", "programme", "laws"])]
     feel: bool,
-    /// With --feel: judges all shipped feels, not the scene.
-    #[arg(long, requires = "feel")]
+    /// With --feel: judges all shipped feels, each as it is, in place of a scene.
+    #[arg(long, requires = "feel", conflicts_with_all = ["scene", "k_desired", "settings", "sets"])]
     all_feels: bool,
     /// With --feel: judges the feel with the encoder, rate, delay, torque and guard of each of the five boards.
     #[arg(long, requires = "feel")]

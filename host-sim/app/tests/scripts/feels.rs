@@ -242,3 +242,18 @@ fn the_stiffest_part_of_a_feel_is_certified() {
     let json = run(&["certify", "smooth", "--json"]).ended(0).json();
     assert_eq!(json["verdict"], serde_json::Value::Null);
 }
+
+/// Checks that options that would change one scene are refused where all shipped feels are judged.
+#[test]
+fn all_feels_are_judged_as_they_are() {
+    for lost in [
+        &["on-off"][..],
+        &["--set", "device.friction=none"],
+        &["--k-desired", "20"],
+        &["--settings", "mine.toml"],
+    ] {
+        let words = ["scorecard", "--feel", "--all-feels", "--crossings", "1"];
+        let said = run(&[&words[..], lost].concat());
+        said.refused(&["cannot be used together with", "--all-feels", "leave one"]);
+    }
+}
