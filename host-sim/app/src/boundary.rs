@@ -3,7 +3,7 @@
 
 use super::out::{self, say, tell};
 use super::report_options::program;
-use super::scene_options::refuse_replaced;
+use super::scene_options::{refuse_law, refuse_replaced};
 use super::{interrupt, progress};
 use std::path::PathBuf;
 use touchstone_lab::boundary::{BoundaryPlan, map};
@@ -56,8 +56,7 @@ pub struct Options {
 
 /// Scene fields that every cell of the map sets itself. `--set` refuses them. The second text names the values that replace the
 /// field.
-const REPLACED: [(&str, &str); 6] = [
-    ("law.kind", "laws"),
+const REPLACED: [(&str, &str); 5] = [
     ("operator.grip", "grips"),
     ("operator.hand", "grips"),
     ("device.damping_n_m_s_per_rad", "dampings"),
@@ -70,7 +69,8 @@ const CELLS: &str = "cells.csv";
 
 /// Runs the command `touchstone boundary`.
 pub fn main(options: &Options) -> Result<()> {
-    refuse_replaced("a boundary", &options.sets, &REPLACED)?;
+    refuse_law("boundary", &options.sets)?;
+    refuse_replaced("boundary", &options.sets, &REPLACED)?;
     let scene = Scene::load(&options.scene)?.with_overrides(&options.sets)?;
     let size = [options.columns.into(), options.rows.into()];
     let mut plan = BoundaryPlan::new(scene, Rival::named(&options.law)?, size);

@@ -174,6 +174,21 @@ pub fn refuse_replaced(command: &str, sets: &[String], replaced: &[(&str, &str)]
     Ok(())
 }
 
+/// Returns an error if `--set` names the kind of the control law, for a command that takes it by its own option `--law`.
+pub fn refuse_law(command: &str, sets: &[String]) -> Result<()> {
+    for set in sets {
+        let key = set.split('=').next().unwrap_or_default().trim();
+        if path_of(key).as_deref() == Some("law.kind") {
+            return Err(Error::Option {
+                option: format!("--set {set}"),
+                problem: format!("{command} takes the control law by an option of its own"),
+                fix: "use --law NAME".to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
 fn found<'a>(path: &str, replaced: &[(&'a str, &'a str)]) -> Option<(&'a str, &'a str)> {
     replaced.iter().copied().find(|(own, _)| {
         path.strip_prefix(own)

@@ -71,7 +71,7 @@ pub struct Options {
 
 /// Runs `touchstone scorecard`.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    let scene = options.wall.load(&options.scene)?;
+    let scene = options.wall.load("scorecard", &options.scene)?;
     if let Some(file) = &options.programme {
         return programme(&scene, options, file).map(|()| ExitCode::SUCCESS);
     }

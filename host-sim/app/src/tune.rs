@@ -116,7 +116,7 @@ impl Options {
 
 /// Runs `touchstone tune`.
 pub fn main(options: &Options) -> Result<ExitCode> {
-    let mut scene = options.wall.load(&options.device)?;
+    let mut scene = options.wall.load("tune", &options.device)?;
     if let Some(rms_rad) = options.noise_rad(&scene)? {
         // Zero too is a noise that is known: without any, the search assumes the usual one.
         scene.sensor.noise = Some(SensorNoise { rms_rad });

@@ -1,6 +1,6 @@
 //! Options that change a scene, for a command that chooses the control laws itself.
 
-use super::scene_options::refuse_replaced;
+use super::scene_options::{refuse_law, refuse_replaced};
 use std::path::PathBuf;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
@@ -19,18 +19,15 @@ pub struct WallOptions {
     sets: Vec<String>,
 }
 
-/// Fields of the scene that a scorecard overwrites with its own devices and hands, each with a description of the new value.
-/// `--set` refuses these fields.
-const REPLACED: [(&str, &str); 3] = [
-    ("law.kind", "laws"),
-    ("operator.grip", "grips"),
-    ("operator.hand", "grips"),
-];
+/// Fields of the scene that a scorecard overwrites with its own hands, each with a description of the new value. `--set` refuses
+/// these fields, and the kind of the control law, which has its own option.
+const REPLACED: [(&str, &str); 2] = [("operator.grip", "grips"), ("operator.hand", "grips")];
 
 impl WallOptions {
-    /// Reads a scene and applies the options.
-    pub fn load(&self, name: &str) -> Result<Scene> {
-        refuse_replaced("a scorecard", &self.sets, &REPLACED)?;
+    /// Reads a scene and applies the options. `command` is the name of the command that does it, for error messages.
+    pub fn load(&self, command: &str, name: &str) -> Result<Scene> {
+        refuse_law(command, &self.sets)?;
+        refuse_replaced(command, &self.sets, &REPLACED)?;
         let mut scene = Scene::load(name)?;
         if let Some(file) = &self.settings {
             scene = scene.with_settings(file)?;

@@ -337,3 +337,18 @@ fn a_boundary_is_a_drawing_with_its_cells_and_goes_on() {
     .refused(&["law.kind=fba"]);
     run_in(&folder, &["boundary", "--delays", "3", "--out", "c"]).refused(&["--delays"]);
 }
+
+/// Checks that a field that a command sets itself is refused under the command's name, and the law's kind with its own option.
+#[test]
+fn what_tuning_and_judging_set_themselves_is_refused() {
+    for words in [
+        &["tune"][..],
+        &["scorecard"],
+        &["boundary", "--out", "boundary-refused"],
+    ] {
+        let set = |set| run(&[words, &["--set", set]].concat());
+        set("law.kind=fba").refused(&["--set law.kind=fba", words[0], "use --law NAME"]);
+        let grip = format!("{} cannot change it", words[0]);
+        set("operator.grip=firm").refused(&[&*grip, "its own grips"]);
+    }
+}
