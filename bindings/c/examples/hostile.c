@@ -65,6 +65,7 @@ int main(void) {
   config.count = TS_SI(0.000157079633);
   config.damping = TS_SI(0.0004);
   config.delay = 0;
+  config.change_is_measured = 1;
   if (ts_guard_init(&guard, &config) != TS_OK) return 1;
   ts_settings_init(&settings);
   if (ts_settings_set(&settings, "wall.k_desired_n_m_per_rad", "14") != TS_OK) return 2;

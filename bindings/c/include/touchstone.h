@@ -77,7 +77,7 @@ typedef enum {
    */
   TS_NOT_INITIALISED = 2,
   /*
-   A setting is out of its range. `ts_guard_check` and `ts_settings_check` report which setting.
+   A setting is refused. `ts_guard_check`, `ts_settings_check` and `ts_feel_check` report which setting.
    */
   TS_OUT_OF_RANGE = 3,
   /*
@@ -93,6 +93,11 @@ typedef enum {
    resumed: switch the motor off.
    */
   TS_OVERSPEED = 6,
+  /*
+   The guard's `change_is_measured` asks for the other tick function: `ts_guard_tick_with_change` if it is 1, `ts_guard_tick`
+   if it is 0. The guard's account is emptied if a force acted.
+   */
+  TS_WRONG_TICK = 7,
 } ts_status;
 
 /*
@@ -382,7 +387,8 @@ typedef struct {
    */
   ts_si lag;
   /*
-   1 if the position is read a second time when the commanded force changes, for `ts_guard_tick_with_change`; otherwise 0.
+   1 if the position is read a second time when the commanded force changes: call `ts_guard_tick_with_change` in every tick.
+   0 otherwise: call `ts_guard_tick`.
    */
   uint32_t change_is_measured;
 } ts_guard_config;
@@ -439,7 +445,8 @@ ts_status ts_feel_defaults(ts_feel_config *config);
  count follows from `counts_per_rev`. Call it once, because each call fills the account again. It needs 12 KB of stack, `ts_feel_tick`
  0.4 KB.
 
- Returns `TS_OUT_OF_RANGE` if a value is refused; the feel is then not initialised, and gives no force.
+ Returns `TS_OUT_OF_RANGE` if a value is refused, also a guard with `law.guard.change = measured`, because a feel gets one count a
+ tick; the feel is then not initialised, and gives no force.
  */
 ts_status ts_feel_init(ts_feel *feel,
                        ts_settings *settings,
@@ -512,6 +519,8 @@ ts_status ts_guard_check(const ts_guard_config *config,
  control law requests, and `*allowed` the force to command. A force that resists a positive `moved` is positive.
 
  The hand gets out at most `capacity + refill * time` more energy than it put in.
+
+ Returns `TS_WRONG_TICK` if `change_is_measured` is set: the force is then 0, and the account is emptied if a force acted.
  */
 ts_status ts_guard_tick(ts_guard *guard,
                         ts_position moved,
@@ -530,6 +539,8 @@ ts_position ts_moved(int32_t counts,
 /*
  Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to
  act. `before_change` is the part of `moved` before this second reading.
+
+ Returns `TS_WRONG_TICK` if `change_is_measured` is 0: the force is then 0, and the account is emptied if a force acted.
  */
 ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_position moved,
@@ -585,6 +596,8 @@ ts_status ts_settings_set_counts_per_rev(ts_settings *settings,
 /*
  Checks all settings of a virtual wall together. If they are refused, `message` gets the reason in one line, with the setting's
  name and range; `message` may be null.
+
+ A guard with `law.guard.change = measured` is refused, because `ts_wall_tick` gets no second position: give `estimated`.
  */
 ts_status ts_settings_check(ts_settings *settings,
                             char *message,
@@ -596,8 +609,8 @@ ts_status ts_settings_check(ts_settings *settings,
 const char *ts_status_text(int32_t status);
 
 /*
- Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not
- initialised, and gives no force.
+ Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused, also for a guard with
+ `law.guard.change = measured`: the wall gets one position a tick. The wall is then not initialised, and gives no force.
  */
 ts_status ts_wall_init(ts_wall *wall,
                        ts_settings *settings);
@@ -623,7 +636,7 @@ ts_status ts_wall_switched_off(ts_wall *wall);
 
 /*
  Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
- anew; the energy guard's account keeps its level.
+ anew; the energy guard's account keeps its level. Refuses the same settings as `ts_wall_init`; nothing is then resumed.
  */
 ts_status ts_wall_resume(ts_wall *wall,
                          ts_settings *settings);

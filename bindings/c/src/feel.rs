@@ -4,7 +4,7 @@
 use crate::memory::{self, Object, assert_room};
 use crate::message::Words;
 use crate::parts::{EMPTY, ts_feel_config};
-use crate::settings::ts_settings;
+use crate::settings::{self, ts_settings};
 use crate::status::ts_status;
 use crate::{ts_energy, ts_force};
 use core::ffi::c_char;
@@ -39,6 +39,8 @@ assert_room!(ts_feel);
 /// Why a feel is refused.
 enum No {
     CountsPerRev,
+    /// The guard relies on a second position in each tick, which a feel does not get.
+    SecondReading,
     /// A wall, by its index in the configuration.
     Wall(usize, SettingsError),
     Part(Refused),
@@ -114,6 +116,9 @@ fn check(settings: &Settings, config: &ts_feel_config) -> Result<(), No> {
     }
     let parts = config.parts().feel::<Fixed32>(settings);
     parts.map_err(No::Part)?;
+    if settings::lacks_second_reading(settings) {
+        return Err(No::SecondReading);
+    }
     if let Some(profile) = config.profile.settings().map_err(No::Part)? {
         let profile = profile.profile::<Fixed32>(settings.force_limit);
         profile.map_err(No::Part)?;
@@ -132,7 +137,8 @@ pub extern "C" fn ts_feel_defaults(config: *mut ts_feel_config) -> ts_status {
 /// count follows from `counts_per_rev`. Call it once, because each call fills the account again. It needs 12 KB of stack, `ts_feel_tick`
 /// 0.4 KB.
 ///
-/// Returns `TS_OUT_OF_RANGE` if a value is refused; the feel is then not initialised, and gives no force.
+/// Returns `TS_OUT_OF_RANGE` if a value is refused, also a guard with `law.guard.change = measured`, because a feel gets one count a
+/// tick; the feel is then not initialised, and gives no force.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_feel_init(
@@ -141,7 +147,7 @@ pub extern "C" fn ts_feel_init(
     config: *const ts_feel_config,
 ) -> ts_status {
     let (settings, config) = match memory::clear(feel)
-        .and_then(|()| Ok((memory::value(settings)?, memory::borrow(config)?)))
+        .and_then(|()| Ok((settings::of_one_reading(settings)?, memory::borrow(config)?)))
     {
         Err(status) => return status,
         Ok((settings, config)) => (with_encoder(settings, config), config),
@@ -184,6 +190,7 @@ pub extern "C" fn ts_feel_check(
                 "counts_per_rev = 0: give the encoder's counts per turn"
             );
         }
+        Ok(Err(No::SecondReading)) => settings::explain_second_reading(&mut words),
         Ok(Err(No::Wall(index, problem))) => {
             let _ = write!(words, "walls[{index}]: {problem}");
         }

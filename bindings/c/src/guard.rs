@@ -29,6 +29,8 @@ pub struct ts_guard {
 pub struct Limited {
     guard: Guarded<Fixed32>,
     limit: Force<Fixed32>,
+    /// Whether the guard's coefficients need the displacement before the change of force in every tick.
+    change_is_measured: bool,
 }
 
 // SAFETY: `assert_room!` below checks size and alignment.
@@ -66,7 +68,8 @@ pub struct ts_guard_config {
     /// Mean delay of the current loop's step response, in s, counted from the moment at which a force begins to act. `delay` and
     /// `lag` together are at most one control period.
     pub lag: ts_si,
-    /// 1 if the position is read a second time when the commanded force changes, for `ts_guard_tick_with_change`; otherwise 0.
+    /// 1 if the position is read a second time when the commanded force changes: call `ts_guard_tick_with_change` in every tick.
+    /// 0 otherwise: call `ts_guard_tick`.
     pub change_is_measured: u32,
 }
 
@@ -101,7 +104,11 @@ impl ts_guard_config {
         let (settings, device) = self.settings();
         let guard = Guarded::new(Guard::new(&settings, &device)?);
         let limit = Force(Fixed32::saturating_signal(device.force_limit));
-        Ok(Limited { guard, limit })
+        Ok(Limited {
+            guard,
+            limit,
+            change_is_measured: settings.change == ChangeOfForce::Measured,
+        })
     }
 }
 
@@ -172,14 +179,24 @@ pub extern "C" fn ts_guard_check(
 fn tick(
     guard: *mut ts_guard,
     moved: ts_position,
-    before_change: ts_position,
+    before_change: Option<ts_position>,
     wanted: ts_force,
     allowed: *mut ts_force,
 ) -> ts_status {
     let position = |digits| Position(fixed(digits));
     let (force, status) = match memory::value(guard) {
         Err(status) => (0, status),
-        Ok(Limited { guard, limit }) => {
+        Ok(Limited {
+            guard,
+            change_is_measured,
+            ..
+        }) if before_change.is_some() != *change_is_measured => {
+            // Without the right displacements the work of the last force is unknown. Emptying the account covers all of it.
+            guard.switched_off();
+            (0, ts_status::TS_WRONG_TICK)
+        }
+        Ok(Limited { guard, limit, .. }) => {
+            let before_change = before_change.unwrap_or(0);
             let wanted = Force(fixed(wanted)).within(*limit);
             let force = guard.moved(position(moved), position(before_change), wanted);
             let status = if guard.tripped {
@@ -204,6 +221,8 @@ fn fixed(digits: i32) -> touchstone_control::fixed::types::I8F24 {
 /// control law requests, and `*allowed` the force to command. A force that resists a positive `moved` is positive.
 ///
 /// The hand gets out at most `capacity + refill * time` more energy than it put in.
+///
+/// Returns `TS_WRONG_TICK` if `change_is_measured` is set: the force is then 0, and the account is emptied if a force acted.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick(
@@ -212,7 +231,7 @@ pub extern "C" fn ts_guard_tick(
     wanted: ts_force,
     allowed: *mut ts_force,
 ) -> ts_status {
-    tick(guard, moved, 0, wanted, allowed)
+    tick(guard, moved, None, wanted, allowed)
 }
 
 /// Displacement of a number of encoder counts, for `ts_guard_tick`: counts times the angle of one count, which `TS_POSITION` gives.
@@ -227,6 +246,8 @@ pub extern "C" fn ts_moved(counts: i32, count: ts_position) -> ts_position {
 
 /// Same as `ts_guard_tick`, for an encoder that is read a second time, at the moment at which the last commanded force begins to
 /// act. `before_change` is the part of `moved` before this second reading.
+///
+/// Returns `TS_WRONG_TICK` if `change_is_measured` is 0: the force is then 0, and the account is emptied if a force acted.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick_with_change(
@@ -236,7 +257,7 @@ pub extern "C" fn ts_guard_tick_with_change(
     wanted: ts_force,
     allowed: *mut ts_force,
 ) -> ts_status {
-    tick(guard, moved, before_change, wanted, allowed)
+    tick(guard, moved, Some(before_change), wanted, allowed)
 }
 
 /// Reports to the energy guard that your program commanded a smaller force than the allowed one. A larger force counts as the

@@ -5,7 +5,7 @@ use crate::message::Words;
 use crate::status::ts_status;
 use core::ffi::c_char;
 use core::fmt::Write as _;
-use touchstone_control::{Controller, Fixed32, NotSet, PositionSettings, Settings};
+use touchstone_control::{ChangeOfForce, Controller, Fixed32, NotSet, PositionSettings, Settings};
 
 /// Size of a `ts_settings` in 64-bit words.
 pub const TS_SETTINGS_WORDS: usize = 64;
@@ -24,6 +24,32 @@ unsafe impl Object for ts_settings {
     const MARK: u64 = 0x7473_7365_7474_6967;
 }
 assert_room!(ts_settings);
+
+/// Whether the energy guard relies on a second position in each tick, measured when the force changes. `ts_wall_tick` and
+/// `ts_feel_tick` get none: the guard would count every displacement under the new force, and its energy bound would not hold.
+pub(crate) fn lacks_second_reading(settings: &Settings) -> bool {
+    settings.guard.on && settings.guard.change == ChangeOfForce::Measured
+}
+
+/// Writes why settings without a second position are refused.
+pub(crate) fn explain_second_reading(words: &mut Words<'_>) {
+    // Writing to a buffer cuts the text; it never fails.
+    let _ = write!(
+        words,
+        "law.guard.change = measured: a wall or feel in C gets one position a tick, so the energy bound would fail; give estimated"
+    );
+}
+
+/// Borrows the settings of a wall or feel. Errors: those of [`memory::value`], and a guard that relies on a second position.
+pub(crate) fn of_one_reading<'a>(
+    settings: *mut ts_settings,
+) -> Result<&'a mut Settings, ts_status> {
+    let settings = memory::value(settings)?;
+    if lacks_second_reading(settings) {
+        return Err(ts_status::TS_OUT_OF_RANGE);
+    }
+    Ok(settings)
+}
 
 /// Sets all settings to the defaults, which describe the virtual wall on Touchstone's simulated knob. Change at least those that
 /// differ on your device.
@@ -75,6 +101,8 @@ pub extern "C" fn ts_settings_set_counts_per_rev(
 
 /// Checks all settings of a virtual wall together. If they are refused, `message` gets the reason in one line, with the setting's
 /// name and range; `message` may be null.
+///
+/// A guard with `law.guard.change = measured` is refused, because `ts_wall_tick` gets no second position: give `estimated`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_check(
@@ -88,6 +116,10 @@ pub extern "C" fn ts_settings_check(
         Err(status) => return status,
     };
     match Controller::<Fixed32>::new(settings) {
+        Ok(_) if lacks_second_reading(settings) => {
+            explain_second_reading(&mut words);
+            ts_status::TS_OUT_OF_RANGE
+        }
         Ok(_) => ts_status::TS_OK,
         Err(problem) => {
             // Writing to a buffer cuts the text; it never fails.

@@ -1,7 +1,7 @@
 //! A whole virtual wall for C programs, from penetration to force: velocity estimator, control law and energy guard.
 
 use crate::memory::{self, Object, assert_room};
-use crate::settings::ts_settings;
+use crate::settings::{self, ts_settings};
 use crate::status::ts_status;
 use crate::{ts_force, ts_position, ts_si};
 use touchstone_control::fixed::types::I8F24;
@@ -25,13 +25,13 @@ unsafe impl Object for ts_wall {
 }
 assert_room!(ts_wall);
 
-/// Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not
-/// initialised, and gives no force.
+/// Initialises a virtual wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused, also for a guard with
+/// `law.guard.change = measured`: the wall gets one position a tick. The wall is then not initialised, and gives no force.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
     match memory::clear(wall)
-        .and_then(|()| memory::value(settings))
+        .and_then(|()| settings::of_one_reading(settings))
         .map(|settings| Controller::new(settings))
     {
         Err(status) => status,
@@ -94,11 +94,11 @@ pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
 }
 
 /// Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
-/// anew; the energy guard's account keeps its level.
+/// anew; the energy guard's account keeps its level. Refuses the same settings as `ts_wall_init`; nothing is then resumed.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
-    let (wall, settings) = match (memory::value(wall), memory::value(settings)) {
+    let (wall, settings) = match (memory::value(wall), settings::of_one_reading(settings)) {
         (Ok(wall), Ok(settings)) => (wall, settings),
         (Err(status), _) | (_, Err(status)) => return status,
     };

@@ -13,8 +13,8 @@ use touchstone_control::environment::{
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::{
-    Choice, Controller, CountScale, Environment, Fixed32, Force, Guard, GuardSettings, Guarded,
-    GuardedDevice, LawKind, Position, PositionSettings, Settings, Si,
+    ChangeOfForce, Choice, Controller, CountScale, Environment, Fixed32, Force, Guard,
+    GuardSettings, Guarded, GuardedDevice, LawKind, Position, PositionSettings, Settings, Si,
 };
 
 const OK: i64 = 0;
@@ -68,6 +68,7 @@ fn hostile_in_rust(ticks_per_law: u64) -> String {
     };
     let shipped = GuardSettings {
         damping: ts_si(0.0004),
+        change: ChangeOfForce::Measured,
         ..GuardSettings::default()
     };
     let made = Guard::new(&shipped, &device).expect("a guard");

@@ -22,7 +22,7 @@ int main(void) {
   ts_position position = 77, moved = 77;
   ts_force force = 77;
   ts_energy account = 77;
-  char words[120] = "";
+  char words[160] = "";
   memset(&guard, 0, sizeof guard);
   memset(&settings, 0, sizeof settings);
   memset(&wall, 0xA5, sizeof wall);
@@ -77,6 +77,26 @@ int main(void) {
   IS(force, 0);
   IS(ts_guard_resume(&guard), TS_OK);
   IS(ts_guard_tick(&guard, 0, 0, &force), TS_OK);
+
+  /* The tick function must be that of the configuration. A wrong tick gives no force, and empties the account if a force acted. */
+  IS(ts_guard_init(&guard, &config), TS_OK);
+  IS(ts_guard_tick(&guard, 0, 1 << 20, &force), TS_OK);
+  IS(force > 0, 1);
+  IS(ts_guard_account(&guard, &account), TS_OK);
+  IS(account > 0, 1);
+  IS(ts_guard_tick_with_change(&guard, 0, 0, 1 << 20, &force), TS_WRONG_TICK);
+  IS(force, 0);
+  IS(ts_guard_account(&guard, &account), TS_OK);
+  IS(account, 0);
+  config.change_is_measured = 1;
+  IS(ts_guard_init(&guard, &config), TS_OK);
+  IS(ts_guard_tick_with_change(&guard, 0, 0, 1 << 20, &force), TS_OK);
+  IS(force > 0, 1);
+  IS(ts_guard_tick(&guard, 0, 1 << 20, &force), TS_WRONG_TICK);
+  IS(force, 0);
+  IS(ts_guard_tick_with_change(&guard, 0, 0, 1 << 20, NULL), TS_NULL_POINTER);
+  config.change_is_measured = 0;
+
   config.share_of_damping = TS_SI(1.5);
   IS(ts_guard_init(&guard, &config), TS_OUT_OF_RANGE);
   IS(ts_guard_tick(&guard, 0, 1 << 20, &force), TS_NOT_INITIALISED);
@@ -102,6 +122,24 @@ int main(void) {
   IS(force, 0);
   IS(ts_wall_resume(&wall, &settings), TS_OK);
   IS(ts_penetration(100, 0, 0), 0);
+
+  /* Walls and feels get one position a tick. A guard that relies on a second one is refused. */
+  IS(ts_settings_set(&settings, "law.guard.change", "measured"), TS_OK);
+  IS(ts_settings_check(&settings, words, sizeof words), TS_OUT_OF_RANGE);
+  IS(strstr(words, "law.guard.change = measured") != NULL, 1);
+  IS(ts_wall_resume(&wall, &settings), TS_OUT_OF_RANGE);
+  IS(ts_wall_init(&wall, &settings), TS_OUT_OF_RANGE);
+  IS(ts_wall_tick(&wall, 1 << 17, &force), TS_NOT_INITIALISED);
+  IS(ts_feel_defaults(&parts), TS_OK);
+  parts.counts_per_rev = 16384;
+  strcpy(words, "");
+  IS(ts_feel_check(&settings, &parts, words, sizeof words), TS_OUT_OF_RANGE);
+  IS(strstr(words, "law.guard.change = measured") != NULL, 1);
+  IS(ts_feel_init(&feel, &settings, &parts), TS_OUT_OF_RANGE);
+  IS(ts_feel_tick(&feel, 1, &force), TS_NOT_INITIALISED);
+  IS(ts_settings_set(&settings, "law.guard.on", "false"), TS_OK);
+  IS(ts_settings_check(&settings, words, sizeof words), TS_OK);
+  IS(ts_wall_init(&wall, &settings), TS_OK);
 
   IS(ts_settings_init(&settings), TS_OK);
   IS(ts_estimator_tick(&estimator, 1, &position, &moved), TS_NOT_INITIALISED);
