@@ -70,6 +70,9 @@ struct PyGuard {
     inner: Guarded<Fixed32>,
     /// The largest force of the motor. A motor that gives less than the commanded force would break the bound.
     limit: Force<Fixed32>,
+    /// Whether every tick needs the displacement before the change of force. Without it the guard would count the whole displacement
+    /// under the new force, and the bound would not hold.
+    change_is_measured: bool,
 }
 
 impl PyGuard {
@@ -132,6 +135,7 @@ impl PyGuard {
         Ok(Self {
             inner: Guarded::new(guard),
             limit: force(force_limit_n_m)?,
+            change_is_measured,
         })
     }
 
@@ -139,22 +143,46 @@ impl PyGuard {
     ///
     /// A force that resists a positive motion is positive. The returned force is at most `force_limit_n_m`. `before_change_rad` is
     /// for an encoder that is read a second time, when the last force begins to act: it is the part of `moved_rad` before that
-    /// moment.
-    #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
-    fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
-        let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
+    /// moment. Give it in every tick of a guard with `change_is_measured`, and to no other guard.
+    #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=None))]
+    fn tick(
+        &mut self,
+        moved_rad: f64,
+        wanted_n_m: f64,
+        before_change_rad: Option<f64>,
+    ) -> PyResult<f64> {
+        let before = match (before_change_rad, self.change_is_measured) {
+            (None, true) => {
+                return Err(PyValueError::new_err(
+                    "before_change_rad is missing, and the guard has change_is_measured=True: give it, or make the guard without",
+                ));
+            }
+            (Some(before), false) => {
+                return Err(PyValueError::new_err(format!(
+                    "before_change_rad = {before}, but the guard does not use it: make the guard with change_is_measured=True"
+                )));
+            }
+            (before, _) => position(before.unwrap_or(0.0))?,
+        };
+        let moved = position(moved_rad)?;
         let wanted = Self::wanted(self.limit, wanted_n_m)?;
         let allowed = self.inner.moved(moved, before, wanted);
         Ok(number(allowed.0))
     }
 
     /// Runs many control periods: takes arrays of displacements and requested forces, returns an array of the forces to command.
+    /// Not for a guard with `change_is_measured`.
     fn ticks<'py>(
         &mut self,
         py: Python<'py>,
         moved_rad: PyReadonlyArray1<'py, f64>,
         wanted_n_m: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        if self.change_is_measured {
+            return Err(PyValueError::new_err(
+                "ticks takes no before_change_rad, and the guard has change_is_measured=True: call tick, or make the guard without",
+            ));
+        }
         let (moved, wanted) = (moved_rad.as_slice()?, wanted_n_m.as_slice()?);
         if moved.len() != wanted.len() {
             return Err(PyValueError::new_err(format!(
@@ -251,6 +279,12 @@ impl PyWall {
         made.position = PositionSettings::of_counts_per_rev(counts_per_rev);
         let inner =
             Controller::new(&made).map_err(|problem| PyValueError::new_err(problem.to_string()))?;
+        // Without a second position the guard would count every displacement under the new force, and its bound would not hold.
+        if made.guard.on && made.guard.change == ChangeOfForce::Measured {
+            return Err(PyValueError::new_err(
+                "law.guard.change = measured: a Wall gets one position a tick, so the energy bound would fail; give \"estimated\"",
+            ));
+        }
         Ok(Self {
             inner,
             settings: made,

@@ -88,6 +88,7 @@ class Fuzz:
 
     def make_guard(self):
         changed = {name: self.number() for name in GUARD if self.chance.random() < 0.15}
+        changed.setdefault("change_is_measured", self.chance.random() < 0.2)
         settings = {**SOUND, **changed}
         if self.chance.random() < 0.05:
             settings.pop(self.chance.choice(list(settings)))

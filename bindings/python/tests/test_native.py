@@ -86,6 +86,10 @@ def test_overspeed_stops_the_force_until_it_is_resumed():
         (lambda: guard(force_limit_n_m=math.inf), "force_limit_n_m = inf"),
         (lambda: guard().tick(math.nan, 0.0), "not a number"),
         (lambda: guard().ticks(numpy.zeros(3), numpy.zeros(2)), "3 displacements and 2 forces"),
+        (lambda: guard(change_is_measured=True).tick(0.0, 0.1), "before_change_rad is missing"),
+        (lambda: guard(change_is_measured=True).ticks(numpy.zeros(3), numpy.zeros(3)), "ticks takes no before_change_rad"),
+        (lambda: guard().tick(0.0, 0.1, 0.0), "before_change_rad = 0, but the guard does not use it"),
+        (lambda: touchstone.Wall({"law.guard.change": "measured"}), "law.guard.change = measured"),
         (lambda: touchstone.Wall({"law.kindd": "tdpa"}), "law.kindd: no such setting"),
         (lambda: touchstone.Wall({"law.kind": "TDPA"}), "law.kind = TDPA"),
         (lambda: touchstone.Wall({"law.energy_credit_j": -1.0}), "energy_credit_j = -1"),
@@ -103,7 +107,7 @@ def test_a_mistake_is_named(make, says):
 def test_hostile_calls_end_in_a_force_or_a_named_mistake():
     chance = random.Random(7)
     odd = [0.0, -0.0, 1e-300, 1e300, -1e300, math.inf, -math.inf, math.nan, 127.9, -128.0, 1e-7]
-    stage, wall = guard(), touchstone.Wall()
+    stage, wall = guard(change_is_measured=True), touchstone.Wall()
     for _ in range(100_000):
         pick = lambda: chance.choice(odd) if chance.random() < 0.2 else chance.gauss(0.0, 0.05)
         call = chance.choice([lambda: stage.tick(pick(), pick(), pick()), lambda: wall.tick(pick()), lambda: stage.commanded(pick())])
