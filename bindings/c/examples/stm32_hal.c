@@ -15,9 +15,12 @@ static ts_guard guard;
 static uint16_t last_count;
 static int32_t turned;
 
-/* Writes the torque to the motor driver's input; the DAC code 2048 is no torque. */
-static void command(float torque_n_m) {
-  HAL_DAC_SetValue(&hdac1, DAC_CHANNEL_1, DAC_ALIGN_12B_R, (uint32_t)(2048.0f + 2047.0f * torque_n_m / FULL_SCALE_N_M));
+/* Writes the torque to the motor driver's input; the DAC code 2048 is no torque. Returns the torque of the code: the conversion to an integer rounds
+ * towards zero, so it is never larger than the guard allows. */
+static float command(float torque_n_m) {
+  int32_t steps = (int32_t)(2047.0f * torque_n_m / FULL_SCALE_N_M);
+  HAL_DAC_SetValue(&hdac1, DAC_CHANNEL_1, DAC_ALIGN_12B_R, (uint32_t)(2048 + steps));
+  return (float)steps * (FULL_SCALE_N_M / 2047.0f);
 }
 
 /* Starts the guard and the timer. Call it once, after the HAL's own set-up. Returns 0, or -1 if a setting is refused. */
@@ -45,5 +48,6 @@ void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *timer) {
   ts_force torque = ts_from_float(-your_torque((float)turned * (6.283185f / COUNTS_PER_REV)));
   ts_status status = ts_guard_tick(&guard, ts_moved(moved, TS_POSITION(6.283185307 / COUNTS_PER_REV)), torque, &torque);
   if (status != TS_OK) HAL_TIM_Base_Stop_IT(&htim6);
-  command(-ts_to_float(torque)); /* 0 if the status is not TS_OK */
+  /* The torque is 0 if the status is not TS_OK. The guard is told how much of it the DAC gives. */
+  ts_guard_commanded(&guard, ts_from_float(-command(-ts_to_float(torque))));
 }

@@ -6,6 +6,9 @@ mod program;
 
 use program::{Program, SANITIZERS};
 
+/// Lets the test programs see which torque an example reports to the guard.
+const REPORTED: &str = "-Dts_guard_commanded=reported";
+
 #[test]
 fn the_guarded_pid_on_arduino_keeps_its_bound_with_a_wrong_sign() {
     Program::cpp(
@@ -17,6 +20,7 @@ fn the_guarded_pid_on_arduino_keeps_its_bound_with_a_wrong_sign() {
     )
     .with_headers("tests/stand_in")
     .with(&SANITIZERS)
+    .with(&[REPORTED])
     .said(&[]);
 }
 
@@ -80,5 +84,6 @@ fn the_guard_in_an_stm32_interrupt_takes_a_wrong_sign_s_force_away() {
     )
     .with_headers("tests/stand_in")
     .with(&SANITIZERS)
+    .with(&[REPORTED])
     .said(&[]);
 }

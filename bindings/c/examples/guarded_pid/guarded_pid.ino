@@ -23,11 +23,13 @@ void on_edge() {
   edges = edges + (uint32_t)STEPS[last];
 }
 
-void set_motor(float torque_n_m) {
-  float share = torque_n_m / LARGEST_TORQUE_N_M;
+/* Commands the torque, rounded towards zero to a step of the PWM. Returns the rounded torque. */
+float set_motor(float torque_n_m) {
+  float share = torque_n_m / LARGEST_TORQUE_N_M, size = share < 0 ? -share : share;
+  int steps = size < 1 ? (int)(255 * size) : 255;
   digitalWrite(DIRECTION, share < 0 ? LOW : HIGH);
-  share = share < 0 ? -share : share;
-  analogWrite(PWM, share < 1 ? (int)(255 * share) : 255);
+  analogWrite(PWM, steps);
+  return (float)(share < 0 ? -steps : steps) * (LARGEST_TORQUE_N_M / 255);
 }
 
 float my_pid() {
@@ -74,7 +76,8 @@ void loop() {
   /* The guard counts a torque that resists a positive motion as positive. */
   ts_force torque = ts_from_float(-my_pid());
   ts_status status = ts_guard_tick(&guard, ts_moved(moved, TS_POSITION(6.283185307 / COUNTS_PER_REV)), torque, &torque);
-  set_motor(-ts_to_float(torque)); /* 0 after an error */
+  /* The torque is 0 after an error. The guard is told how much of it the PWM gives. */
+  ts_guard_commanded(&guard, ts_from_float(-set_motor(-ts_to_float(torque))));
   if (status == TS_OK) return;
   works = 0; /* such as a motor that is too fast for the guard: off until somebody resets the board */
   Serial.println(ts_status_text(status));

@@ -1,6 +1,7 @@
 // Runs the example of the guarded PID against the stand-in: a simulated motor with an encoder, whose PID first has the right signs and then a wrong
 // one. Prints the number of the first line that fails, and exits with 1.
 #include "Arduino.h"
+#include "touchstone.h"
 #include <cmath>
 #include <cstdio>
 
@@ -8,6 +9,15 @@ void setup();
 void loop();
 extern float kp, kd, target_rad;
 extern int works;
+
+// The test compiles both files with another name for `ts_guard_commanded`, to see which torque the example reports.
+#undef ts_guard_commanded
+extern "C" ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
+static double reported_n_m = 1.0;
+extern "C" ts_status reported(ts_guard *guard, ts_force force) {
+  reported_n_m = ts_to_float(force);
+  return ts_guard_commanded(guard, force);
+}
 
 Printer Serial;
 static double angle_rad, speed_rad_per_s, torque_n_m;
@@ -41,11 +51,13 @@ void analogWrite(int, int value) { torque_n_m = 0.05 * direction * value / 255; 
     }                                     \
   } while (0)
 
+static int wrong_reports; // ticks in which the guard was told another torque than the motor's
 static double given_j, most_j; // energy out of the motor, beyond what its damping takes
 
 static void run(int milliseconds) {
   for (int step = 0; step < 10 * milliseconds; step++) {
     loop();
+    if (works) wrong_reports += std::fabs(reported_n_m + torque_n_m) > 1e-6;
     speed_rad_per_s += (torque_n_m - 0.0001 * speed_rad_per_s) / 2e-5 * 1e-4;
     angle_rad += speed_rad_per_s * 1e-4;
     given_j += (torque_n_m - 0.0001 * speed_rad_per_s) * speed_rad_per_s * 1e-4;
@@ -67,6 +79,7 @@ int main() {
   run(1000);
   std::printf("went to %.3f rad\n", angle_rad);
   IS(works && std::fabs(angle_rad - 0.5) < 0.02);
+  IS(wrong_reports == 0);
   // A derivative part with the wrong sign swings the motor up; the guard takes its force away.
   kd = -0.01f, given_j = most_j = 0.0, speed_rad_per_s = 1.0;
   run(5000);

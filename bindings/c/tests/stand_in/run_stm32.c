@@ -1,9 +1,19 @@
 /* Runs the example for ST's HAL against the stand-in. Prints the number of the first line that fails, and exits with 1. */
 #include "main.h"
+#include "touchstone.h"
 #include <math.h>
 #include <stdio.h>
 
 int start_guard(void);
+
+/* The test compiles both files with another name for `ts_guard_commanded`, to see which torque the example reports. */
+#undef ts_guard_commanded
+ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
+static float reported_n_m;
+ts_status reported(ts_guard *guard, ts_force force) {
+  reported_n_m = ts_to_float(force);
+  return ts_guard_commanded(guard, force);
+}
 
 static TIM_TypeDef registers;
 TIM_HandleTypeDef htim3 = {&registers}, htim6;
@@ -50,10 +60,12 @@ int main(void) {
   IS(start_guard() == 0 && is_running);
   stiffness = 1.0f;
   for (int tick = 0; tick < 10; tick++) turn(1);
-  /* Ten counts of a 4096th turn out of the centre. */
-  IS(code == (uint32_t)(2048.0f - 2047.0f * 10 * 6.283185f / 4096 / 0.5f));
+  /* Ten counts of a 4096th turn out of the centre. The torque is rounded towards none, and the guard is told. */
+  IS(code == 2048u - (uint32_t)(2047.0f * 10 * 6.283185f / 4096 / 0.5f));
+  IS(fabsf(reported_n_m - (float)(2048 - (int)code) * 0.5f / 2047) < 1e-6f);
   for (int tick = 0; tick < 30; tick++) turn(-1);
   IS(code > 2048);
+  IS(fabsf(reported_n_m - (float)(2048 - (int)code) * 0.5f / 2047) < 1e-6f);
   /* A spring with the wrong sign pushes the wheel on and on; the guard takes its force away. The new torque acts after a tenth of the tick. */
   stiffness = -50.0f;
   const double speed_rad_per_s = 4 * 6.283185 / 4096 * 1000;
