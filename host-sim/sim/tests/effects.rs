@@ -519,6 +519,32 @@ fn a_guard_configured_for_more_damping_or_another_delay_is_warned_of() {
             &["timing.latency_spread_s=2e-4"],
             "for a delay that stays the same, and here it varies by up to 0.0002 s",
         ),
+        // A guard that measures the position at the change of force still has to know how late the change can be.
+        (
+            &[
+                "timing.computational_delay_s=1e-4",
+                "law.guard.change=measured",
+            ],
+            "give 0.0001",
+        ),
+        (
+            &[
+                "timing.computational_delay_s=1e-4",
+                "timing.latency_spread_s=2e-4",
+                "law.guard.delay_s=1e-4",
+                "law.guard.change=measured",
+            ],
+            "changes up to 0.0003 s after it",
+        ),
+        (
+            &[
+                "timing.computational_delay_s=9e-4",
+                "timing.latency_spread_s=2e-4",
+                "law.guard.delay_s=9e-4",
+                "law.guard.change=measured",
+            ],
+            "at most one control period",
+        ),
     ] {
         let scene = with(&knob, sets);
         let texts = said(&scene);
@@ -540,11 +566,14 @@ fn a_guard_configured_for_more_damping_or_another_delay_is_warned_of() {
             "device.current_loop.bandwidth_hz=600",
             "law.guard.lag_s=2.6e-4",
         ],
+        // With a measured position at the change, the guard may be configured for a later change than any that comes.
         &[
             "timing.computational_delay_s=1e-4",
+            "timing.latency_spread_s=2e-4",
+            "law.guard.delay_s=3e-4",
             "law.guard.change=measured",
         ],
-        &["timing.latency_spread_s=2e-4", "law.guard.change=measured"],
+        &["law.guard.delay_s=5e-4", "law.guard.change=measured"],
         // Jitter shifts sample and force together.
         &["timing.latency_spread_s=0", "timing.jitter_s=1e-4"],
     ] {

@@ -1,7 +1,7 @@
 //! Writes a scene file for a measured knob, which the simulator runs and `tune` uses to tune the wall.
 
 use std::fmt::Write;
-use touchstone_control::Choice as _;
+use touchstone_control::{ChangeOfForce, Choice as _};
 use touchstone_drive::Hardware;
 use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
@@ -45,6 +45,14 @@ pub fn text(
     let press = (PRESS_SHARE * constant * continuous.min(current)).min(0.1);
     let damping = it.damping_n_m_s_per_rad.value.max(0.0);
     let inertia = it.inertia_kg_m2.value;
+    // A board that reads the encoder a second time calculates the guard's delay itself, so its setting may be 0. The simulated guard
+    // needs this scene's delay.
+    let delay_s = DELAY_PERIODS / f64::from(hardware.pwm_hz);
+    let told_s: f64 = guard.delay_s.to_num();
+    let guard_delay_s = match guard.change {
+        ChangeOfForce::Measured => told_s.max(delay_s),
+        ChangeOfForce::Estimated => told_s,
+    };
     let mut text = String::new();
     // Writing into a string cannot fail.
     let _ = write!(
@@ -71,7 +79,7 @@ counts_per_rev = {}
 rate_hz = {}
 duration_s = 4.5
 # Until the compare values act, {DELAY_PERIODS} PWM periods.
-computational_delay_s = {:.4e}
+computational_delay_s = {delay_s:.4e}
 
 [wall]
 surface_rad = 0.5
@@ -89,9 +97,9 @@ damping_n_m_s_per_rad = {damping:.4e}
 [law.guard]
 # Rather less than more.
 damping_n_m_s_per_rad = {:.4e}
-# As the board has them.
+# As the board has them; with a second reading at least the delay above.
 change = \"{}\"
-delay_s = {:.4e}
+delay_s = {guard_delay_s:.4e}
 lag_s = {:.4e}
 
 [operator]
@@ -113,12 +121,10 @@ push_torque_n_m = {press:.4e}
         constant * step.abs(),
         settings.encoder.counts_per_rev,
         settings.timing.rate_hz,
-        DELAY_PERIODS / f64::from(hardware.pwm_hz),
         settings.wall.k_desired_n_m_per_rad,
         position_error_rad,
         sure_damping(motor),
         guard.change.word(),
-        guard.delay_s.to_num::<f64>(),
         guard.lag_s.to_num::<f64>(),
         0.2 * press,
     );

@@ -7,7 +7,11 @@ use touchstone_control::ChangeOfForce;
 
 /// The warnings of a scene with an energy guard.
 pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Error> {
-    let all = [encoder(scene), damping(scene), delay(scene), spread(scene)];
+    let late = match scene.law.guard.change {
+        ChangeOfForce::Estimated => delay(scene),
+        ChangeOfForce::Measured => latest_change(scene),
+    };
+    let all = [encoder(scene), damping(scene), late, spread(scene)];
     let is_on = scene.law.guard.on;
     all.into_iter().flatten().filter(move |_| is_on)
 }
@@ -62,15 +66,41 @@ fn damping(scene: &Scene) -> Option<Error> {
     })
 }
 
-/// A warning if the energy guard is configured for another delay than the scene's. It may be configured
-/// with the lag of the current loop or without it.
+/// Rounding of a delay to the number format of the settings, s.
+const ROUNDING_S: f64 = 1e-9;
+
+/// A warning if the force can change later after the sample than the energy guard is configured for, although the position at the
+/// change is measured.
+///
+/// The measured position tells how far the device moved under the old force. But the guard has to keep energy for that motion before
+/// it happens: the old force times the largest displacement in the configured delay (`Guard::reserve`). A shorter delay than the
+/// configured one only makes that reserve larger than needed.
+fn latest_change(scene: &Scene) -> Option<Error> {
+    let timing = &scene.timing;
+    let latest = timing.computational_delay_s + timing.latency_spread_s.unwrap_or(0.0);
+    let told = scene.law.guard.delay_s;
+    let is_beyond = latest > timing.period_s() + ROUNDING_S;
+    (is_beyond || told < latest - ROUNDING_S).then(|| {
+        // Rounded to a nanosecond: the sum of two floating-point numbers can have digits that neither has.
+        let latest: f64 = format!("{latest:.9}").parse().unwrap_or(latest);
+        let fix = match is_beyond {
+            true => "the guard covers at most one control period: give a shorter timing.computational_delay_s or timing.latency_spread_s".to_owned(),
+            false => format!("give {latest}"),
+        };
+        scene.error(
+            "law.guard.delay_s",
+            format!(
+                "the energy guard is configured for a force that changes at most {told} s after the sample, and here it changes up to {latest} s after it: a hand may get out more energy than the guard's bound"
+            ),
+            fix,
+        )
+    })
+}
+
+/// A warning if the energy guard, which estimates the position at the change of force, is configured for another delay than the
+/// scene's. It may be configured with the lag of the current loop or without it.
 fn delay(scene: &Scene) -> Option<Error> {
-    /// Rounding of a delay to the number format of the settings, s.
-    const ROUNDING_S: f64 = 1e-9;
     let guard = &scene.law.guard;
-    if guard.change == ChangeOfForce::Measured {
-        return None;
-    }
     let told = guard.delay_s + guard.lag_s;
     let delay = scene.timing.computational_delay_s;
     let lag = scene.device.current_loop.as_ref();
