@@ -64,6 +64,7 @@ pub extern "C" fn fmi3InstantiateCoSimulation(
             model,
             is_running: false,
             is_warned: false,
+            is_warned_of_change: false,
             log,
         }),
         Ok(Err(error)) => {
@@ -283,6 +284,10 @@ pub extern "C" fn fmi3DoStep(
                     if ticks > 1 && instance.model.half() == Half::Law && !instance.is_warned {
                         instance.is_warned = true;
                         log.say(Warning, &format!("fmi3DoStep: a step has {ticks} control periods, in which the law gets the same angle; give steps of one"));
+                    }
+                    if instance.model.lacks_change() && !instance.is_warned_of_change {
+                        instance.is_warned_of_change = true;
+                        log.say(Warning, "fmi3DoStep: the angle at which the torque changed was never set, so the guard's energy bound does not hold; set this input before each step, or export with law.guard.change = estimated");
                     }
                     match instance.model.step(ticks) {
                         Ok(()) => Done,

@@ -17,6 +17,8 @@ pub struct Instance {
     pub is_running: bool,
     /// Whether the importing program was warned that the law's steps are too long.
     pub is_warned: bool,
+    /// Whether the importing program was warned that the angle at the change of torque is missing.
+    pub is_warned_of_change: bool,
     /// Where messages go.
     pub log: Log,
 }

@@ -218,6 +218,33 @@ fn wrong_calls_are_errors_with_a_message() {
     assert_eq!(token.matches("law").count(), 1);
 }
 
+/// The guard of this scene relies on the angle at which the torque changed. The law's half warns once if that angle is never set.
+#[test]
+fn a_law_without_the_angle_at_the_change_of_torque_warns_once() {
+    let sets = [
+        "timing.computational_delay_s=1e-4",
+        "law.guard.delay_s=1e-4",
+        "law.guard.change=measured",
+    ];
+    let scene = Scene::load("tap").expect("a scene");
+    let scene = scene.with_overrides(&sets).expect("a scene");
+    let (folder, token) = resources("change", &scene, Half::Law);
+    let period_s = scene.timing.period_s();
+    for is_set in [false, true] {
+        let mut said = Said::new();
+        let law = made(&folder, &token, &mut said);
+        assert_eq!(fmi3ExitInitializationMode(law), Done);
+        for tick in 0..3 {
+            if is_set {
+                set(law, Name::MeasuredChange, 0.1);
+            }
+            assert_eq!(step(law, f64::from(tick) * period_s, period_s), Done);
+        }
+        assert_eq!(said.len(), usize::from(!is_set), "{said:?}");
+        fmi3FreeInstance(law);
+    }
+}
+
 /// Checks that random calls with odd numbers, in any order, end no instance fatally. Every output is finite, until a step was
 /// refused because the device is too far away.
 #[test]

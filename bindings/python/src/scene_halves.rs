@@ -213,12 +213,18 @@ impl PyLaw {
     /// positive angles.
     ///
     /// `changed_at_rad` is `Plant.changed_at_rad`: the true angle at which the motor's torque last changed, rad; `None` if the
-    /// scene's guard does not measure this angle.
+    /// scene's guard does not measure this angle. From the second tick on a guard that measures it needs it, unless the scene's
+    /// torque changes at the sample.
     #[pyo3(signature = (angle_rad, changed_at_rad=None))]
     fn tick(&mut self, angle_rad: f64, changed_at_rad: Option<f64>) -> PyResult<f64> {
         let angle_rad = within("angle_rad", angle_rad)?;
         let changed = changed_at_rad.map(|angle| within("changed_at_rad", angle));
         let changed = changed.transpose()?;
+        if changed.is_none() && self.last.is_some() && plan::tells_change(&self.scene) {
+            return Err(PyValueError::new_err(
+                "changed_at_rad is missing, and the scene has law.guard.change = \"measured\": give a number, Plant.changed_at_rad",
+            ));
+        }
         // Before the first tick no torque has changed.
         if let (Some(changed), Some(_)) = (changed, self.last) {
             self.control().changed_at(changed);

@@ -69,6 +69,20 @@ def test_a_scene_as_a_dict_and_a_moved_hand():
     assert other.angle_rad > plant.angle_rad + 0.01
 
 
+def test_a_guard_that_measures_the_change_of_torque_gets_its_angle():
+    measured = {"law.guard.change": "measured", "law.guard.delay_s": 1e-4}
+    late = {**measured, "timing.computational_delay_s": 1e-4}
+    plant, law = touchstone.Plant("tap", late), touchstone.Law("tap", late)
+    plant.step(law.tick(plant.angle_rad))
+    with pytest.raises(ValueError, match="changed_at_rad is missing"):
+        law.tick(plant.angle_rad)
+    assert math.isfinite(law.tick(plant.angle_rad, plant.changed_at_rad))
+    # Without a delay the torque changes at the sample, and the plant tells no other angle.
+    plant, law = touchstone.Plant("tap", measured), touchstone.Law("tap", measured)
+    for _ in range(3):
+        plant.step(law.tick(plant.angle_rad, plant.changed_at_rad))
+
+
 @pytest.mark.parametrize("half", [touchstone.Plant, touchstone.Law])
 def test_a_wrong_scene_is_named(half):
     with pytest.raises(touchstone.Mistake, match="no such scene or file"):

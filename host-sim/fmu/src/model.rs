@@ -236,6 +236,15 @@ impl Model {
         Ok(whole as u64)
     }
 
+    /// Whether the law is about to step without the angle at which the torque changed, on which the scene's guard relies. The guard
+    /// then counts every torque as acting from the sample on, and its energy bound does not hold.
+    #[must_use]
+    pub fn lacks_change(&self) -> bool {
+        // Before the first tick no torque has changed.
+        let is_expected = self.half == Half::Law && self.ticks > 0;
+        is_expected && !self.values.has_change && plan::tells_change(&self.scene)
+    }
+
     /// Present time, s.
     #[must_use]
     pub fn now_s(&self) -> f64 {

@@ -70,8 +70,7 @@ where
 {
     let timing = &scene.timing;
     let period = timing.period_s();
-    let guard = &scene.law.guard;
-    let measured = guard.on && guard.change == ChangeOfForce::Measured;
+    let measured = tells_change(scene);
     let built = |interval| plant(interval).map_err(|invalid| refused(scene, &invalid));
     let delay = timing.computational_delay_s;
     let mut crossing: Box<dyn Crossing<State = S::State>> = if is_irregular(scene) {
@@ -124,6 +123,15 @@ pub(super) fn parts(scene: &Scene) -> u64 {
         return 2 * u64::from(PARTS.ilog2());
     }
     1 + u64::from(scene.timing.computational_delay_s > 0.0)
+}
+
+/// Whether the plant tells the angle at which the motor's torque changes, and the law needs it: the scene's guard measures it, and
+/// the torque does not change at the sample itself.
+#[must_use]
+pub fn tells_change(scene: &Scene) -> bool {
+    let guard = &scene.law.guard;
+    let is_late = scene.timing.computational_delay_s > 0.0 || is_irregular(scene);
+    guard.on && guard.change == ChangeOfForce::Measured && is_late
 }
 
 /// Whether samples or commands come late by a random time (jitter, latency spread).

@@ -7,7 +7,7 @@ use super::chain::{
     Staged, Stepped,
 };
 use super::crossed::{crossed, crossed_apart, refused, stream};
-pub use super::crossed::{device, hand};
+pub use super::crossed::{device, hand, tells_change};
 use super::mechanics::{Mechanics, Standing};
 use super::settings;
 use super::surroundings::{Surroundings, surrounded};
