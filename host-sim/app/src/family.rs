@@ -102,7 +102,6 @@ impl Options {
         let mut code = ExitCode::SUCCESS;
         for family in families {
             let lost = family.lost - family.lost_beyond_map;
-            let deepest = family.deepest_press.max(family.deepest_touch);
             let mut fails = Vec::new();
             if lost > self.most_lost {
                 fails.push(format!(
@@ -110,10 +109,14 @@ impl Options {
                     self.most_lost
                 ));
             }
-            if let Some(most) = self.deepest.filter(|most| deepest > *most) {
-                fails.push(format!(
+            match (self.deepest, family.deepest()) {
+                (Some(most), Some(deepest)) if deepest > most => fails.push(format!(
                     "the deepest is {deepest:.3}, at most {most} is allowed"
-                ));
+                )),
+                (Some(most), None) => {
+                    fails.push(format!("all are lost, so no depth is at most {most}"))
+                }
+                _ => {}
             }
             if !fails.is_empty() {
                 eprintln!(

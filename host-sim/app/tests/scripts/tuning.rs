@@ -272,6 +272,16 @@ fn on_a_measured_device_a_touch_is_as_hard_as_an_ideal_walls_up_to_ten() {
     }
 }
 
+/// A wall that no variant holds has no depth, so it cannot meet a demand on the depth, however many lost variants are allowed.
+#[test]
+fn a_wall_that_every_variant_loses_meets_no_depth() {
+    let walls = ["scorecard", "--family", "--walls", "20", "--measured"];
+    let law = ["--law", "spring", "--most-lost", "81"];
+    run(&[&walls[..], &law].concat()).ended(0);
+    let said = run(&[&walls[..], &law, &["--deepest", "5"]].concat()).ended(3);
+    assert!(said.err.contains("all are lost"), "{}", said.err);
+}
+
 #[test]
 fn a_certificate_speaks_of_the_grips_first() {
     let said = run(&["certify", "low-stiffness", "--no-margins"]).ended(0);

@@ -344,6 +344,16 @@ pub struct Judged {
     pub touch: Option<f64>,
 }
 
+impl Family {
+    /// The larger of the relative depths of press and touch over the device variants on which the wall is not lost; `None` if it is
+    /// lost on all of them.
+    #[must_use]
+    pub fn deepest(&self) -> Option<f64> {
+        let both = self.deepest_press.zip(self.deepest_touch);
+        both.map(|(press, touch)| press.max(touch))
+    }
+}
+
 impl Judged {
     /// The larger of the relative depths of press and touch; infinite if the wall is lost (press or touch too deep, or stiffness
     /// far off).
@@ -372,10 +382,11 @@ pub struct Family {
     /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
     pub deep: usize,
     /// Deepest press over the device variants on which the wall is not lost, divided by the ideal depth (force over requested
-    /// stiffness).
-    pub deepest_press: f64,
-    /// Deepest light touch over the device variants on which the wall is not lost, divided by the ideal depth of the press.
-    pub deepest_touch: f64,
+    /// stiffness). `None` if the wall is lost on all of them.
+    pub deepest_press: Option<f64>,
+    /// Deepest light touch over the device variants on which the wall is not lost, divided by the ideal depth of the press. `None` if
+    /// the wall is lost on all of them.
+    pub deepest_touch: Option<f64>,
     /// Measures of the light touch over those of an ideal wall, the worst of all variants of a measured device; `None` if the device
     /// was not measured.
     pub touch_over_ideal: Option<TouchRatios>,
@@ -444,7 +455,8 @@ pub fn judge(
             .collect::<Result<_>>()?,
     };
     let lost = |judged: &&Judged| judged.press.is_none();
-    let deepest = |of: fn(&Judged) -> Option<f64>| judged.iter().filter_map(of).fold(0.0, f64::max);
+    let deepest =
+        |of: fn(&Judged) -> Option<f64>| judged.iter().filter_map(of).max_by(f64::total_cmp);
     let mut family = Family {
         law: law.to_owned(),
         devices: around.devices,

@@ -10,11 +10,14 @@ pub fn text(families: &[Family]) -> String {
     let mut text = String::from(
         "law                     devices    k_de  members  lost  beyond map  lost or deep  deepest press  deepest touch\n",
     );
+    let shown = |value: Option<f64>, factor: f64| {
+        value.map_or("lost".to_owned(), |value| format!("{:.3}", factor * value))
+    };
     for it in families {
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<24}{:<9}{:>6}{:>9}{:>6}{:>12}{:>14}{:>15.3}{:>15.3}",
+            "{:<24}{:<9}{:>6}{:>9}{:>6}{:>12}{:>14}{:>15}{:>15}",
             it.law,
             it.devices.name(),
             it.k_desired,
@@ -22,17 +25,14 @@ pub fn text(families: &[Family]) -> String {
             it.lost,
             it.lost_beyond_map,
             it.deep,
-            it.deepest_press,
-            it.deepest_touch
+            shown(it.deepest_press, 1.0),
+            shown(it.deepest_touch, 1.0)
         );
     }
     let _ = writeln!(
         text,
         "lost: held at less than half or more than one and a half of k_de, or deeper than {LOST_DEPTH}; deep: beyond {DEEP}; depths over F/k_de of the press\nbeyond map: T sqrt(k_de/J) beyond what any tuned law was found to hold at that delay\n\nown device, worst of three grips\nlaw                       k_de       Hz  noise °   press   touch  ripple mN·m  at rest mrad  over an ideal wall's: depth  hardness/k_de  extended  first 5 ms"
     );
-    let shown = |value: Option<f64>, factor: f64| {
-        value.map_or("lost".to_owned(), |value| format!("{:.3}", factor * value))
-    };
     for it in families {
         for own in &it.nominal {
             let [depth, hardness, extended, torque] = touch_cells(own.touch.as_ref());

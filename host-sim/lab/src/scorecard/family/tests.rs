@@ -70,7 +70,7 @@ fn the_shipped_wall_keeps_its_family() {
         println!("{k_desired} N·m/rad: {found:?}");
         assert!(found.lost <= most_lost, "{k_desired}: {} lost", found.lost);
         assert_eq!(found.worst.len(), found.lost.max(WORST));
-        let deep = found.deepest_press.max(found.deepest_touch);
+        let deep = found.deepest().expect("a wall that is held");
         assert!(deep <= deepest, "{k_desired}: {deep}");
         for nominal in &found.nominal {
             let ripple = nominal.ripple_rms_n_m.expect("a force");
@@ -149,12 +149,21 @@ fn what_holds_loses_no_member_and_what_does_not_is_named() {
     let soft = judged("spring", 0.1);
     assert_eq!((soft.members, soft.lost), (216, 0));
     // After a press as a step, an undamped spring would be twice as deep as at rest.
-    assert!(soft.deepest_press < 2.0, "{soft:?}");
+    assert!(soft.deepest_press.is_some_and(|it| it < 2.0), "{soft:?}");
     assert!(soft.nominal[0].motion_at_rest_rad.is_some());
     let hard = judged("spring", 20.0);
     assert_eq!(hard.lost, 216);
     assert_eq!(hard.lost_beyond_map, 18);
+    // No variant holds the wall, so there is no depth that a demand could accept.
+    assert_eq!((hard.deepest_press, hard.deepest()), (None, None));
+    assert!(soft.deepest().is_some());
     assert_eq!((soft.worst.len(), hard.worst.len()), (5, 12));
+    let text = text(&[soft, hard]);
+    let lost = text.lines().nth(2).expect("the stiff wall's line");
+    assert!(
+        lost.split_whitespace().rev().take(2).all(|it| it == "lost"),
+        "{lost}"
+    );
     // Of the lost variants the heaviest comes first, because sampling limits it least.
-    assert!(text(&[soft, hard]).contains("2.00 J"));
+    assert!(text.contains("2.00 J"));
 }
