@@ -90,13 +90,19 @@ impl RestPath {
             MotionSpec::Turn(spec) => Shape::Turn(spec.clone()),
             MotionSpec::Recorded(spec) => {
                 let recording = Recording::read(&spec.file)?;
+                let cut = recording.cut_by(&scene.timing);
                 if spec.exact {
                     let held = Held::of(&recording);
                     let shape = Shape::Held(held);
-                    return Ok(RestPath { shape, note: None });
+                    let note = cut.map(|cut| format!("{}: {cut}", recording.shown()));
+                    return Ok(RestPath { shape, note });
                 }
                 let curve = recording.placed(surface, spec);
-                note = Some(recording.note(surface, spec, &curve));
+                let placed = recording.note(surface, spec, &curve);
+                note = Some(match cut {
+                    Some(cut) => format!("{placed}; {cut}"),
+                    None => placed,
+                });
                 Shape::Recorded(curve)
             }
         };
@@ -131,7 +137,8 @@ impl RestPath {
         }
     }
 
-    /// One line for users that says how the recording was placed on the wall and smoothed. `None` for motions without a recording.
+    /// One line for users that says how the recording was placed on the wall and smoothed, and that the run ends before it, if it
+    /// does. `None` for motions without a recording.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }

@@ -6,6 +6,7 @@ use super::column::{Column, cell, cut, find, own_angle, rows};
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
 use crate::input;
+use crate::scene::Timing;
 use crate::scene::operator::Recorded;
 use crate::scene::units::Dimension;
 
@@ -263,6 +264,21 @@ impl Recording {
             .map(|angle| surface_rad + spec.offset_rad + spec.scale * (angle - mean))
             .collect();
         Curve::smooth(&self.times_s, &rest)
+    }
+
+    /// The file's name as the user wrote it, for a note of one line.
+    pub(super) fn shown(&self) -> String {
+        crate::harmless::one_line(&self.file.display().to_string())
+    }
+
+    /// Says that the run ends before the recording; `None` if it plays the whole recording.
+    pub(super) fn cut_by(&self, timing: &Timing) -> Option<String> {
+        let (played_s, length_s) = (timing.duration_s, self.length_s());
+        // A run lasts a whole number of control periods, so its end can be half a period before the recording's.
+        let is_cut = played_s + timing.period_s() < length_s;
+        is_cut.then(|| {
+            format!("the run plays the first {played_s} s: give timing.duration_s = {length_s:.3} for all of it")
+        })
     }
 
     /// Describes in one line, for users, how the recording was placed on the wall and smoothed.
