@@ -33,6 +33,9 @@ pub struct Options {
     csv: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
+    /// Arms the board, which must be calibrated, and switches it off at the end.
+    #[arg(long)]
+    arm: bool,
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
@@ -60,10 +63,16 @@ pub fn main(options: &Options) -> Result<()> {
     };
     let dropped_before = dropped(&mut client)?;
     let decimation = options.decimation;
-    client.tell(&Request::Telemetry { decimation })?;
-    client.forget_telemetry();
     let mut last = None;
-    let watched = watch(&mut client, options, &stop, &mut table, &mut last);
+    let watched = stream::armed(&mut client, options.arm, |client| {
+        client.tell(&Request::Telemetry { decimation })?;
+        client.forget_telemetry();
+        watch(client, options, &stop, &mut table, &mut last)
+    });
+    if options.arm {
+        // The board has confirmed that it is off, or the error says that it may still be on.
+        last = None;
+    }
     if let Some(table) = &mut table {
         table.flush()?;
     }

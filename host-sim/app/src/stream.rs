@@ -4,7 +4,7 @@ use super::out::is_read;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
-use touchstone_protocol::{Request, Telemetry};
+use touchstone_protocol::{DeviceCommand, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
 /// Time without telemetry after which a device that should send telemetry counts as disconnected.
@@ -65,4 +65,23 @@ pub fn records(
         }
     }
     Ok(())
+}
+
+/// Runs `work` with the motor on if `arms` is true, and switches the motor off afterwards, after an error as well.
+///
+/// # Errors
+/// The board refused to be armed, did not confirm that it is off, or `work` failed.
+pub fn armed<T>(
+    client: &mut Client,
+    arms: bool,
+    work: impl FnOnce(&mut Client) -> Result<T>,
+) -> Result<T> {
+    if !arms {
+        return work(client);
+    }
+    client.tell(&Request::Command(DeviceCommand::Arm))?;
+    match work(client) {
+        Ok(done) => client.switch_off().map(|_| done),
+        Err(error) => Err(client.left_off(error)),
+    }
 }

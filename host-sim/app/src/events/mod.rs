@@ -64,6 +64,9 @@ pub struct Options {
     /// at which the knob then is gets the stored number.
     #[arg(long, value_name = "FILE", conflicts_with = "position")]
     keep: Option<PathBuf>,
+    /// Arms the board, which must be calibrated, and switches it off at the end.
+    #[arg(long)]
+    arm: bool,
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
@@ -167,9 +170,11 @@ pub fn main(options: &Options) -> Result<()> {
         seconds: options.seconds,
         unread: false,
     };
-    let watched = stream::records(&mut client, until, |client, record| {
-        knob.take(client, &mut lines, record)?;
-        Ok(lines.goes_on())
+    let watched = stream::armed(&mut client, options.arm, |client| {
+        stream::records(client, until, |client, record| {
+            knob.take(client, &mut lines, record)?;
+            Ok(lines.goes_on())
+        })
     });
     // The board gets its own telemetry rate back even if the number cannot be stored.
     let stored = knob.keep();

@@ -126,3 +126,21 @@ fn it_ends_when_nobody_reads_it_any_more() {
     assert!(child.wait().unwrap().success());
     assert!(begun.elapsed().as_secs() < 10);
 }
+
+#[test]
+fn a_board_is_armed_for_as_long_as_it_is_watched() {
+    for command in [
+        &["monitor", "--arm", "--seconds", "0.4"][..],
+        &["events", "--arm", "--pitch", "10", "--seconds", "0.4"],
+    ] {
+        let device = Fake::new();
+        device
+            .run(command)
+            .failed(1, &["state `boot`", "touchstone device calibrate"]);
+        device.run(&["device", "calibrate"]).done();
+        let said = device.run(command).done();
+        assert!(said.contains("armed"), "{said}");
+        let status = device.run(&["device", "status"]).done();
+        assert!(status.contains("state     ready"), "{status}");
+    }
+}
