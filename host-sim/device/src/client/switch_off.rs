@@ -25,13 +25,13 @@ impl Client {
                     None => return Ok(done),
                     Some((command, words)) => {
                         done = Some(words);
-                        self.post(&Request::Command(command))?;
+                        self.post_off(command)?;
                     }
                 },
                 // `Stop` switches the device off in every state. A device that was off already then needs a calibration before
                 // the next arming.
                 Ok(_) => {
-                    self.post(&Request::Command(DeviceCommand::Stop))?;
+                    self.post_off(DeviceCommand::Stop)?;
                 }
                 Err(error) => return Err(self.may_be_on(&error.to_string())),
             }
@@ -69,6 +69,14 @@ impl Client {
         }
     }
 
+    /// Sends a command that switches the device off, without waiting for its answer.
+    fn post_off(&mut self, command: DeviceCommand) -> Result<()> {
+        match self.post(&Request::Command(command)) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(self.may_be_on(&error.to_string())),
+        }
+    }
+
     fn may_be_on(&self, why: &str) -> Error {
         self.wrong(
             format!("{MAY_BE_ON}: {why}"),
@@ -99,7 +107,7 @@ mod tests {
     use touchstone_protocol::{
         DeviceCommand, FromDevice, Phase, Refusal, Reply, Request, Status, ToDevice,
     };
-    use touchstone_sim::error::Result;
+    use touchstone_sim::error::{Error, Result};
 
     /// A simulated device behind a link that loses or damages frames at random. A seed gives the random numbers.
     struct Link {
@@ -110,6 +118,8 @@ mod tests {
         lost: [u64; 2],
         decoder: Decoder,
         answers: VecDeque<u8>,
+        /// Number of requests that can be written before writing fails, as after a pulled cable.
+        writes: usize,
     }
 
     impl Link {
@@ -167,6 +177,10 @@ mod tests {
         }
 
         fn send(&mut self, bytes: &[u8]) -> Result<()> {
+            self.writes = self
+                .writes
+                .checked_sub(1)
+                .ok_or_else(|| Error::device("test", "the cable was pulled", "plug it in"))?;
             let mut bytes = bytes.to_vec();
             match self.draw() {
                 drawn if drawn < self.lost[0] / 2 => return Ok(()),
@@ -190,6 +204,15 @@ mod tests {
     }
 
     fn client(seed: u64, lost: [u64; 2], begun: Phase) -> (Client, Arc<Mutex<Phase>>) {
+        client_that_writes(usize::MAX, seed, lost, begun)
+    }
+
+    fn client_that_writes(
+        writes: usize,
+        seed: u64,
+        lost: [u64; 2],
+        begun: Phase,
+    ) -> (Client, Arc<Mutex<Phase>>) {
         let phase = Arc::new(Mutex::new(begun));
         let link = Link {
             phase: Arc::clone(&phase),
@@ -197,6 +220,7 @@ mod tests {
             lost,
             decoder: Decoder::new(),
             answers: VecDeque::new(),
+            writes,
         };
         let client = Client {
             transport: Box::new(link),
@@ -254,6 +278,18 @@ mod tests {
         let error = client.switch_off().expect_err("no answer came");
         assert!(error.to_string().contains(MAY_BE_ON), "{error}");
         assert!(is_off(&phase));
+    }
+
+    /// Lets the cable be pulled after the question for the status, once with an answer to it and once without.
+    #[test]
+    fn a_command_that_cannot_be_written_says_that_the_device_may_be_on() {
+        for lost in [[0, 0], [0, 100]] {
+            let (mut client, _) = client_that_writes(1, 7, lost, Phase::Armed);
+            let error = client.switch_off().expect_err("the cable was pulled");
+            let said = error.to_string();
+            assert_eq!(said.matches(MAY_BE_ON).count(), 1, "{said}");
+            assert!(said.contains("the cable was pulled"), "{said}");
+        }
     }
 
     #[test]
