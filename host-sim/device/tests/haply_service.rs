@@ -107,6 +107,9 @@ fn a_force_that_nothing_ends_is_said() {
         unconfirmed += u32::from(report.ending == Ending::Asked && report.release.is_err());
     }
     assert!(unconfirmed > 0, "the service was there to the end");
+    // A service that falls silent under a force ends the run with a fault, and the release must not count as confirmed either.
+    let report = played(&Service::new("3.5.1", Wrong::Silent, 250)).unwrap();
+    assert!(report.release.is_err(), "{report:?}");
 }
 
 /// Checks that messages without a device state do not delay the end of the servo loop.

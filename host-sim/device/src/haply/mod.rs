@@ -160,8 +160,10 @@ impl Inverse3 {
     /// Waits for the next device state.
     fn state(&mut self) -> Result<CursorState, HapticFault> {
         let state = self.next_state();
-        self.broken |= state.is_err();
-        self.unanswered = self.unanswered.saturating_sub(1);
+        match &state {
+            Ok(_) => self.unanswered = self.unanswered.saturating_sub(1),
+            Err(_) => self.broken = true,
+        }
         state
     }
 
@@ -204,7 +206,12 @@ impl Inverse3 {
         while self.unanswered > 0 && !self.broken {
             self.state()?;
         }
-        Ok(())
+        match self.unanswered {
+            0 => Ok(()),
+            _ => Err(lost("confirming the release")(
+                "no device state followed the command that ends the force".into(),
+            )),
+        }
     }
 
     /// Discards old device states, which arrived while the program did not read any.
