@@ -67,13 +67,15 @@ fn both_generations_get_a_force_for_every_state_and_none_at_the_end() {
 fn whatever_goes_wrong_ends_with_no_force() {
     let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));
     let off = |fault: &HapticFault| matches!(fault, HapticFault::SwitchedOff(_));
+    let unpowered = |fault: &HapticFault| matches!(fault, HapticFault::Unusable(why, _) if why == "it has no supply");
     type Row = (Wrong, fn(&HapticFault) -> bool, bool);
-    let rows: [Row; 5] = [
+    let rows: [Row; 6] = [
         (Wrong::Gone, lost, false),
         (Wrong::Silent, lost, true),
         (Wrong::Unlisted, lost, true),
         (Wrong::NoNumber, lost, true),
         (Wrong::NotReady, off, true),
+        (Wrong::NoSupply, unpowered, true),
     ];
     for (wrong, expected, reachable) in rows {
         let service = Service::new("3.5.1", wrong, 250);
@@ -156,6 +158,10 @@ fn what_cannot_be_used_is_said() {
         fault.to_string().contains("049D is not calibrated"),
         "{fault}"
     );
+    let service = Service::new("3.5.1", Wrong::NoSupply, 0);
+    let fault = Inverse3::connect(&service.address).expect_err("no supply");
+    assert!(fault.to_string().contains("049D has no supply"), "{fault}");
+    assert!(fault.fix().contains("switch its supply on"), "{fault}");
     let service = Service::new("unknown", Wrong::Nothing, 0);
     let fault = Inverse3::connect(&service.address).expect_err("no version");
     assert!(fault.to_string().contains("says no version"), "{fault}");

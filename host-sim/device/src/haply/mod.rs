@@ -85,7 +85,7 @@ impl Inverse3 {
     /// Connects to the service's first Inverse3. Measures the rate at which the service sends states, while commanding no force.
     ///
     /// # Errors
-    /// No service, no device, or a device that is not calibrated.
+    /// No service, no device, or a device without supply or that is not calibrated.
     pub fn connect(service: &str) -> Result<Self, HapticFault> {
         let version = version(service)?;
         let generation = Generation::of(&version).map_err(|why| {
@@ -135,6 +135,12 @@ impl Inverse3 {
     /// Reads the first device states, from which follow the device's name, whether it is calibrated, and the rate of the states.
     fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
         let first = self.state()?;
+        if !first.standing.powered {
+            return Err(HapticFault::Unusable(
+                format!("Inverse3 {} has no supply", one_line(&first.device)),
+                "switch its supply on, then start again".into(),
+            ));
+        }
         if !first.standing.calibrated {
             return Err(HapticFault::Unusable(
                 format!("Inverse3 {} is not calibrated", one_line(&first.device)),

@@ -224,10 +224,17 @@ fn looped<D: HapticDevice>(
         report.speed_max_m_per_s = report.speed_max_m_per_s.max(speed.take(at));
         if number % standing_ticks == 0 {
             let standing = device.standing()?;
+            // Without supply the motors are off too, so the supply is checked first: it is the cause to remove.
+            if !standing.powered {
+                return Err(HapticFault::Unusable(
+                    "it has no supply".into(),
+                    "switch its supply on, then start again".into(),
+                ));
+            }
             if let Some(cause) = standing.switched_off {
                 return Err(HapticFault::SwitchedOff(cause));
             }
-            if !standing.powered || !standing.motors_on {
+            if !standing.motors_on {
                 return Err(HapticFault::SwitchedOff(crate::haptic::SwitchOff::Software));
             }
         }

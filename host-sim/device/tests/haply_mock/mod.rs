@@ -23,6 +23,7 @@ pub enum Wrong {
     Unlisted,
     NoNumber,
     NotReady,
+    NoSupply,
     Uncalibrated,
 }
 
@@ -143,7 +144,7 @@ fn served(stream: TcpStream, version: &str, wrong: Wrong, at: u32, told: &Sender
         let state = serde_json::json!({ "session_id": 1, "inverse3": [{
             "device_id": id,
             "state": { "cursor_position": { "x": x, "y": y, "z": z }, "mode": "idle" },
-            "status": { "calibrated": now != Wrong::Uncalibrated, "ready": now != Wrong::NotReady, "power_supply": true },
+            "status": { "calibrated": now != Wrong::Uncalibrated, "ready": now != Wrong::NotReady && now != Wrong::NoSupply, "power_supply": now != Wrong::NoSupply },
         }] });
         match now {
             Wrong::Gone => break,
