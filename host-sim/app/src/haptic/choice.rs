@@ -3,7 +3,9 @@
 use clap::ValueEnum;
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchstone_device::haptic::{FALCON_RATE_HZ, HapticDevice, Rest, SimulatedArm, SimulatedDelta};
+use touchstone_device::haptic::{
+    FALCON_RATE_HZ, HapticDevice, HapticFault, Rest, SimulatedArm, SimulatedDelta,
+};
 use touchstone_device::{Inverse3, Omega3, SERVICE, Survey};
 use touchstone_dhd::{Dhd, LibrarySearch};
 use touchstone_lab::scorecard::in_turn::DeedsInTurn;
@@ -213,16 +215,17 @@ impl WhichDevice {
         }
     }
 
-    /// Opens the first real device: the omega.3 if its library is installed, else the Inverse3 if its service runs.
+    /// Opens the first real device: the omega.3 if its library is installed, else the Inverse3 if its service runs. If the service
+    /// runs but the Inverse3 cannot be used, the error is the Inverse3's: its user does not need the omega.3's library.
     fn first(&self) -> Result<Box<dyn HapticDevice>> {
         let missing = match self.omega3() {
             Ok((omega, _)) => return Ok(Box::new(omega)),
             Err(missing) => missing,
         };
-        match (self.inverse3(), missing) {
+        match (Inverse3::connect(self.service()), missing) {
             (Ok(inverse), _) => Ok(Box::new(inverse)),
             (
-                Err(_),
+                Err(HapticFault::NoService(_)),
                 Error::Device {
                     place,
                     problem,
@@ -233,13 +236,18 @@ impl WhichDevice {
                 problem: format!("{problem}; nor is there a service of an Inverse3"),
                 fix: format!("{fix}; without a device: --device simulated"),
             }),
-            (Err(_), other) => Err(other),
+            (Err(HapticFault::NoService(_)), other) => Err(other),
+            (Err(fault), _) => Err(fault.at("Inverse3")),
         }
     }
 
+    /// Address of the Inverse3's service.
+    fn service(&self) -> &str {
+        self.haply.as_deref().unwrap_or(SERVICE)
+    }
+
     fn inverse3(&self) -> Result<Inverse3> {
-        let service = self.haply.as_deref().unwrap_or(SERVICE);
-        Inverse3::connect(service).map_err(|fault| fault.at("Inverse3"))
+        Inverse3::connect(self.service()).map_err(|fault| fault.at("Inverse3"))
     }
 
     /// Opens the omega.3, with its motors off.
@@ -267,5 +275,41 @@ impl WhichDevice {
             Some(name) => arm.named(name),
             None => arm,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
+
+    /// The error without a library of the omega.3, with this address of the Inverse3's service.
+    fn said(service: String) -> String {
+        let which = WhichDevice {
+            library: Some("/nowhere/libdrd.so".into()),
+            haply: Some(service),
+            ..WhichDevice::default()
+        };
+        which.first().err().expect("no device").to_string()
+    }
+
+    #[test]
+    fn an_inverse3_that_cannot_be_used_says_why_itself() {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let service = listener.local_addr().expect("bound").to_string();
+        let server = std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().expect("the program connects");
+            let _ = stream.read(&mut [0; 1024]);
+            let _ = stream.write_all(b"HTTP/1.1 200 OK\r\n\r\n{\"version\":\"2.1.0\"}");
+        });
+        let present = said(service.clone());
+        server.join().expect("it answered");
+        assert!(present.contains("only 3 is known"), "{present}");
+        assert!(!present.contains("libdrd"), "{present}");
+        // The listener is gone, so nothing answers at this address any more.
+        let absent = said(service);
+        assert!(absent.contains("/nowhere/libdrd.so"), "{absent}");
+        assert!(absent.contains("nor is there a service"), "{absent}");
     }
 }

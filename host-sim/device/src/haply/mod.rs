@@ -54,10 +54,7 @@ fn lost(call: &'static str) -> impl Fn(String) -> HapticFault {
 }
 
 fn absent(service: &str, why: &std::io::Error) -> HapticFault {
-    HapticFault::Unusable(
-        format!("no service at {service}: {why}"),
-        "start Haply's service, or give its place by --haply HOST:PORT".into(),
-    )
+    HapticFault::NoService(format!("{service}: {why}"))
 }
 
 /// Opens a TCP connection to the service whose reads and writes have a time limit.
@@ -207,7 +204,8 @@ impl Inverse3 {
     }
 
     /// Waits for one state for each command that has had none. The last command ends the force, which may still act until the
-    /// state that follows this command arrives.
+    /// state that follows this command arrives. After a failed read or write nothing is awaited: the connection may never answer
+    /// again, and the end of the force counts as not confirmed.
     fn confirmed(&mut self) -> Result<(), HapticFault> {
         while self.unanswered > 0 && !self.broken {
             self.state()?;

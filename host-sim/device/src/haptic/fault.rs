@@ -45,6 +45,8 @@ pub enum HapticFault {
     HeldElsewhere,
     /// The device is present but cannot be used. Holds the reason and the advice.
     Unusable(String, String),
+    /// No program answers where the device's service should be. Holds the service's address and the reason.
+    NoService(String),
     /// The device switched its motors off without a command.
     SwitchedOff(SwitchOff),
     /// No new position arrived for this time, s.
@@ -69,6 +71,7 @@ impl fmt::Display for HapticFault {
             Self::Lost(call, said) => write!(f, "{call} failed: {said}"),
             Self::HeldElsewhere => write!(f, "another program holds it"),
             Self::Unusable(why, _) => f.write_str(why),
+            Self::NoService(why) => write!(f, "no service at {why}"),
             Self::SwitchedOff(cause) => write!(f, "it switched its motors off: {cause}"),
             Self::Stale(seconds) => {
                 write!(f, "it sent no new position for {:.1} ms", seconds * 1e3)
@@ -96,6 +99,7 @@ impl HapticFault {
             Self::Lost(..) => "check its supply and its USB cable, then start again",
             Self::HeldElsewhere => "end the other program",
             Self::Unusable(_, fix) => fix,
+            Self::NoService(_) => "start Haply's service, or give its place by --haply HOST:PORT",
             Self::SwitchedOff(_) => {
                 "press its force button if it has one; see docs/devices.md#faults"
             }
