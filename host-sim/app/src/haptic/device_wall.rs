@@ -85,24 +85,33 @@ struct ChosenLaw {
     caution: Option<String>,
 }
 
+/// Control rate for a device, Hz: the one that `--rate-hz` gives, or else the device's fastest.
+///
+/// # Errors
+/// A control rate that the device does not have.
+pub fn control_rate_hz(given_hz: Option<u32>, sheet: &DataSheet) -> Result<u32> {
+    let (slowest, fastest) = sheet.rates_hz;
+    let rate_hz = given_hz.unwrap_or(fastest);
+    match (slowest..=fastest).contains(&rate_hz) {
+        true => Ok(rate_hz),
+        false => Err(Error::Option {
+            option: "--rate-hz".into(),
+            problem: format!(
+                "{} does {slowest} to {fastest} Hz, not {rate_hz}",
+                sheet.name
+            ),
+            fix: "give one of these".into(),
+        }),
+    }
+}
+
 impl WallOptions {
     /// Chooses the wall for a device.
     ///
     /// # Errors
     /// A control rate or preset that the device does not have; a settings file that cannot be read or used.
     pub fn chosen(&self, sheet: &DataSheet) -> Result<ChosenWall> {
-        let rate_hz = self.rate_hz.unwrap_or(sheet.rates_hz.1);
-        let (slowest, fastest) = sheet.rates_hz;
-        if !(slowest..=fastest).contains(&rate_hz) {
-            return Err(Error::Option {
-                option: "--rate-hz".into(),
-                problem: format!(
-                    "{} does {slowest} to {fastest} Hz, not {rate_hz}",
-                    sheet.name
-                ),
-                fix: "give one of these".into(),
-            });
-        }
+        let rate_hz = control_rate_hz(self.rate_hz, sheet)?;
         let force_n = self
             .force_limit_n
             .unwrap_or(sheet.force_n)

@@ -1,6 +1,7 @@
 //! `touchstone device identify`: measures mass, damping and friction of each axis by small motions.
 
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
+use super::device_wall::control_rate_hz;
 use crate::out::{self, say, tell};
 use crate::whole::{Named, Overwrite};
 use crate::{interrupt, number};
@@ -77,7 +78,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         .unwrap_or(kind.map_or(4000, HapticKind::own_rate_hz));
     let mut device = options.which.open(SimulatedHand::Nobody(simulated_hz))?;
     let sheet = device.sheet().clone();
-    let rate_hz = options.rate_hz.unwrap_or(sheet.rates_hz.1);
+    let rate_hz = control_rate_hz(options.rate_hz, &sheet)?;
     let mut law = MovedAbout::new(SmallMotions {
         rate_hz,
         axis_s: options.axis_s,

@@ -267,6 +267,10 @@ fn what_does_not_go_together_is_refused() {
             "device run plane --device simulated --preset tuned --rate-hz 1750",
             "there is no tuned law",
         ),
+        (
+            "device identify --device simulated --fast --rate-hz 8000",
+            "1000 to 4000 Hz, not 8000",
+        ),
     ] {
         let out = common::run_in(&folder, arguments.split(' '));
         let said = String::from_utf8_lossy(&out.stderr).into_owned();
