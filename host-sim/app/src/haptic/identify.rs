@@ -2,6 +2,7 @@
 
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use super::device_wall::control_rate_hz;
+use super::ended::ended;
 use crate::out::{self, say, tell};
 use crate::whole::{Named, Overwrite};
 use crate::{interrupt, number};
@@ -10,7 +11,7 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use touchstone_device::haptic::HapticDevice;
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, RealTime, ServoLimits, SimulatedPace, play, real_time,
+    DevicePace, Pace, RealTime, ServoLimits, SimulatedPace, play, real_time,
 };
 use touchstone_device::{MovedAbout, SmallMotions, Survey};
 use touchstone_lab::identify::axis::{self, AxisMechanics};
@@ -117,10 +118,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
             tick.number + 1 < ticks && !stop.load(Ordering::Relaxed)
         },
     );
-    if let Ending::Fault(fault) = &report.ending {
-        return Err(fault.at(&sheet.name));
-    }
-    report.release.map_err(|fault| fault.at(&sheet.name))?;
+    ended(&report.ending, &report.release, &sheet.name)?;
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(interrupt::INTERRUPTED as u8));
     }

@@ -3,6 +3,7 @@
 mod account;
 mod choice;
 mod device_wall;
+mod ended;
 mod identify;
 mod run;
 mod scorecard;

@@ -3,6 +3,7 @@
 use super::account::Account;
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use super::device_wall::{ChosenWall, WallOptions};
+use super::ended::ended;
 use super::scorecard::{self, HandProgramme, PressedGrip};
 use super::trace::DeviceTrace;
 use crate::out::{note, path_line, tell};
@@ -17,7 +18,7 @@ use std::time::Instant;
 use touchstone_control::Choice;
 use touchstone_device::haptic::HapticDevice;
 use touchstone_device::servo::{
-    DevicePace, Ending, Pace, RealTime, ServoLimits, ServoTick, SimulatedPace, play, real_time,
+    DevicePace, Pace, RealTime, ServoLimits, ServoTick, SimulatedPace, play, real_time,
 };
 use touchstone_device::{DeviceWall, Obstacle};
 use touchstone_lab::thesis::space::Object;
@@ -259,9 +260,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         !over && !stop.load(Ordering::Relaxed)
     };
     let report = play(&mut device, &mut wall, &limits, rate_hz, &mut *pace, more);
-    if let Some(place) = csv {
-        trace.write(&place, rate_hz)?;
-    }
+    // Errors of files and of the output are returned after those of the device: that its motors may still be on is more urgent.
+    let recorded = csv.map_or(Ok(()), |place| trace.write(&place, rate_hz));
     let card = kept.then(|| {
         let run = scorecard::PlayedOnDevice {
             sheet: &sheet,
@@ -283,14 +283,15 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         card: card.as_ref(),
     };
     let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
-    account.tell()?;
-    if let (Some(folder), Some(card)) = (&options.scored.out, &card) {
-        scorecard::write(&account, card, &command, folder, options.scored.force)?;
-    }
-    if let Ending::Fault(fault) = &report.ending {
-        return Err(fault.at(&sheet.name));
-    }
-    report.release.map_err(|fault| fault.at(&sheet.name))?;
+    let told = account.tell();
+    let written = match (&options.scored.out, &card) {
+        (Some(folder), Some(card)) => {
+            scorecard::write(&account, card, &command, folder, options.scored.force)
+        }
+        _ => Ok(()),
+    };
+    ended(&report.ending, &report.release, &sheet.name)?;
+    recorded.and(told).and(written)?;
     Ok(match interrupted {
         true => ExitCode::from(interrupt::INTERRUPTED as u8),
         false => ExitCode::SUCCESS,

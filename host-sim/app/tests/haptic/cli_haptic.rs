@@ -21,11 +21,11 @@ fn program(folder: &Path, plan: &str, arguments: &[&str]) -> Command {
     command
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-fn ran(folder: &Path, plan: &str, arguments: &[&str]) -> Output {
+pub fn ran(folder: &Path, plan: &str, arguments: &[&str]) -> Output {
     program(folder, plan, arguments).output().unwrap()
 }
 
@@ -36,7 +36,7 @@ fn done(output: &Output) -> String {
 }
 
 #[track_caller]
-fn failed(output: &Output, code: i32, parts: &[&str]) {
+pub fn failed(output: &Output, code: i32, parts: &[&str]) {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{said}");
     assert_eq!(said.lines().count(), 1, "one line: {said}");

@@ -6,3 +6,4 @@ mod common;
 
 mod cli_device_scorecard;
 mod cli_haptic;
+mod cli_haptic_ends;
