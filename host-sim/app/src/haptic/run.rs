@@ -282,7 +282,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         report: &report,
         card: card.as_ref(),
     };
-    let interrupted = stop.load(Ordering::Relaxed) && options.seconds.is_some();
+    // A run without an end of its own is always ended by Ctrl-C, so only one with an end counts as interrupted.
+    let interrupted = stop.load(Ordering::Relaxed) && seconds.is_some();
     let told = account.tell();
     let written = match (&options.scored.out, &card) {
         (Some(folder), Some(card)) => {

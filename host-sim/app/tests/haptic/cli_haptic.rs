@@ -9,7 +9,7 @@ use touchstone_mock_dhd::door::built;
 use crate::common;
 
 /// The program's command with the mock in place of the driver library; `plan` lists the faults that the mock produces.
-fn program(folder: &Path, plan: &str, arguments: &[&str]) -> Command {
+pub fn program(folder: &Path, plan: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
     command
         .args(arguments)
@@ -305,7 +305,7 @@ fn started(folder: &Path, seconds: &[&str]) -> Child {
     child
 }
 
-fn interrupt(child: &Child, signal: &str) {
+pub fn interrupt(child: &Child, signal: &str) {
     let number = child.id().to_string();
     assert!(
         Command::new("kill")

@@ -1,7 +1,10 @@
-//! Tests of what a run on a haptic device says at its end: a release that failed.
+//! Tests of what a run on a haptic device says at its end: a release that failed, a scorecard that was interrupted.
 
-use crate::cli_haptic::{failed, ran, text};
+use crate::cli_haptic::{failed, interrupt, program, ran, text};
 use crate::common;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+use std::time::Duration;
 
 /// Checks that a failed release is told even if the run also ended with a fault and the summary is not printed.
 #[test]
@@ -22,4 +25,24 @@ fn a_release_that_fails_after_a_fault_is_told() {
             "; switch its supply off; then check its supply",
         ],
     );
+}
+
+/// Checks that an interrupted scorecard, which lacks figures, does not pass for a complete one.
+#[test]
+fn an_interrupted_scorecard_ends_with_the_code_of_an_interrupt() {
+    let folder = common::folder("haptic-interrupted-scorecard");
+    let run = "device run plane --device simulated --programme scorecard --late-limit-ms 1000";
+    let run: Vec<&str> = run.split(' ').collect();
+    let mut child = program(&folder, "", &run)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap().starts_with("wall")));
+    std::thread::sleep(Duration::from_millis(900));
+    interrupt(&child, "-INT");
+    assert!(lines.any(|line| line.unwrap() == "released  yes"));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
 }
