@@ -22,8 +22,9 @@ mod form;
 
 pub use form::*;
 
-/// Layout version without an environment (further walls, end stops, detents), which boards without room for one write.
-const WALL_ALONE: u16 = 9;
+/// Layout version without an environment (further walls, end stops, detents), which boards without room for one write. The rule
+/// for a new number is that of [`LAYOUT_VERSION`]. 9 and 10 are used up: several layouts had them.
+const WALL_ALONE: u16 = 11;
 
 /// Longest image of the settings in flash, in bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + form::BESIDE_MAX + CRC_BYTES;
@@ -96,5 +97,44 @@ pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -
         None => Start::defaults(defaults, None),
         Some(Err(refused)) => Start::defaults(defaults, Some(refused)),
         Some(Ok(start)) => start,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Board;
+
+    /// The number of the layout, and the length and CRC-32 of what is stored in it. If this differs from what a test expects, raise
+    /// the number as [`LAYOUT_VERSION`] says and enter the new values.
+    pub(super) fn pinned(version: u16, content: &[u8]) -> (u16, usize, u32) {
+        (version, content.len(), crc_of(content))
+    }
+
+    #[test]
+    fn the_settings_are_stored_as_their_layout_version_says() {
+        let mut buffer = [0; IMAGE_MAX];
+        let settings = DeviceSettings::defaults(Board::NucleoG474re);
+        let content = postcard::to_slice(&settings, &mut buffer).expect("room");
+        assert_eq!(pinned(WALL_ALONE, content), (11, 257, 0xc184_f19b));
+    }
+
+    /// Checks that an image of a number that several layouts had is not read as a damaged one.
+    #[test]
+    fn a_layout_of_another_number_is_refused_as_such() {
+        let mut buffer = [0; IMAGE_MAX];
+        let settings = DeviceSettings::defaults(Board::NucleoG474re);
+        let length = encode(&settings, &mut buffer).expect("room").len();
+        for version in [9_u16, 10] {
+            let (signed, sum) = buffer[..length]
+                .split_last_chunk_mut::<CRC_BYTES>()
+                .expect("a CRC");
+            signed[..VERSION_BYTES].copy_from_slice(&version.to_le_bytes());
+            *sum = crc_of(signed).to_le_bytes();
+            assert_eq!(
+                decode(&buffer[..length], &|_| Ok(())),
+                Err(Refused::OtherLayout(version))
+            );
+        }
     }
 }

@@ -8,8 +8,10 @@ use crate::settings::cogging::{COGGING_MAX, KeptCogging};
 use crate::settings::environment::{ENVIRONMENT_MAX, Surround};
 use crate::settings::kept::{KEPT_MAX, KeptStart};
 
-/// Version of the layout. It must rise when the fields of [`DeviceSettings`], their order or their meaning change.
-pub const LAYOUT_VERSION: u16 = 10;
+/// Version of the layout. It must get a number that no layout had before when the fields of a stored type, their order, their types
+/// or their meaning change: [`DeviceSettings`], [`Surround`] with its parts, [`KeptStart`] or [`KeptCogging`]. Otherwise a board
+/// takes what it stored for damaged. A change of [`DeviceSettings`] also needs a new number for `WALL_ALONE` in `stored.rs`.
+pub const LAYOUT_VERSION: u16 = 12;
 
 /// Most bytes that are stored beside the settings.
 pub(super) const BESIDE_MAX: usize = ENVIRONMENT_MAX + KEPT_MAX + COGGING_MAX;
@@ -115,10 +117,106 @@ pub(super) fn read(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::environment::DetentsBeside;
+    use crate::settings::cogging::{CoggingHarmonic, CoggingMap};
+    use crate::settings::environment::{
+        DetentsBeside, Points, ProfileBeside, TravelEnds, WallBeside,
+    };
+    use crate::settings::kept::{KeptAlignment, MeasuredWith};
+    use crate::settings::parts::Parts;
+    use crate::stored::tests::pinned;
     use crate::stored::{IMAGE_MAX, start};
     use crate::{Board, Decimal};
     use touchstone_control::Si;
+    use touchstone_control::environment::{
+        CentreSettings, ClickSettings, DrySettings, FeelSettings, InertiaSettings, Shape, Spacing,
+        ViscousSettings,
+    };
+
+    /// An environment with every part.
+    fn every_part() -> Surround {
+        let number = |whole: i32| Decimal(Si::from_num(whole));
+        let part = |whole: i32| Si::from_num(whole);
+        Surround {
+            first_wall: false,
+            further: [Some(WallBeside {
+                at_rad: number(1),
+                below: true,
+                stiffness_n_m_per_rad: Some(number(2)),
+            }); 3],
+            endstops: Some(TravelEnds {
+                lower_rad: number(-1),
+                upper_rad: number(3),
+                stiffness_n_m_per_rad: Some(number(4)),
+            }),
+            detents: Some(DetentsBeside {
+                per_rev: 24,
+                pitch_rad: number(5),
+                strength_n_m: number(6),
+                centre_rad: number(7),
+            }),
+            change_n_m_per_s: number(8),
+            profile: Some(ProfileBeside {
+                per_rev: 300,
+                start_rad: number(9),
+                end_rad: number(10),
+                strength_n_m: number(11),
+                shape: Points(Shape::new(&[0, 100, -100]).expect("a shape")),
+            }),
+            parts: Parts(FeelSettings {
+                spring: Some(CentreSettings {
+                    centre: part(12),
+                    stiffness: part(13),
+                    strength: part(14),
+                }),
+                viscous: Some(ViscousSettings {
+                    damping: part(15),
+                    bandwidth_hz: part(16),
+                }),
+                dry: Some(DrySettings {
+                    strength: part(17),
+                    stretch: part(18),
+                }),
+                click: Some(ClickSettings {
+                    spacing: Spacing::PerTurn(12),
+                    centre: part(19),
+                    strength: part(20),
+                    duration_s: part(21),
+                }),
+                inertia: Some(InertiaSettings {
+                    inertia: part(22),
+                    bandwidth_hz: part(23),
+                }),
+            }),
+        }
+    }
+
+    #[test]
+    fn everything_is_stored_as_the_layout_version_says() {
+        let board = Board::NucleoG474re;
+        let settings = DeviceSettings::defaults(board);
+        let kept = KeptStart {
+            alignment: Some(KeptAlignment::new(1000, true, &settings, board)),
+            autostart: true,
+        };
+        let harmonic = CoggingHarmonic {
+            order: 6,
+            cos: 300,
+            sin: -7,
+        };
+        let cogging = KeptCogging {
+            with: MeasuredWith::new(&settings, board),
+            map: CoggingMap {
+                harmonics: [harmonic].into_iter().collect(),
+            },
+        };
+        let mut buffer = [0; IMAGE_MAX];
+        let image = encode(&settings, &mut buffer).expect("room");
+        let (version, stored) = content(image).expect("undamaged");
+        assert_eq!(pinned(version, stored), (12, 277, 0x30f4_6c3e));
+        let image = encode_with(&settings, &every_part(), &kept, Some(&cogging), &mut buffer);
+        let (version, stored) = content(image.expect("room")).expect("undamaged");
+        assert_eq!(pinned(version, stored), (12, 472, 0xa7b9_13f1));
+    }
 
     #[test]
     fn a_stored_environment_that_is_not_valid_means_defaults_and_says_so() {

@@ -3,7 +3,8 @@
 use super::{Check, Refused, WALL_ALONE, content, sealed};
 use crate::settings::DeviceSettings;
 
-/// Version of the layout. It must rise when the fields of [`DeviceSettings`], their order or their meaning change.
+/// Version of the layout. It must get a number that no layout had before when the fields of [`DeviceSettings`], their order, their
+/// types or their meaning change; `large.rs` then needs one too. Otherwise a board takes its stored settings for damaged ones.
 pub const LAYOUT_VERSION: u16 = WALL_ALONE;
 
 /// Most bytes that are stored beside the settings.

@@ -186,7 +186,7 @@ fn sealed(content: &[u8]) -> Vec<u8> {
 fn the_layout_of_a_board_without_an_environment_is_read_with_nothing_kept() {
     let mut buffer = [0; IMAGE_MAX];
     let content = postcard(&settings(4), &mut buffer);
-    let image = sealed(&[&9_u16.to_le_bytes()[..], &content].concat());
+    let image = sealed(&[&11_u16.to_le_bytes()[..], &content].concat());
     let mut flash = Flash::erased(PAGES);
     let pages = flash.range();
     flash::save(&mut flash, pages, &image).expect("room");
