@@ -64,16 +64,22 @@ fn arduino_and_platformio_are_told_all_that_they_demand() {
 
 #[test]
 fn the_simplefoc_knob_has_a_wall_and_switches_off_when_it_is_too_fast() {
-    Program::cpp(
-        "simplefoc",
-        &[
-            "examples/simplefoc_knob/simplefoc_knob.ino",
-            "tests/stand_in/run_simplefoc_knob.cpp",
-        ],
-    )
-    .with_headers("tests/stand_in")
-    .with(&SANITIZERS)
-    .said(&[]);
+    for (name, direction) in [
+        ("simplefoc", "-DSENSOR_DIRECTION=1"),
+        ("simplefoc-reversed", "-DSENSOR_DIRECTION=-1"),
+    ] {
+        Program::cpp(
+            name,
+            &[
+                "examples/simplefoc_knob/simplefoc_knob.ino",
+                "tests/stand_in/run_simplefoc_knob.cpp",
+            ],
+        )
+        .with_headers("tests/stand_in")
+        .with(&SANITIZERS)
+        .with(&[direction])
+        .said(&[]);
+    }
 }
 
 #[test]

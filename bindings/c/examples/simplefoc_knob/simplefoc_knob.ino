@@ -61,7 +61,9 @@ void loop() {
   if ((int32_t)(micros() - next_us) < 0) return;
   next_us += 1000000 / RATE_HZ;
   if (!works) return;
-  int64_t count = (int64_t)floorf(sensor.getAngle() * (COUNTS_PER_REV / 6.2831853f) + 0.5f);
+  /* `move` acts along the motor's shaft, and the sensor may count against it: `initFOC` found out. */
+  float angle_rad = motor.sensor_direction * sensor.getAngle();
+  int64_t count = (int64_t)floorf(angle_rad * (COUNTS_PER_REV / 6.2831853f) + 0.5f);
   ts_force force;
   /* Any other status, such as a knob that is too fast for the guard: the motor is off until somebody resets the board. */
   if (ts_wall_tick(&wall, ts_penetration(count, COUNTS_PER_REV, TS_SI(0.5)), &force) != TS_OK) {

@@ -18,9 +18,11 @@ public:
 };
 enum MotionControlType : uint8_t { torque };
 enum TorqueControlType : uint8_t { voltage };
+enum Direction : int8_t { CW = 1, CCW = -1, UNKNOWN = 0 };
 class BLDCMotor {
 public:
   BLDCMotor(int pole_pairs);
+  Direction sensor_direction = Direction::UNKNOWN;
   MotionControlType controller;
   TorqueControlType torque_controller;
   float voltage_limit;

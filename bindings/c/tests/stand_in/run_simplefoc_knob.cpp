@@ -1,8 +1,12 @@
 // Runs the SimpleFOC example against the stand-in: a hand turns the simulated knob into the wall, holds it and lets go. Prints the number of the
-// first line that fails, and exits with 1.
+// first line that fails, and exits with 1. With SENSOR_DIRECTION = -1 the sensor counts against the motor's shaft.
 #include "SimpleFOC.h"
 #include <cmath>
 #include <cstdio>
+
+#ifndef SENSOR_DIRECTION
+#define SENSOR_DIRECTION 1
+#endif
 
 void setup();
 void loop();
@@ -27,12 +31,13 @@ void BLDCMotor::linkDriver(BLDCDriver3PWM *) {}
 int BLDCMotor::init() { return 1; }
 int BLDCMotor::initFOC() {
   is_started = controller == MotionControlType::torque && torque_controller == TorqueControlType::voltage;
+  sensor_direction = (Direction)SENSOR_DIRECTION;
   return is_started;
 }
 // SimpleFOC reads the sensor here.
 void BLDCMotor::loopFOC() {
   const double count = 6.283185307179586 / 16384;
-  measured_rad = (float)(std::floor(angle_rad / count + 0.5) * count);
+  measured_rad = (float)(std::floor(SENSOR_DIRECTION * angle_rad / count + 0.5) * count);
 }
 void BLDCMotor::move(float target) {
   applied_v = is_off ? 0.0 : target;
