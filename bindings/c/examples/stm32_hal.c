@@ -23,7 +23,8 @@ static float command(float torque_n_m) {
   return (float)steps * (FULL_SCALE_N_M / 2047.0f);
 }
 
-/* Starts the guard and the timer. Call it once, after the HAL's own set-up. Returns 0, or -1 if a setting is refused. */
+/* Starts encoder, motor driver's input, guard and timer; the set-up that CubeMX makes starts none of them. Without a counting encoder the guard would
+ * see no motion and limit nothing. Call it once, after that set-up. Returns 0, or -1 if a setting or the HAL refuses. */
 int start_guard(void) {
   ts_guard_config config;
   ts_guard_defaults(&config);
@@ -33,6 +34,7 @@ int start_guard(void) {
   config.damping = TS_SI(0.0004); /* of your device, as measured */
   config.delay = TS_SI(0.0001);
   command(0.0f);
+  if (HAL_TIM_Encoder_Start(&htim3, TIM_CHANNEL_ALL) != HAL_OK || HAL_DAC_Start(&hdac1, DAC_CHANNEL_1) != HAL_OK) return -1;
   last_count = (uint16_t)__HAL_TIM_GET_COUNTER(&htim3);
   if (ts_guard_init(&guard, &config) != TS_OK) return -1;
   return HAL_TIM_Base_Start_IT(&htim6) == HAL_OK ? 0 : -1;

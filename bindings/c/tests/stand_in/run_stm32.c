@@ -21,13 +21,21 @@ DAC_HandleTypeDef hdac1;
 
 static float stiffness; /* N*m/rad; the simulated firmware's law is a spring */
 static uint32_t code;
-static int codes, is_running, is_refused;
+static int codes, is_running, is_refused, is_counting, is_dac_on;
 
 float your_torque(float angle_rad) { return -stiffness * angle_rad; }
 HAL_StatusTypeDef HAL_DAC_SetValue(DAC_HandleTypeDef *dac, uint32_t channel, uint32_t alignment, uint32_t data) {
   code = data;
   codes += dac == &hdac1 && channel == DAC_CHANNEL_1 && alignment == DAC_ALIGN_12B_R && data < 4096u;
   return HAL_OK;
+}
+HAL_StatusTypeDef HAL_DAC_Start(DAC_HandleTypeDef *dac, uint32_t channel) {
+  is_dac_on = dac == &hdac1 && channel == DAC_CHANNEL_1;
+  return is_dac_on ? HAL_OK : HAL_ERROR;
+}
+HAL_StatusTypeDef HAL_TIM_Encoder_Start(TIM_HandleTypeDef *timer, uint32_t channel) {
+  is_counting = timer == &htim3 && channel == TIM_CHANNEL_ALL;
+  return is_counting ? HAL_OK : HAL_ERROR;
 }
 HAL_StatusTypeDef HAL_TIM_Base_Start_IT(TIM_HandleTypeDef *timer) {
   is_running = timer == &htim6 && !is_refused;
@@ -38,9 +46,9 @@ HAL_StatusTypeDef HAL_TIM_Base_Stop_IT(TIM_HandleTypeDef *timer) {
   return HAL_OK;
 }
 
-/* The wheel's 16-bit counter moves by some counts, then the timer fires. */
+/* The wheel's 16-bit counter moves by some counts if it was started, then the timer fires. */
 static void turn(int counts) {
-  registers.CNT = (uint16_t)(registers.CNT + (uint32_t)counts);
+  if (is_counting) registers.CNT = (uint16_t)(registers.CNT + (uint32_t)counts);
   if (is_running) HAL_TIM_PeriodElapsedCallback(&htim6);
 }
 
@@ -57,7 +65,7 @@ int main(void) {
   is_refused = 1;
   IS(start_guard() == -1 && code == 2048);
   is_refused = 0;
-  IS(start_guard() == 0 && is_running);
+  IS(start_guard() == 0 && is_running && is_dac_on);
   stiffness = 1.0f;
   for (int tick = 0; tick < 10; tick++) turn(1);
   /* Ten counts of a 4096th turn out of the centre. The torque is rounded towards none, and the guard is told. */
