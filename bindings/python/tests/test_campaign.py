@@ -40,7 +40,9 @@ def test_scorecards_on_a_cluster_of_dask_are_those_one_by_one(one_by_one):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         with distributed.Client(cluster) as client:
-            assert touchstone.campaign(touchstone.scorecard, CARDS, executor=client) == one_by_one
+            # A client, a function that makes an executor, and one that makes a client.
+            for executor in [client, lambda: client.get_executor(), lambda: distributed.Client(cluster)]:
+                assert touchstone.campaign(touchstone.scorecard, CARDS, executor=executor) == one_by_one
 
 
 def _killed_once(flag, **call):

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 
+import numpy
 import pytest
 import touchstone
 
@@ -24,6 +25,13 @@ def test_a_changed_field_is_a_changed_run():
     assert heavy.summary != touchstone.run("tap").summary
     with pytest.raises(touchstone.Failed, match="trace=True"):
         heavy.trace()
+
+
+def test_numbers_of_numpy_stay_whole_numbers_and_truth_values():
+    plain = touchstone.run("tap", {"timing.rate_hz": 2000, "law.guard.on": True}).summary
+    assert touchstone.run("tap", {"timing.rate_hz": numpy.int64(2000), "law.guard.on": numpy.bool_(True)}).summary == plain
+    scene = {"timing": {"rate_hz": numpy.int64(2000)}, "wall": {"k_desired_n_m_per_rad": numpy.float32(5)}}
+    assert touchstone.run(scene).summary["ticks"] > 0
 
 
 def test_a_mistake_names_place_problem_and_remedy():

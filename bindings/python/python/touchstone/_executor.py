@@ -29,9 +29,10 @@ def compute(
         tasks = missing()
         if not tasks:
             return
-        pool = executor() if makes else executor
+        made = executor() if makes else executor
         # Dask's client has futures of its own type; its executor has those of the standard library.
-        pool = pool.get_executor() if hasattr(pool, "get_executor") else pool
+        pool = made.get_executor() if hasattr(made, "get_executor") else made
+        futures: dict[Any, int] = {}
         try:
             futures = {pool.submit(function, *arguments(task)): task for task in tasks}
             for future in as_completed(futures):
@@ -45,4 +46,9 @@ def compute(
                 raise Failed(f"a worker of the executor was killed: {said()}; call again with a new executor, or give a function that makes one", 1) from broken
         finally:
             if makes:
-                pool.shutdown(wait=True, cancel_futures=True)
+                # Dask's executor cannot cancel them by itself.
+                for future in futures:
+                    future.cancel()
+                pool.shutdown(wait=True)
+                if made is not pool:
+                    made.close()

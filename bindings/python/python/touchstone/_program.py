@@ -15,7 +15,7 @@ import numpy
 
 from . import _frames
 from ._errors import Failed, Mistake, NotMet
-from ._text import text
+from ._text import number, text
 
 #: A scene (description of a simulation): the name of a shipped scene, the path of a TOML file, or a dict.
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
@@ -55,8 +55,9 @@ def _ask(*words: str) -> dict[str, Any]:
 def _options(options: Mapping[str, Any]) -> list[str]:
     """Converts keywords to options of the program: ``k_desired=5`` to ``--k-desired 5``, ``quick=True`` to ``--quick``."""
     words: list[str] = []
-    for name, value in options.items():
+    for name, given in options.items():
         option = "--" + name.replace("_", "-")
+        value = given if isinstance(given, (list, tuple)) else number(given)
         if value is True:
             words.append(option)
         elif value is not None and value is not False:
@@ -73,6 +74,12 @@ def _changes(changes: Changes) -> list[str]:
     return words
 
 
+def _plain(value: Any) -> Any:
+    """Converts a value that JSON does not know: a number of numpy, or one that is only a float, such as a ``Fraction``."""
+    plain: Any = number(value)
+    return float(value) if plain is value else plain
+
+
 def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
     """Converts a scene's dict to TOML text. The dict may hold tables, texts, numbers and lists."""
     lines, tables = [], []
@@ -80,7 +87,7 @@ def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
         if isinstance(value, dict):
             tables.append((key, value))
         else:
-            lines.append(f"{key} = {json.dumps(value, default=float)}")
+            lines.append(f"{key} = {json.dumps(value, default=_plain)}")
     for key, value in tables:
         name = f"{prefix}{key}"
         lines += [f"[{name}]", _toml(value, name + ".")]
