@@ -120,6 +120,19 @@ fn compute(options: &Options) -> Result<()> {
     interrupt::clean_up_keeping(KEPT)?;
     interrupt::sweep(folder);
     let mut store = Store::open(folder, &sweep, *force)?;
+    if store.cells.keys().any(|cell| !options.shard.has(*cell)) {
+        // Their files would be replaced by those of this part.
+        store.leave();
+        return Err(Error::Option {
+            option: "--out".into(),
+            problem: format!(
+                "{} has cells of another part of the same map",
+                folder.display()
+            ),
+            fix: "give each part a folder of its own, and combine them by `touchstone sweep merge`"
+                .into(),
+        });
+    }
     let begun = Instant::now();
     let own = (0..sweep.grid.cells())
         .filter(|cell| options.shard.has(*cell))

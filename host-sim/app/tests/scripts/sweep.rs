@@ -94,6 +94,8 @@ fn parts_make_the_whole_to_the_byte() {
     };
     run_in(&here, &few(&["--out", "whole"])).ended(0);
     run_in(&here, &few(&["--out", "a", "--shard", "1/2"])).ended(0);
+    run_in(&here, &few(&["--out", "a", "--shard", "2/2"])).refused(&["of another part"]);
+    run_in(&here, &few(&["--out", "whole", "--shard", "1/2"])).refused(&["of another part"]);
     run_in(&here, &["sweep", "merge", "a", "--out", "short"])
         .refused(&["6 of 12 cells are in none"]);
     let json = run_in(&here, &few(&["--shard=2/2", "--out=b", "--json", "-q"])).ended(0);

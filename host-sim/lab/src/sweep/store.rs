@@ -123,6 +123,16 @@ impl Store {
         Ok(())
     }
 
+    /// Leaves the folder as it was found.
+    pub fn leave(self) {
+        drop(self.journal);
+        let journal = self.folder.join(JOURNAL);
+        // An empty one was made by opening.
+        if std::fs::metadata(&journal).is_ok_and(|file| file.len() == 0) {
+            let _ = std::fs::remove_file(journal);
+        }
+    }
+
     /// Removes the file of finished cells (journal) after [`CELLS`] has been written with all its rows; returns the cells.
     pub fn close(self) -> Cells {
         drop(self.journal);
