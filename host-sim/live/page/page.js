@@ -132,28 +132,32 @@ function showProfile() {
 const guardField = () => ["law.guard.enabled", "law.guard.kind", "law.guard.on"].find((path) => fields.has(path));
 const guardOn = (path) => !["false", "none", "off"].includes(field(path));
 
+/** The input of each setting in the list of all settings, and the text beside it, by path and kind. */
+let listed = new Map();
 function showAll() {
-  const rows = [];
-  for (const [path, { value, about, words, absent }] of fields) {
-    if (["name", "description", "operator.motion.file"].includes(path)) continue;
-    const label = document.createElement("label"), name = document.createElement("span"), small = document.createElement("small");
-    small.textContent = absent ? `absent: ${about}` : about;
-    name.append(path, small);
-    let input;
-    if (words || value === "true" || value === "false") {
-      input = document.createElement("select");
-      input.append(...(words ?? ["true", "false"]).map((word) => new Option(word, word)));
-    } else {
-      input = document.createElement("input");
-      input.type = "text";
-      input.inputMode = "decimal";
-    }
-    input.value = value;
-    input.addEventListener("change", () => set(path, input.value.trim() || "none"));
-    label.append(name, input);
-    rows.push(label);
+  const all = [...fields].filter(([path]) => !["name", "description", "operator.motion.file"].includes(path));
+  const wordsOf = ({ words, value }) => words ?? (value === "true" || value === "false" ? ["true", "false"] : null);
+  const keyed = all.map(([path, one]) => [`${path} ${wordsOf(one) ?? ""}`, path, one]);
+  // Rows are kept while the same settings are there, so that a field keeps the focus and what is being typed.
+  if (keyed.length !== listed.size || !keyed.every(([key]) => listed.has(key))) {
+    listed = new Map(keyed.map(([key, path, one]) => [key, rowOf(path, wordsOf(one))]));
+    $("fields").replaceChildren(...[...listed.values()].map(({ label }) => label));
   }
-  $("fields").replaceChildren(...rows);
+  for (const [key, , { value, about, absent }] of keyed) {
+    const { input, small } = listed.get(key);
+    small.textContent = absent ? `absent: ${about}` : about;
+    if (input !== document.activeElement || input.tagName === "SELECT") input.value = value;
+  }
+}
+function rowOf(path, words) {
+  const label = document.createElement("label"), name = document.createElement("span"), small = document.createElement("small");
+  name.append(path, small);
+  const input = document.createElement(words ? "select" : "input");
+  if (words) input.append(...words.map((word) => new Option(word, word)));
+  else Object.assign(input, { type: "text", inputMode: "decimal" });
+  input.addEventListener("change", () => set(path, input.value.trim() || "none"));
+  label.append(name, input);
+  return { label, input, small };
 }
 
 /** Sets how the knob is held. The grip `none` also removes the hand's motion. */
@@ -240,7 +244,7 @@ function record(on) {
   recording = on;
   press("record", on);
   $("record").textContent = on ? "Stop" : "Record";
-  if (on) { for (const one of runs) one.ring.end = 0; letGo(); $("csv").disabled = $("scene").disabled = true; $("record-told").textContent = "Recording every tick from the start of the run."; }
+  if (on) { letGo(); $("csv").disabled = $("scene").disabled = true; $("record-told").textContent = "Recording every tick from the start of the run."; }
   tell("record", { on });
 }
 /** Turns the run back by a number of ticks, after pausing it. */
@@ -263,7 +267,6 @@ function turnedBack({ a, b, most, why }) {
 }
 function restart() {
   closeFile();
-  for (const one of runs) one.ring.end = 0;
   letGo();
   tell("reset");
 }
@@ -361,6 +364,8 @@ worker.onmessage = ({ data }) => {
     if (!fromAddress()) preset(0, !wantsStill); else begin(); }
   if (data.type === "opened") opened(data);
   if (data.type === "rows") took(data);
+  // The run begins again, with no energy in any account.
+  if (data.type === "reset") for (const one of runs) { one.ring.end = 0; Object.assign(one, { peak: 0, got: 0 }); }
   if (data.type === "back") turnedBack(data);
   if (data.type === "recorded") {
     recording = false;

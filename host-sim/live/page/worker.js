@@ -171,6 +171,7 @@ function post() {
 
 function startRecord() {
   reset();
+  postMessage({ type: "reset" });
   record = { ticks: 0, rows: [[], []] };
 }
 
