@@ -22,7 +22,7 @@ pub struct YieldingSurface<N: Number> {
     /// Largest force that the law commands.
     pub limit: Force<N>,
     /// Penetration up to which the surface never gives way. It is a quarter and a few encoder counts more than the spring's
-    /// deformation at the largest force, so that no press with less force moves the surface.
+    /// deformation at the largest force, so that no slow press with less force moves the surface.
     pub deepest: Position<N>,
     /// The most by which the surface gives way in a tick.
     pub step: Position<N>,
