@@ -387,7 +387,11 @@ fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
     device.world().1.knob.tamper.0 = 24.0;
     let said = setup(&device, &out, &law);
     assert_eq!(said.code, Some(0), "{}", said.err);
-    assert!(said.err.contains("was in fault 03 under-voltage"), "{}", said.err);
+    assert!(
+        said.err.contains("was in fault 03 under-voltage"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]

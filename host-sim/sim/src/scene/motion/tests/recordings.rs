@@ -225,7 +225,10 @@ fn a_recording_named_in_a_scene_lies_beside_it_and_is_placed_on_the_wall() {
     };
     let cut = "the run plays the first 0.8 s: give timing.duration_s = 2.000 for all of it";
     let note = said(&["timing.duration_s=0.8"]).expect("a note");
-    assert!(note.contains(odd) && note.ends_with(&format!("; {cut}")), "{note}");
+    assert!(
+        note.contains(odd) && note.ends_with(&format!("; {cut}")),
+        "{note}"
+    );
     let exact = [
         "operator.motion.scale=1",
         "operator.motion.offset_rad=0",
