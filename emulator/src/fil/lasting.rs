@@ -179,8 +179,8 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
-    // The mean square may exceed its limit by 3 %, for the errors of the shunts and of the control tick, or by the resolution of the
-    // current sensors: half a step of the converter in each of two phases is at most a step in the amplitude of three phases.
+    // The mean square may exceed its limit by 3 %, for the errors of the shunts and of the control tick. A coarse current sensor may
+    // cause more: half a step of its converter in each of two phases is at most a step in the amplitude of the three.
     let sensors = hardware(board_named(setup.board.name)?);
     let step = number(sensors.amps_per_code).abs();
     if hottest > (1.03 * bears.powi(2)).max((bears + step).powi(2)) {

@@ -136,7 +136,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Arm => {
             // Requested before arming: if this request fails, the device must not be left armed.
             let settings = client.settings()?;
-            client.tell(&Request::Command(DeviceCommand::Arm))?;
+            client.arm()??;
             note_silence(&settings);
         }
         BoardAction::Disarm => client.stop_by(DeviceCommand::Disarm)?,

@@ -4,7 +4,7 @@ use super::out::is_read;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
-use touchstone_protocol::{DeviceCommand, Request, Telemetry};
+use touchstone_protocol::{Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
 /// Time without telemetry after which a device that should send telemetry counts as disconnected.
@@ -79,7 +79,7 @@ pub fn armed<T>(
     if !arms {
         return work(client);
     }
-    client.tell(&Request::Command(DeviceCommand::Arm))?;
+    client.arm()??;
     match work(client) {
         Ok(done) => client.switch_off().map(|_| done),
         Err(error) => Err(client.left_off(error)),

@@ -20,7 +20,7 @@ pub struct WallOptions {
 }
 
 /// Fields of the scene that a scorecard overwrites with its own hands, each with a description of the new value. `--set` refuses
-/// these fields, and the kind of the control law, which has its own option.
+/// these fields. It also refuses the kind of the control law, which has its own option.
 const REPLACED: [(&str, &str); 2] = [("operator.grip", "grips"), ("operator.hand", "grips")];
 
 impl WallOptions {

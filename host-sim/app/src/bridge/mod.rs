@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use touchstone_device::Client;
 use touchstone_protocol::frame::Decoder;
-use touchstone_protocol::{DeviceCommand, DeviceSettings, Reply, Request, Telemetry};
+use touchstone_protocol::{DeviceSettings, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::positions::Positions;
 
@@ -353,7 +353,7 @@ impl SmartKnob {
             && std::mem::take(&mut self.arms)
         {
             // For example an uncalibrated board. The program keeps its knob, whose motor stays off.
-            if let Err(refusal) = client.ask_or_refusal(&Request::Command(DeviceCommand::Arm))? {
+            if let Err(refusal) = client.arm()? {
                 note!("note: --arm: {refusal}");
                 terminal.log(&format!("Not armed: {refusal}"));
             }

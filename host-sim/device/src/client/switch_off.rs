@@ -39,6 +39,18 @@ impl Client {
         Err(self.may_be_on("it does not answer"))
     }
 
+    /// Switches the motor on (arms the device). If no answer arrives, switches it off again, because only the answer may be lost.
+    /// Returns a refusal as the inner error.
+    ///
+    /// # Errors
+    /// No connection or no answer. The error says that the device may still be on if nothing confirms that it is off.
+    pub fn arm(&mut self) -> Result<Result<()>> {
+        match self.ask_or_refusal(&Request::Command(DeviceCommand::Arm)) {
+            Ok(answer) => Ok(answer.map(|_| ())),
+            Err(error) => Err(self.left_off(error)),
+        }
+    }
+
     /// Sends a command that switches the device off. If its answer is lost, continues as [`Self::switch_off`].
     ///
     /// # Errors
@@ -145,6 +157,10 @@ mod tests {
                 }
                 (Request::Command(DeviceCommand::Disarm), Phase::Armed) => {
                     *phase = Phase::Ready;
+                    Ok(Reply::Done)
+                }
+                (Request::Command(DeviceCommand::Arm), Phase::Ready) => {
+                    *phase = Phase::Armed;
                     Ok(Reply::Done)
                 }
                 (_, now) => Err(Refusal::NotNow(now)),
@@ -270,6 +286,21 @@ mod tests {
         }
         // Both results must occur often: about one seed in six loses all frames in one direction.
         assert!(confirmed > 500 && unsure > 100, "{confirmed}, {unsure}");
+    }
+
+    #[test]
+    fn arming_whose_answer_is_lost_leaves_no_device_on() {
+        for seed in 1..=200 {
+            let (mut client, phase) = client(seed, [0, 50], Phase::Ready);
+            match client.arm() {
+                Ok(answer) => assert!(answer.is_ok() && !is_off(&phase), "seed {seed}"),
+                Err(_) => assert!(is_off(&phase), "seed {seed}: armed and silent"),
+            }
+        }
+        // A refusal disturbs nothing, such as a calibration.
+        let (mut client, phase) = client(7, [0, 0], Phase::Calibrating);
+        assert!(client.arm().expect("an answer").is_err());
+        assert_eq!(*phase.lock().expect("one thread"), Phase::Calibrating);
     }
 
     #[test]

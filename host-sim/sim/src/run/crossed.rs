@@ -125,8 +125,8 @@ pub(super) fn parts(scene: &Scene) -> u64 {
     1 + u64::from(scene.timing.computational_delay_s > 0.0)
 }
 
-/// Whether the plant tells the angle at which the motor's torque changes, and the law needs it: the scene's guard measures it, and
-/// the torque does not change at the sample itself.
+/// Whether the law needs the angle at which the motor's torque changes, and so gets it from the plant. The scene's guard then
+/// measures the change, and the torque does not change at the sample itself.
 #[must_use]
 pub fn tells_change(scene: &Scene) -> bool {
     let guard = &scene.law.guard;

@@ -137,8 +137,8 @@ impl RestPath {
         }
     }
 
-    /// One line for users that says how the recording was placed on the wall and smoothed, and that the run ends before it, if it
-    /// does. `None` for motions without a recording.
+    /// One line for users. It says how the recording was placed on the wall and smoothed, and whether the run ends before the
+    /// recording. `None` for motions without a recording.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }
